@@ -1,0 +1,124 @@
+"""What a system is: records of formulas, names and units; nothing numerical."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+
+class Unit(NamedTuple):
+    """A unit as powers of mass, length and time, with the SI symbol that people read."""
+
+    mass: int
+    length: int
+    time: int
+    symbol: str
+
+
+ONE = Unit(0, 0, 0, "1")
+RADIAN = Unit(0, 0, 0, "rad")
+RADIAN_PER_SECOND = Unit(0, 0, -1, "rad s-1")
+RADIAN_PER_SECOND2 = Unit(0, 0, -2, "rad s-2")
+PER_SECOND = Unit(0, 0, -1, "s-1")
+SECOND = Unit(0, 0, 1, "s")
+SECOND_PER_METRE = Unit(0, -1, 1, "s m-1")
+KILOGRAM = Unit(1, 0, 0, "kg")
+METRE = Unit(0, 1, 0, "m")
+METRE_PER_SECOND = Unit(0, 1, -1, "m s-1")
+METRE_PER_SECOND2 = Unit(0, 1, -2, "m s-2")
+INERTIA = Unit(1, 2, 0, "kg m2")
+ANGULAR_MOMENTUM = Unit(1, 2, -1, "kg m2 s-1")
+JELLETT = Unit(1, 3, -1, "kg m3 s-1")
+JOULE = Unit(1, 2, -2, "J")
+WATT = Unit(1, 2, -3, "W")
+NEWTON = Unit(1, 1, -2, "N")
+NEWTON_SECOND = Unit(1, 1, -1, "N s")
+
+
+class Scales(NamedTuple):
+    """The units of mass [kg], length [m] and time [s] in which a system is integrated."""
+
+    mass: Any
+    length: Any
+    time: Any
+
+    def of(self, unit: Unit) -> Any:
+        """How many SI units one internal unit of `unit` is."""
+        return self.mass**unit.mass * self.length**unit.length * self.time**unit.time
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that a person gives: its unit, its meaning, and the open or closed interval it must lie in."""
+
+    unit: Unit
+    long_name: str
+    above: float | None = None  # must be greater than
+    least: float | None = None  # must be at least
+    below: float | None = None  # must be less than
+    most: float | None = None  # must be at most
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A function of the scalars of a form, hence of no form in particular: formula(scalars, b)."""
+
+    name: str
+    symbol: str
+    unit: Unit
+    long_name: str
+    formula: Callable
+
+
+@dataclass(frozen=True)
+class Event:
+    """A zero of formula(q, b, form); `direction` -1, 0, +1 as in heyoka; the formula is regular and of order one.
+
+    Developers: write it with the sub-expressions of the equations of motion; then it costs no further product.
+    """
+
+    name: str
+    long_name: str
+    formula: Callable
+    direction: int = 0
+    stops: bool = False  # the model ends here, unless the person says `continue`
+
+
+@dataclass(frozen=True)
+class Form:
+    """A way to write the state of a system.
+
+    Law: `scalars` of two forms agree through the chart, and the chart commutes with the flow.
+    """
+
+    name: str
+    units: Any  # the state record (a NamedTuple) filled with the unit of each variable
+    rates: Callable  # rates(q, b) -> the same record: the time derivatives
+    scalars: Callable  # scalars(q, b) -> what the quantities are written in
+    of_angles: Callable  # of_angles(euler, sin_theta, cos_theta, b) -> q
+    to_angles: Callable  # to_angles(q, b) -> Euler record
+    quadratures: tuple[str, ...] = ()  # variables that the equations do not read: they must not control the step
+    regular: bool = True  # no singularity at sin(theta) = 0
+
+
+@dataclass(frozen=True)
+class System:
+    """A mechanical system: everything that the rest of the house needs to know of it."""
+
+    name: str
+    title: str
+    source: str
+    parameters: dict[str, Parameter]
+    body: Callable  # body(parameters, friction) -> the record that every formula takes, SI
+    body_units: Callable  # body_units(friction units) -> that record filled with units
+    scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
+    folded: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
+    initial: dict[str, Parameter]
+    start: Callable  # start(data, b) -> Euler record, SI
+    forms: dict[str, Form]
+    quantities: Sequence[Quantity]
+    integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
+    events: Sequence[Event]
+    checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
+    frictional: bool = True
+    energy: str = "energy"
+    potential: Callable | None = None
