@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 
-class Unit(NamedTuple):
+@dataclass(frozen=True)
+class Unit:
     """A unit as powers of mass, length and time, with the SI symbol that people read."""
 
     mass: int
@@ -71,7 +72,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Event:
-    """A zero of formula(q, b, form); `direction` -1, 0, +1 as in heyoka; the formula is regular and of order one.
+    """A zero of formula(scalars, b), in internal units; the formula is regular and of order one.
 
     Developers: write it with the sub-expressions of the equations of motion; then it costs no further product.
     """
@@ -79,8 +80,16 @@ class Event:
     name: str
     long_name: str
     formula: Callable
-    direction: int = 0
+    direction: int = 0  # -1, 0, +1: only falling zeros, all, only rising ones
     stops: bool = False  # the model ends here, unless the person says `continue`
+    sense: int = 0  # of a turning: +1 if the formula has the sign of theta', -1 if the opposite one
+
+
+class Hazard(NamedTuple):
+    """A scalar function that must stay positive, and what it means when it does not."""
+
+    formula: Callable  # formula(scalars, b)
+    meaning: str
 
 
 @dataclass(frozen=True)
@@ -97,7 +106,7 @@ class Form:
     of_angles: Callable  # of_angles(euler, sin_theta, cos_theta, b) -> q
     to_angles: Callable  # to_angles(q, b) -> Euler record
     quadratures: tuple[str, ...] = ()  # variables that the equations do not read: they must not control the step
-    regular: bool = True  # no singularity at sin(theta) = 0
+    hazards: tuple[Hazard, ...] = ()  # where the form or the model breaks down
 
 
 @dataclass(frozen=True)
@@ -118,7 +127,8 @@ class System:
     quantities: Sequence[Quantity]
     integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
     events: Sequence[Event]
+    long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
+    vectors: dict[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
     frictional: bool = True
-    energy: str = "energy"
     potential: Callable | None = None

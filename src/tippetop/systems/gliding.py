@@ -26,6 +26,7 @@ from ..system import (
     WATT,
     Event,
     Form,
+    Hazard,
     Parameter,
     Quantity,
 )
@@ -69,16 +70,16 @@ class Scalars(NamedTuple):
 
 
 @formula
-def normal_force(fall, z, v_u, k, b):
-    """Normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
-    h = b.R - b.c * z
-    return b.m * (b.g - b.c * fall) / (1 + b.m * b.c / b.I1 * (b.c * (1 - z * z) - h * (k * v_u)))
+def yielding(s, b):
+    """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
+    slip = slip_coefficient(s.v2, b.friction) * s.v_u
+    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - (b.R - b.c * s.z) * slip)
 
 
 @formula
 def g_n(s, b):
-    """Normal force g_n [N]. [T 3.16]"""
-    return normal_force(s.fall, s.z, s.v_u, slip_coefficient(s.v2, b.friction), b)
+    """Normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
+    return b.m * (b.g - b.c * s.fall) / yielding(s, b)
 
 
 @formula
@@ -405,21 +406,51 @@ INITIAL = {
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
     """The Euler record of what a person gave; psi_dot may stand for omega3, centre_at_rest for nu_x and nu_y."""
-    given = {name: data.get(name, 0.0) for name in INITIAL}
+    given = {name: data.get(name, 0) for name in INITIAL}
     if "psi_dot" in data:
         given["omega3"] = data["psi_dot"] + given["phi_dot"] * z
-    e = EulerState(**given, work=0.0, impulse=0.0)
+    e = EulerState(**given, work=0, impulse=0)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
         e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
     return e
 
 
-VECTOR = Form("vector", VECTOR_UNITS, vector_rates, vector_scalars, vector_of_angles, angles_of_vector, QUADRATURES)
+@formula
+def away_from_pole(s, b):
+    """sin(theta)^2."""
+    return s.s2
+
+
+JAMMED = Hazard(yielding, "the friction jams the contact (denominator of g_n not positive): no solution of the model")
+POLE = Hazard(away_from_pole, 'the Euler-angle form is singular where sin(theta) = 0: use form = "vector"')
+
+VECTOR = Form(
+    "vector", VECTOR_UNITS, vector_rates, vector_scalars, vector_of_angles, angles_of_vector, QUADRATURES, (JAMMED,)
+)
 EULER = Form(
-    "euler", EULER_UNITS, euler_rates, euler_scalars, euler_of_angles, angles_of_euler, ("phi", *QUADRATURES), False
+    "euler",
+    EULER_UNITS,
+    euler_rates,
+    euler_scalars,
+    euler_of_angles,
+    angles_of_euler,
+    ("phi", *QUADRATURES),
+    (JAMMED, POLE),
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}
+VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
+LONG_NAMES = {
+    **{name: parameter.long_name for name, parameter in INITIAL.items()},
+    "phi": "azimuth phi of the horizontal projection of the axis; undefined (NaN) exactly at a pole",
+    "phi_dot": "phi'; undefined (NaN) exactly at a pole",
+    "nu_x": "contact velocity along e; undefined (NaN) exactly at a pole",
+    "nu_y": "contact velocity along 2hat; undefined (NaN) exactly at a pole",
+    "work": "energy taken by friction since the start",
+    "impulse": "integral of the normal force since the start",
+    "axis": "unit vector 3hat along the axis, space frame",
+    "L": "angular momentum about the centre of mass, space frame",
+}
 
 
 @formula
@@ -434,10 +465,27 @@ def equator(s, b):
     return s.z
 
 
+@formula
+def near_inversion(s, b):
+    """z + cos(0.1): falls through zero where theta rises through pi - 0.1."""
+    return s.z + COS_INVERTED
+
+
+@formula
+def sliding(s, b):
+    """Friction power less 1e-12, in internal units (m g R per sqrt(R/g)): below it the motion is settled, because a
+    solution without sliding is a spinning or a tumbling one. [T Theorem 3.3.1]"""
+    return friction_power(s, b) - 1e-12
+
+
+COS_INVERTED = 0.9950041652780258  # cos(0.1)
+
 EVENTS = (
-    Event("turning", "turning angle, theta' = 0", turning),
+    Event("turning", "turning angle, theta' = 0", turning, sense=-1),
     Event("liftoff", "normal force g_n falls to zero: beyond it the model does not hold", g_n, -1, stops=True),
     Event("equator", "theta = pi/2", equator),
+    Event("inverted", "theta rises through pi - 0.1", near_inversion, -1),
+    Event("settled", "friction power falls below 1e-12 of its unit", sliding, -1),
 )
 
 QUANTITIES = (

@@ -22,7 +22,7 @@ class HeavyTop(NamedTuple):
 def body(parameters, friction) -> Body:
     """The body of a heavy top: R = 0, c = -l."""
     m, l, I1, I3, g = (parameters[name] for name in HeavyTop._fields)
-    return Body(m, 0.0 * l, -l, I1, I3, g, friction)
+    return Body(m, 0 * l, -l, I1, I3, g, friction)
 
 
 @formula

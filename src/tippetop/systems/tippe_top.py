@@ -117,6 +117,8 @@ TIPPE_TOP = System(
     quantities=QUANTITIES,
     integrals=("jellett",),
     events=gliding.EVENTS,
+    long_names=gliding.LONG_NAMES,
+    vectors=gliding.VECTORS,
     checks=checks,
     potential=potential,
 )
