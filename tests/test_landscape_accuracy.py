@@ -100,7 +100,7 @@ def test_two_minima_and_the_lower_of_them():
     assert t.several
     lam = 1.02 * float(spinning.lambda_pi(b))
     D = float(spinning.slope(-1, b)) * lam
-    found = landscape.minimal_surface(parameters, [D * (1 - 1e-4), D, D * (1 + 1e-4)], lam)
+    found = landscape.minimal_surface(parameters, [D * (1 + 1e-4), D, D * (1 - 1e-4)], lam)  # D < 0
     q = np.geomspace(1e-12, 1e12, 200_001)
     for x, F, status in zip(found.D.values, found.F.values.ravel(), found.status.values.ravel(), strict=True):
         V = landscape.surface.value(q, landscape.surface.lean(x, lam, t.relief), t.relief)

@@ -1,6 +1,6 @@
 """Numbers as an unevaluated sum head + tail: twice the digits, where the last ulp of a result counts.
 
-The tail carries what rounding took from the head, to first order; nothing is renormalised. Plain arithmetic: fed with
+The tail carries what rounding took from the head, to first order; nothing is renormalised but by `tidy`. Plain arithmetic: fed with
 decimals or 50-digit numbers, the formulas give what these give, and the tails are nothing.
 """
 
@@ -28,6 +28,13 @@ def plus(x, y):
     s = x.head + y.head
     v = s - x.head
     return Two(s, ((x.head - (s - v)) + (y.head - v)) + (x.tail + y.tail))
+
+
+@formula
+def tidy(x):
+    """The same number with the head rounded from the whole: needed after a cancellation, where heads are used alone."""
+    s = x.head + x.tail
+    return Two(s, x.tail - (s - x.head))
 
 
 @formula

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ..operand import Operand, formula, sqrt
-from ..twofold import Two, over, plus, root, scaled, times, two
+from ..twofold import Two, over, plus, root, scaled, tidy, times, two
 from . import heavy_top, tippe_top
 from .gliding import height_energy
 
@@ -25,6 +25,7 @@ class Relief(NamedTuple):
     floor: Two  # energy of weight at q = 0 [J]
     rise: Two  # what it gains up to q = oo [J]
     gamma: Two
+    root_gamma: Two
     sigma: Two
     slant: Two  # sigma/gamma
     root_rise: Operand  # sqrt(gamma rise) [sqrt(J)]
@@ -38,7 +39,7 @@ class Relief(NamedTuple):
     b1: Two
     b2: Two
     k: Two  # k second, times psi, is the bow of X [sqrt(J)]
-    spin: Two  # (spin first)^2 = gamma d times the energy of spin times d [sqrt(J)]
+    spin: Two  # (spin first)^2 is d times the energy of spin [J]
 
 
 class Lean(NamedTuple):
@@ -59,6 +60,7 @@ def tippe_top_relief(b) -> Relief:
         floor=height_energy(1, b),
         rise=2 * b.m * b.g * b.c,
         gamma=gamma,
+        root_gamma=sqrt(gamma),
         sigma=sigma,
         slant=sigma / gamma,
         root_rise=sqrt(2 * gamma * b.m * b.g * b.c),
@@ -72,7 +74,7 @@ def tippe_top_relief(b) -> Relief:
         b1=(b.c + b.R) / per,
         b2=d1 / per,
         k=1 / per,
-        spin=sqrt(gamma / b.I3 / 2),
+        spin=1 / sqrt(2 * b.I3),
     )
 
 
@@ -83,6 +85,7 @@ def heavy_top_relief(b) -> Relief:
         floor=b.m * b.g * b.c,
         rise=-2 * b.m * b.g * b.c,
         gamma=one,
+        root_gamma=one,
         sigma=zero,
         slant=zero,
         root_rise=sqrt(-2 * b.m * b.g * b.c),
@@ -109,8 +112,8 @@ def rounded(r: Relief) -> Relief:
 def lean(first, second, r):
     """The point (D, lambda) in the terms of the relief; exact to one rounding also where a or b nearly cancels."""
     return Lean(
-        plus(scaled(first, r.a1), scaled(second, r.a2)),
-        plus(scaled(first, r.b1), scaled(second, r.b2)),
+        tidy(plus(scaled(first, r.a1), scaled(second, r.a2))),
+        tidy(plus(scaled(first, r.b1), scaled(second, r.b2))),
         scaled(second, r.k),
         scaled(first, r.spin),
     )
@@ -126,7 +129,7 @@ def value(q, p, r):
     tt = times(t, t)
     Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, psi))
     arm = plus(scaled(q, r.far), r.near)  # (alpha - z) t
-    roll = plus(times(arm, Y), scaled(2 * q, p.spin))
+    roll = plus(times(arm, Y), scaled(2 * q, times(r.root_gamma, p.spin)))
     squares = plus(
         times(tt, plus(times(Y, Y), scaled(q, times(p.spin, p.spin)))),
         times(r.slant, times(roll, roll)),
@@ -148,12 +151,13 @@ def gradient(q, p, r):
     y1, y2 = r.a1.head + r.b1.head * q, r.a2.head + r.b2.head * q + bow  # Y by D and lambda
     Y = (p.a.head + q * p.b.head) + 4 * p.k.head * K * q / (h + sqrt(h * h + 4 * K * q))
     arm = r.far.head * q + r.near.head
-    roll = arm * Y + 2 * q * p.spin.head
+    roll = arm * Y + 2 * q * r.root_gamma.head * p.spin.head
     per = 2 / (q * (r.gamma.head * t * t + r.sigma.head * (arm * arm + 4 * q * r.gamma.head)))
+    twist = 2 * q * r.root_gamma.head
     by_Y, by_roll = t * t * Y, r.slant.head * roll
     by_spin = t * t * q * p.spin.head * r.spin.head
     return (
-        per * (by_Y * y1 + by_spin + by_roll * (arm * y1 + 2 * q * r.spin.head)),
+        per * (by_Y * y1 + by_spin + by_roll * (arm * y1 + twist * r.spin.head)),
         per * (by_Y * y2 + by_roll * (arm * y2)),
     )
 
