@@ -13,7 +13,7 @@ from rich.table import Table
 
 def console() -> Console:
     """Standard output; no colour when it is not a terminal."""
-    return Console(highlight=False, soft_wrap=not sys.stdout.isatty())
+    return Console(highlight=False, width=None if sys.stdout.isatty() else 160)
 
 
 class Progress:
@@ -75,7 +75,7 @@ def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list
         found.append(("other events", ", ".join(f"{n} {kind}" for kind, n in others.items())))
     if "normal_force" in info:
         force, weight = info["normal_force"], info["normal_force"]["weight"]
-        low, high = force["min"], force["max"]
+        low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
         found.append(
             ("normal force", f"{low:.5g} to {high:.5g} N, that is {low / weight:.4f} to {high / weight:.4f} m g")
         )

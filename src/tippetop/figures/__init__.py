@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from . import run
-from .style import save
+from .style import save, styled
 
 
 KINDS: dict[str, Callable] = {
@@ -19,7 +19,8 @@ KINDS: dict[str, Callable] = {
 
 def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
     """Draws one kind of figure of a run to a file. groups: trajectory and events, Datasets or columns."""
-    save(KINDS[kind](groups["trajectory"], groups["events"], attrs), path)
+    with styled():
+        save(KINDS[kind](groups["trajectory"], groups["events"], attrs), path)
 
 
 def check_kind(kind: str) -> None:

@@ -3,7 +3,9 @@
 from typing import Any
 
 import numpy as np
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
 from ..events import KINDS
 from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
@@ -13,29 +15,32 @@ MOST_POINTS = 40_000  # more cannot be seen; beyond it the smallest and largest 
 
 
 def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
-    """theta(t) with the logged turning angles and their envelopes, the nutational band."""
-    made = figure(10, 5.2)
-    axes = made.subplots()
+    """theta(t) with the logged turning angles and their envelopes, the nutational band; below, its width."""
+    made = figure(10, 6.2)
+    axes, below = made.subplots(2, sharex=True, height_ratios=(4, 1.2))
     t, angle = trajectory["time"].values, trajectory["theta"].values
     low, high = _turnings(events, +1), _turnings(events, -1)
-    if len(low[0]) > 1 and len(high[0]) > 1:
-        inside = np.union1d(low[0], high[0])
-        inside = inside[(inside >= max(low[0][0], high[0][0])) & (inside <= min(low[0][-1], high[0][-1]))]
-        band = np.interp(inside, *low), np.interp(inside, *high)
-        axes.fill_between(inside, *band, color=UPPER, alpha=0.10, lw=0, label="nutational band")
-    axes.plot(*_thinned(t, angle), color=RUN, lw=0.8, label="θ(t)")
-    size = 7 if len(low[0]) + len(high[0]) < 1000 else 2
-    axes.scatter(*high, s=size, color=UPPER, lw=0, zorder=3, label="maxima of θ")
-    axes.scatter(*low, s=size, color=LOWER, lw=0, zorder=3, label="minima of θ")
-    axes.set(xlabel="t (s)", ylabel="θ (rad)", title=_title(attrs), xlim=_span(t))
+    for when, bottom, top in _bands(low, high):
+        axes.fill_between(when, bottom, top, color=UPPER, alpha=0.16, lw=0)
+    axes.plot(*_thinned(t, angle), color=RUN, lw=0.7, label="θ(t)")
+    size = 5 if len(low[0]) + len(high[0]) < 1000 else 1.5
+    for (when, where), color, words in (
+        (high, UPPER, "maxima: upper envelope"),
+        (low, LOWER, "minima: lower envelope"),
+    ):
+        axes.scatter(when, where, s=size, color=color, lw=0, zorder=3, label=words)
+    axes.set(ylabel="θ (rad)", title=_title(attrs), xlim=_span(t))
     if np.max(np.abs(angle)) <= np.pi + 0.01 and np.max(angle) > 0.8:
-        ticks = np.arange(5) * np.pi / 4
-        axes.set_yticks(ticks, ["0", "π/4", "π/2", "3π/4", "π"])
-        axes.set_ylim(-0.05, min(np.pi + 0.08, max(np.max(angle) * 1.15, 0.9)))
-    liftoff = _of(events, "liftoff")
-    for when in liftoff[:1]:
+        axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+        axes.set_ylim(-0.08, min(np.pi + 0.12, max(np.max(angle) * 1.15, 0.9)))
+    for when in _of(events, "liftoff")[:1]:
         axes.axvline(when, color=ALARM, lw=1.0, ls="--", label=f"liftoff at {when:.4g} s")
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.legend(loc="upper left", markerscale=2.5)
+    turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
+    swing = events["amplitude"].values[turning]
+    if len(swing):
+        below.semilogy(events["time"].values[turning], swing, color=UPPER, lw=0.9, marker=".", ms=2)
+    below.set(xlabel="t (s)", ylabel="swing of θ (rad)")
     return made
 
 
@@ -97,7 +102,7 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     if "axis" in trajectory:
         curves.append(("length of the axis |3hat|", _relative(np.linalg.norm(trajectory["axis"].values, axis=1))))
     for (words, values), color in zip(curves, (RUN, UPPER, LOWER, QUIET), strict=False):
-        axes.semilogy(*_thinned(t, np.maximum(values, 1e-17)), color=color, lw=0.8, label=words)
+        axes.semilogy(*_worst(t, np.maximum(values, 1e-17)), color=color, lw=1.3, label=words)
     axes.axhline(2.2e-16, color=QUIET, lw=0.8, ls=":")
     axes.annotate(
         "rounding\nunit",
@@ -107,7 +112,7 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         xytext=(4, -8),
         textcoords="offset points",
     )
-    axes.set(xlabel="t (s)", ylabel="relative change since t = 0", title=_title(attrs), xlim=_span(t))
+    axes.set(xlabel="t (s)", ylabel="relative change since t = 0 (worst per bin)", title=_title(attrs), xlim=_span(t))
     top = max((float(v.max()) for _, v in curves), default=0.0)
     axes.set_ylim(0.6e-17, max(1e-14, 30 * top))
     axes.legend(loc="upper left", ncols=2)
@@ -115,23 +120,40 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
 
 
 def sphere(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
-    """The path of 3hat on the unit sphere, dark at the start and bright at the end."""
-    made = figure(7.2, 6.4)
-    axes: Any = made.add_subplot(projection="3d")
+    """The path of 3hat on the unit sphere: from the side, from above, from below; the far side is left out."""
+    made = figure(12, 4.9)
     path, t = trajectory["axis"].values, trajectory["time"].values
     step = max(1, len(path) // MOST_POINTS)
     path, t = path[::step], t[::step]
-    azimuth, height = np.meshgrid(np.linspace(0, 2 * np.pi, 49), np.linspace(-np.pi / 2, np.pi / 2, 25))
-    ball = np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), np.sin(height)
-    axes.plot_wireframe(*ball, color="#c6ccd3", lw=0.35, rstride=2, cstride=2)
-    points = axes.scatter(*path.T, c=t, s=1.2, cmap="viridis", lw=0, depthshade=False)
-    made.colorbar(points, ax=axes, shrink=0.7, pad=0.06, label="t (s)")
-    axes.set(xlabel="x", ylabel="y", zlabel="z", title=_title(attrs))
-    axes.set_box_aspect((1, 1, 1))
-    axes.set_xticks([-1, 0, 1])
-    axes.set_yticks([-1, 0, 1])
-    axes.set_zticks([-1, 0, 1])
-    axes.view_init(elev=18, azim=-60)
+    views = (
+        ("from the side", (1, 2, 0), "y", "z"),
+        ("from above", (0, 1, 2), "x", "y"),
+        ("from below", (0, 1, 2), "x", "y"),
+    )
+    drawn: Any = None
+    for axes, (words, (right, up, towards), xlabel, ylabel) in zip(made.subplots(1, 3), views, strict=True):
+        depth = path[:, towards] * (-1 if words == "from below" else 1)
+        near = (depth[1:] >= 0) & (depth[:-1] >= 0)
+        plane = path[:, (right, up)] * ((1, -1) if words == "from below" else (1, 1))
+        segments = np.stack([plane[:-1], plane[1:]], axis=1)[near]
+        drawn = LineCollection(list(segments), array=t[1:][near], cmap="viridis", lw=0.5)
+        drawn.set_clim(*_span(t))
+        axes.add_patch(Circle((0, 0), 1, fill=False, color=QUIET, lw=0.8))
+        axes.add_collection(drawn)
+        for angle in (np.pi / 6, np.pi / 3):  # circles of latitude, 30 and 60 degrees
+            if towards == 2:
+                axes.add_patch(Circle((0, 0), np.cos(angle), fill=False, color="#e3e6ea", lw=0.6, zorder=0))
+            else:
+                for z in (np.sin(angle), -np.sin(angle)):
+                    axes.hlines(z, -np.cos(angle), np.cos(angle), color="#e3e6ea", lw=0.6, zorder=0)
+        axes.grid(False)
+        axes.set(
+            xlim=(-1.08, 1.08), ylim=(-1.08, 1.08), aspect="equal", title=words, xticks=(-1, 0, 1), yticks=(-1, 0, 1)
+        )
+        axes.set_xlabel(f"3hat · {xlabel}")
+        axes.set_ylabel(f"3hat · {'−' if words == 'from below' else ''}{ylabel}")
+    made.colorbar(drawn, ax=made.axes, shrink=0.8, pad=0.01, label="t (s)")
+    made.suptitle(_title(attrs), x=0.01, ha="left", fontsize=11)
     return made
 
 
@@ -151,6 +173,28 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     axes.set(xlabel="t (s)", ylabel="energy (mJ)", title=_title(attrs), xlim=_span(t))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return made
+
+
+def _bands(low: Any, high: Any) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Pieces of the band between the envelopes, broken where turnings pause: theta is monotone there."""
+    times = np.union1d(low[0], high[0])
+    if len(low[0]) < 2 or len(high[0]) < 2:
+        return []
+    gaps = np.diff(times)
+    usual = np.array([np.median(gaps[max(0, i - 10) : i + 11]) for i in range(len(gaps))])
+    pieces = []
+    for piece in np.split(times, np.flatnonzero(gaps > 3 * usual) + 1):
+        inside = [(c[0] >= piece[0]) & (c[0] <= piece[-1]) for c in (low, high)]
+        if all(keep.sum() >= 2 for keep in inside):
+            edges = [np.interp(piece, c[0][keep], c[1][keep]) for c, keep in zip((low, high), inside, strict=True)]
+            pieces.append((piece, *edges))
+    return pieces
+
+
+def _worst(t: np.ndarray, values: np.ndarray, bins: int = 250) -> tuple[np.ndarray, np.ndarray]:
+    """The largest value of each of `bins` stretches of the run."""
+    edges = np.unique(np.linspace(0, len(t), min(bins, len(t)) + 1).astype(int))[:-1]
+    return t[edges], np.maximum.reduceat(values, edges)
 
 
 def _title(attrs: dict[str, Any]) -> str:

@@ -28,10 +28,14 @@ RC = {
 
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
     """An empty figure, inches, with room managed by matplotlib."""
-    with mpl.rc_context(RC):
-        made = Figure(figsize=(width, height), layout="constrained", **options)
-        FigureCanvasAgg(made)
-        return made
+    made = Figure(figsize=(width, height), layout="constrained", **options)
+    FigureCanvasAgg(made)
+    return made
+
+
+def styled() -> Any:
+    """A block in which figures are made in our style, whatever the user's own settings are."""
+    return mpl.rc_context({**mpl.rcParamsDefault, **RC})
 
 
 def save(made: Figure, path: Path) -> None:
