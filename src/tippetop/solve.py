@@ -237,7 +237,7 @@ def solve(problem: Problem, progress: Callable[[float, dict], None] | None = Non
         if status is not None:
             break
     final_theta = float(view.angles(last[None, :]).theta[0])
-    events = log.table(final_theta)
+    events = log.table(final_theta, last)
     assert status is not None
     return Run(
         problem,
@@ -282,9 +282,17 @@ class EventLog:
         self.tables.append(EventTable(seconds, kind, theta, rising.astype(np.int8), *blank))
         self.count += len(zeros)
 
-    def table(self, theta_end: float) -> EventTable:
-        """The log of a run that ended at theta_end, with amplitudes and significance."""
+    def table(self, theta_end: float, last: np.ndarray) -> EventTable:
+        """The log of a run that ended at theta_end in the state `last`, with amplitudes and significance.
+
+        Sliding that dies for a moment only has not settled: of `settled`, the last one stays if sliding did not return.
+        """
         log = EventTable.joined(self.tables)
+        settled = np.flatnonzero(log.kind == KINDS.index("settled"))
+        if len(settled):
+            sliding = next(e.formula for e in self.view.system.events if e.name == "settled")
+            over = float(sliding(self.view.scalars(last[None, :]), self.view.body)[0]) < 0
+            log = EventTable(*(np.delete(column, settled[:-1] if over else settled) for column in log))
         turning = log.kind == KINDS.index("turning")
         log.significant[turning] = significance(log.theta[turning], log.theta_dot_sign[turning], theta_end)
         return log._replace(amplitude=amplitudes(log.theta, turning, self.start))
@@ -296,7 +304,7 @@ def grazing(piece: Slice, force: Extremes, problem: Problem, view: Any) -> Slice
     Event detection finds simple roots; a force that dips below zero within rounding of a double root, or that is
     negative from the start, is seen here, in the extremes of every step.
     """
-    if problem.on_liftoff != "stop" or piece.status is Status.LIFTOFF or not force.least < -1e-13:
+    if problem.on_liftoff != "stop" or not force.least < -1e-13:
         return piece
     grid = np.linspace(float(piece.times[0]), force.t_least, 65)
 
