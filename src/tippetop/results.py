@@ -17,6 +17,19 @@ def groups(run: "Run") -> dict[str, dict[str, Column]]:
     return {"trajectory": run.columns(), "events": event_columns(run.events)}
 
 
+def datasets(run: "Run") -> dict[str, Any]:
+    """The groups of the store as labelled Datasets, in memory."""
+    import xarray as xr
+
+    attrs = attributes(run)
+    return {
+        name: xr.Dataset({key: (c.dims, c.values, c.attrs) for key, c in columns.items()}, attrs=attrs).set_coords(
+            "time"
+        )
+        for name, columns in groups(run).items()
+    }
+
+
 def attributes(run: "Run") -> dict[str, Any]:
     """The root attributes of the store: scenario, what was measured, provenance. No times of the clock."""
     problem = run.problem
@@ -48,7 +61,7 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def friction_words(friction: dict[str, Any], units: Any) -> str:
+def friction_words(friction: Any, units: Any) -> str:
     """The friction law as a person says it."""
     numbers = [
         f"{name} = {value:g} {_symbol(unit)}".strip() for (name, value), unit in zip(friction, units, strict=True)

@@ -99,12 +99,14 @@ class _Run(_Table):
 
 
 def _number(parameter: Parameter) -> Any:
-    bounds = {"gt": parameter.above, "ge": parameter.least, "lt": parameter.below, "le": parameter.most}
+    bounds: dict[str, Any] = {"gt": parameter.above, "ge": parameter.least, "lt": parameter.below, "le": parameter.most}
     return Annotated[float, Field(**{k: v for k, v in bounds.items() if v is not None})]
 
 
 def _table(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
-    fields = {n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()}
+    fields: dict[str, Any] = {
+        n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()
+    }
     return create_model(name, __base__=_Table, **extra, **fields)
 
 
@@ -123,7 +125,7 @@ def _shape(name: str) -> type[BaseModel]:
     fields["initial"] = (initial, initial())
     if system.frictional:
         laws = [_table(n, law.parameters, required=True, law=(Literal[n], ...)) for n, law in LAWS.items()]
-        union = laws[0]
+        union: Any = laws[0]
         for law in laws[1:]:
             union = union | law
         fields["friction"] = (Annotated[union, Field(discriminator="law")], ...)

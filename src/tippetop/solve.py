@@ -17,10 +17,13 @@ from .events import KINDS, EventTable, Zero, amplitudes, significance
 from .monitor import Monitor
 from .operand import leaves, refill
 from .problem import PRECISIONS, QUADRATURE_SCALE, Problem
+from .report import lines
 from .system import SECOND, Form, System
 from .trajectory import View
-from .watch import Extremes, rate_extremes
+from .watch import Extremes, falls_below_zero, rate_extremes
 
+
+hy.set_logger_level_critical()  # heyoka warns on stdout, which is ours; every outcome it warns of has a status here
 
 STEPS_PER_SLICE = 4096  # about 10 ms of work and 6 MB of dense output: prompt to interrupt, cheap to keep
 EVENT_SCALE = 2.0**-24  # events must not control the step either: with and without them, a run has the same bits
@@ -48,7 +51,8 @@ class Log:
     """What heyoka calls at an event. Copies are the object itself: heyoka copies callbacks deeply."""
 
     def __init__(self, kind: str):
-        self.kind, self.zeros = kind, []
+        self.kind = kind
+        self.zeros: list[Zero] = []
 
     def __deepcopy__(self, memo: dict) -> "Log":
         return Log(self.kind)
@@ -57,7 +61,7 @@ class Log:
         self.zeros.append(Zero(t, self.kind, sign))
 
 
-def variables(system: System, form: Form, friction: type) -> tuple[Any, Any, list[tuple]]:
+def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list[tuple]]:
     """State and body as heyoka expressions, and the equations of motion, in internal units.
 
     What is 0 or 1 by construction is a number, so that expressions fold; everything else is a run-time parameter.
@@ -78,7 +82,7 @@ def variables(system: System, form: Form, friction: type) -> tuple[Any, Any, lis
 
 @lru_cache(maxsize=32)
 def compiled(
-    name: str, form_name: str, friction: type, precision: str, tolerance: float, events: tuple[str, ...], stop: bool
+    name: str, form_name: str, friction: Any, precision: str, tolerance: float, events: tuple[str, ...], stop: bool
 ) -> Compiled:
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
     heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`."""
@@ -134,7 +138,7 @@ def integrator_of(problem: Problem) -> Any:
         compiled(
             problem.system.name,
             problem.form.name,
-            type(problem.friction),
+            problem.friction.__class__,
             problem.precision,
             problem.tolerance,
             detected,
@@ -152,6 +156,7 @@ def slices(integrator: Any, end: Any) -> Iterator[Slice]:
     Slices of a number of steps are bit-identical to one long call; slices of time would not be.
     """
     stop = hy.taylor_outcome
+    status: Status | None
     logs = [event.callback for event in integrator.nt_events] if integrator.with_events else []
     while True:
         for log in logs:
@@ -197,6 +202,11 @@ class Run:
         """The rows as named SI columns."""
         return View(self.problem).columns(self.times, self.rows)
 
+    def __str__(self) -> str:
+        """The run in a few lines."""
+        said = lines({"reason": self.reason, **self.report}, self.seconds)
+        return "\n".join([self.problem.system.title, *(f"{name:16}{text}" for name, text in said)])
+
 
 def solve(problem: Problem, progress: Callable[[float, dict], None] | None = None) -> Run:
     """Integrates a problem to its end, gathering rows and events in memory.
@@ -214,10 +224,11 @@ def solve(problem: Problem, progress: Callable[[float, dict], None] | None = Non
     end = problem.number(problem.until) / problem.number(second)
     wanted = np.asarray(problem.times) / second
     rows, filled, last = [first[:0]], 0, first[0]
-    status, t_end = Status.FINISHED, 0.0
+    status: Status | None = None
+    t_end = 0.0
     for found in slices(integrator, end):
-        force = _force(found, problem)
-        piece = grazing(found, force, problem, view)
+        force = _force(found, problem) if len(found.times) > 1 else Extremes()
+        piece = grazing(found, force, problem)
         seconds["integrate"] += piece.wall
         reached = float(piece.times[-1])
         upto = int(np.searchsorted(wanted, reached, side="right" if piece.status else "left"))
@@ -298,7 +309,7 @@ class EventLog:
         return log._replace(amplitude=amplitudes(log.theta, turning, self.start))
 
 
-def grazing(piece: Slice, force: Extremes, problem: Problem, view: Any) -> Slice:
+def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
     """The slice, cut at the moment the normal force falls below zero, if no liftoff event told of it.
 
     Event detection finds simple roots; a force that dips below zero within rounding of a double root, or that is
@@ -306,22 +317,18 @@ def grazing(piece: Slice, force: Extremes, problem: Problem, view: Any) -> Slice
     """
     if problem.on_liftoff != "stop" or not force.least < -1e-13:
         return piece
-    grid = np.linspace(float(piece.times[0]), force.t_least, 65)
-
-    def normal_force(times: np.ndarray) -> np.ndarray:
-        return np.asarray(view.internal("normal_force", view.scalars(_rows(piece, times, problem))), float)
-
-    values = normal_force(grid)
-    if values[0] <= 0:
+    high = falls_below_zero(piece.times, _impulse(piece, problem))
+    if high is None or high <= float(piece.times[0]):
         return Slice(piece.times[:1], piece.output, piece.coefficients[:0], [], Status.LIFTOFF, piece.wall)
-    high = int(np.argmax(values < 0)) if np.any(values < 0) else len(grid) - 1
-    low, high = grid[high - 1], grid[high]
-    while (middle := (low + high) / 2) not in (low, high):
-        low, high = (middle, high) if normal_force(np.array([middle]))[0] > 0 else (low, middle)
     steps = int(np.searchsorted(np.asarray(piece.times, float), high))
     times = np.append(piece.times[:steps], problem.number(high))
     zeros = [zero for zero in piece.zeros if zero.time <= high] + [Zero(problem.number(high), "liftoff", -1)]
     return Slice(times, piece.output, piece.coefficients[:steps], zeros, Status.LIFTOFF, piece.wall)
+
+
+def _nothing(times: np.ndarray) -> np.ndarray:
+    """The dense output of no step at all."""
+    raise AssertionError("a slice without steps was asked for a state")
 
 
 def _rows(piece: Slice, times: np.ndarray, problem: Problem) -> np.ndarray:
@@ -331,10 +338,15 @@ def _rows(piece: Slice, times: np.ndarray, problem: Problem) -> np.ndarray:
 
 def _force(piece: Slice, problem: Problem) -> Extremes:
     """Extremes of the normal force over every step of the slice, in internal units."""
-    names = problem.form.units._fields
-    if "impulse" not in names:
+    if "impulse" not in problem.form.units._fields:
         return Extremes()
-    return rate_extremes(piece.times, piece.coefficients[:, names.index("impulse")].astype(float) / QUADRATURE_SCALE)
+    return rate_extremes(piece.times, _impulse(piece, problem))
+
+
+def _impulse(piece: Slice, problem: Problem) -> np.ndarray:
+    """Taylor coefficients of the integral of the normal force, (n, order + 1), internal units."""
+    index = problem.form.units._fields.index("impulse")
+    return piece.coefficients[:, index].astype(float) / QUADRATURE_SCALE
 
 
 def _reason(status: Status, t_end: float, view: Any, last: np.ndarray, events: EventTable) -> str:
