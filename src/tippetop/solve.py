@@ -13,13 +13,17 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from .events import KINDS, NOISE_FLOOR, EventTable, Zero, amplitudes
+from .events import KINDS, EventTable, Zero, amplitudes, significance
 from .monitor import Monitor
 from .operand import leaves, refill
 from .problem import PRECISIONS, QUADRATURE_SCALE, Problem
+from .report import lines
 from .system import SECOND, Form, System
-from .watch import Extremes, rate_extremes
+from .trajectory import View
+from .watch import Extremes, falls_below_zero, rate_extremes
 
+
+hy.set_logger_level_critical()  # heyoka warns on stdout, which is ours; every outcome it warns of has a status here
 
 STEPS_PER_SLICE = 4096  # about 10 ms of work and 6 MB of dense output: prompt to interrupt, cheap to keep
 EVENT_SCALE = 2.0**-24  # events must not control the step either: with and without them, a run has the same bits
@@ -47,7 +51,8 @@ class Log:
     """What heyoka calls at an event. Copies are the object itself: heyoka copies callbacks deeply."""
 
     def __init__(self, kind: str):
-        self.kind, self.zeros = kind, []
+        self.kind = kind
+        self.zeros: list[Zero] = []
 
     def __deepcopy__(self, memo: dict) -> "Log":
         return Log(self.kind)
@@ -56,7 +61,7 @@ class Log:
         self.zeros.append(Zero(t, self.kind, sign))
 
 
-def variables(system: System, form: Form, friction: type) -> tuple[Any, Any, list[tuple]]:
+def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list[tuple]]:
     """State and body as heyoka expressions, and the equations of motion, in internal units.
 
     What is 0 or 1 by construction is a number, so that expressions fold; everything else is a run-time parameter.
@@ -77,7 +82,7 @@ def variables(system: System, form: Form, friction: type) -> tuple[Any, Any, lis
 
 @lru_cache(maxsize=32)
 def compiled(
-    name: str, form_name: str, friction: type, precision: str, tolerance: float, events: tuple[str, ...], stop: bool
+    name: str, form_name: str, friction: Any, precision: str, tolerance: float, events: tuple[str, ...], stop: bool
 ) -> Compiled:
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
     heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`."""
@@ -133,7 +138,7 @@ def integrator_of(problem: Problem) -> Any:
         compiled(
             problem.system.name,
             problem.form.name,
-            type(problem.friction),
+            problem.friction.__class__,
             problem.precision,
             problem.tolerance,
             detected,
@@ -151,6 +156,7 @@ def slices(integrator: Any, end: Any) -> Iterator[Slice]:
     Slices of a number of steps are bit-identical to one long call; slices of time would not be.
     """
     stop = hy.taylor_outcome
+    status: Status | None
     logs = [event.callback for event in integrator.nt_events] if integrator.with_events else []
     while True:
         for log in logs:
@@ -194,12 +200,12 @@ class Run:
 
     def columns(self) -> dict[str, Any]:
         """The rows as named SI columns."""
-        return self._monitor_view().columns(self.times, self.rows)
+        return View(self.problem).columns(self.times, self.rows)
 
-    def _monitor_view(self) -> Any:
-        from .trajectory import View
-
-        return View(self.problem)
+    def __str__(self) -> str:
+        """The run in a few lines."""
+        said = lines({"reason": self.reason, **self.report}, self.seconds)
+        return "\n".join([self.problem.system.title, *(f"{name:16}{text}" for name, text in said)])
 
 
 def solve(problem: Problem, progress: Callable[[float, dict], None] | None = None) -> Run:
@@ -218,8 +224,11 @@ def solve(problem: Problem, progress: Callable[[float, dict], None] | None = Non
     end = problem.number(problem.until) / problem.number(second)
     wanted = np.asarray(problem.times) / second
     rows, filled, last = [first[:0]], 0, first[0]
-    status, t_end = Status.FINISHED, 0.0
-    for piece in slices(integrator, end):
+    status: Status | None = None
+    t_end = 0.0
+    for found in slices(integrator, end):
+        force = _force(found, problem) if len(found.times) > 1 else Extremes()
+        piece = grazing(found, force, problem)
         seconds["integrate"] += piece.wall
         reached = float(piece.times[-1])
         upto = int(np.searchsorted(wanted, reached, side="right" if piece.status else "left"))
@@ -228,18 +237,23 @@ def solve(problem: Problem, progress: Callable[[float, dict], None] | None = Non
             filled = upto
             ends = _rows(piece, piece.times[1:], problem)
             last, t_end = ends[-1], reached * second
-            monitor.follow(ends, _force(piece, problem), len(piece.times) - 1)
+            monitor.follow(ends, force, len(piece.times) - 1)
             log.take(piece)
         status = piece.status
+        if len(piece.times) == 1 and piece.status is Status.LIFTOFF and filled < upto:  # it never had contact
+            rows.append(first)
+            filled = upto
         if progress is not None:
             progress(t_end, {"steps": monitor.steps, "drift": monitor.drift, "events": log.count})
-    events = log.table()
+        if status is not None:
+            break
     final_theta = float(view.angles(last[None, :]).theta[0])
+    events = log.table(final_theta, last)
     assert status is not None
     return Run(
         problem,
         status,
-        _reason(status, t_end, view, last),
+        _reason(status, t_end, view, last, events),
         np.asarray(problem.times)[:filled],
         np.concatenate(rows),
         events.logged(problem.events),
@@ -257,7 +271,7 @@ class EventLog:
         self.view, self.second = view, float(problem.scales.of(SECOND))
         self.sense = {event.name: event.sense for event in problem.system.events}
         self.tables: list[EventTable] = []
-        self.before = float(view.angles(first).theta[0])
+        self.start = float(view.angles(first).theta[0])
         scalars, body = view.scalars(first), view.body
         on_zero = {e.name: abs(float(e.formula(scalars, body)[0])) < AT_START for e in problem.system.events}
         self.starts_on = {name for name, is_zero in on_zero.items() if is_zero}
@@ -274,15 +288,47 @@ class EventLog:
         kind = np.array([KINDS.index(z.kind) for z in zeros], dtype=np.int8)
         crossing = np.array([z.sign * self.sense[z.kind] for z in zeros])
         rising = np.where(crossing != 0, crossing, -np.sign(np.asarray(scalars.z_dot, float)))
-        amplitude, self.before = amplitudes(kind, theta, self.before)
-        significant = ~(amplitude < NOISE_FLOOR)
-        seconds = times.astype(float) * self.second
-        self.tables.append(EventTable(seconds, kind, theta, rising.astype(np.int8), amplitude, significant))
+        theta, seconds = np.asarray(theta, float), times.astype(float) * self.second
+        blank = np.full(theta.shape, np.nan), np.ones(theta.shape, dtype=bool)
+        self.tables.append(EventTable(seconds, kind, theta, rising.astype(np.int8), *blank))
         self.count += len(zeros)
 
-    def table(self) -> EventTable:
-        """The log so far."""
-        return EventTable.joined(self.tables)
+    def table(self, theta_end: float, last: np.ndarray) -> EventTable:
+        """The log of a run that ended at theta_end in the state `last`, with amplitudes and significance.
+
+        Sliding that dies for a moment only has not settled: of `settled`, the last one stays if sliding did not return.
+        """
+        log = EventTable.joined(self.tables)
+        settled = np.flatnonzero(log.kind == KINDS.index("settled"))
+        if len(settled):
+            sliding = next(e.formula for e in self.view.system.events if e.name == "settled")
+            over = float(sliding(self.view.scalars(last[None, :]), self.view.body)[0]) < 0
+            log = EventTable(*(np.delete(column, settled[:-1] if over else settled) for column in log))
+        turning = log.kind == KINDS.index("turning")
+        log.significant[turning] = significance(log.theta[turning], log.theta_dot_sign[turning], theta_end)
+        return log._replace(amplitude=amplitudes(log.theta, turning, self.start))
+
+
+def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
+    """The slice, cut at the moment the normal force falls below zero, if no liftoff event told of it.
+
+    Event detection finds simple roots; a force that dips below zero within rounding of a double root, or that is
+    negative from the start, is seen here, in the extremes of every step.
+    """
+    if problem.on_liftoff != "stop" or not force.least < -1e-13:
+        return piece
+    high = falls_below_zero(piece.times, _impulse(piece, problem))
+    if high is None or high <= float(piece.times[0]):
+        return Slice(piece.times[:1], piece.output, piece.coefficients[:0], [], Status.LIFTOFF, piece.wall)
+    steps = int(np.searchsorted(np.asarray(piece.times, float), high))
+    times = np.append(piece.times[:steps], problem.number(high))
+    zeros = [zero for zero in piece.zeros if zero.time <= high] + [Zero(problem.number(high), "liftoff", -1)]
+    return Slice(times, piece.output, piece.coefficients[:steps], zeros, Status.LIFTOFF, piece.wall)
+
+
+def _nothing(times: np.ndarray) -> np.ndarray:
+    """The dense output of no step at all."""
+    raise AssertionError("a slice without steps was asked for a state")
 
 
 def _rows(piece: Slice, times: np.ndarray, problem: Problem) -> np.ndarray:
@@ -292,20 +338,27 @@ def _rows(piece: Slice, times: np.ndarray, problem: Problem) -> np.ndarray:
 
 def _force(piece: Slice, problem: Problem) -> Extremes:
     """Extremes of the normal force over every step of the slice, in internal units."""
-    names = problem.form.units._fields
-    if "impulse" not in names:
+    if "impulse" not in problem.form.units._fields:
         return Extremes()
-    return rate_extremes(piece.times, piece.coefficients[:, names.index("impulse")].astype(float) / QUADRATURE_SCALE)
+    return rate_extremes(piece.times, _impulse(piece, problem))
 
 
-def _reason(status: Status, t_end: float, view: Any, last: np.ndarray) -> str:
+def _impulse(piece: Slice, problem: Problem) -> np.ndarray:
+    """Taylor coefficients of the integral of the normal force, (n, order + 1), internal units."""
+    index = problem.form.units._fields.index("impulse")
+    return piece.coefficients[:, index].astype(float) / QUADRATURE_SCALE
+
+
+def _reason(status: Status, t_end: float, view: Any, last: np.ndarray, events: EventTable) -> str:
     """The sentence that a person reads."""
     if status is Status.FINISHED:
-        return f"finished at t = {t_end:.6g} s"
+        lifted = events.of("liftoff").time
+        beyond = f", but outside the model since the liftoff at t = {lifted[0]:.9g} s" if len(lifted) else ""
+        return f"finished at t = {t_end:.6g} s{beyond}"
     if status is Status.LIFTOFF:
         return f"the top lifted off at t = {t_end:.9g} s (g_n = 0): the model ends there"
     hazards = view.hazards(last[None, :])
     meaning, least = min(hazards.items(), key=lambda item: item[1]) if hazards else ("no known cause", math.inf)
-    cause = meaning if least < 1e-3 else "no known singularity of the model is near"
+    cause = meaning if least < 1e-3 else "no singularity is near, so the equations are too stiff (large mu, small eps)"
     what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
     return f"{what} t = {t_end:.9g} s: {cause}. The last good state is kept."

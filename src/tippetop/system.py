@@ -1,6 +1,6 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -128,7 +128,7 @@ class System:
     integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
     events: Sequence[Event]
     long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
-    vectors: dict[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
+    vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
     frictional: bool = True
     potential: Callable | None = None
