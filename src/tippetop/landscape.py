@@ -162,6 +162,16 @@ def inclination(q: np.ndarray, upright: int) -> np.ndarray:
     return 2 * np.arctan(np.sqrt(q) if upright == 1 else 1 / np.sqrt(q))
 
 
+def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> np.ndarray:
+    """z where V is least: the pole itself where the infimum is approached there."""
+    from tippetop_kernels.minimise import Status
+
+    z = cosine(q, upright)
+    z[status == Status.AT_LOWER_END] = upright
+    z[status == Status.AT_UPPER_END] = -upright
+    return z
+
+
 # --- the potential --------------------------------------------------------------------------------------------------
 
 
@@ -240,10 +250,9 @@ def minimal_surface(
     x, y = axis(t.momenta[0], first), axis(t.momenta[1], second)
     F, q, status = minima(t, x, y, threads)
     dims = t.momenta
-    pole = status == Status.AT_LOWER_END, status == Status.AT_UPPER_END
-    z, theta = cosine(q, t.upright), inclination(q, t.upright)
-    for at_end, end in zip(pole, (t.upright, -t.upright), strict=True):
-        z[at_end], theta[at_end] = end, np.pi * (end < 0)
+    z, theta = argmin(q, status, t.upright), inclination(q, t.upright)
+    theta[status == Status.AT_LOWER_END] = 0.0 if t.upright == 1 else np.pi
+    theta[status == Status.AT_UPPER_END] = np.pi if t.upright == 1 else 0.0
     data = {
         "F": labelled("F", dims, F),
         "z": labelled("z", dims, z, long_name="z = cos(theta) where V is least"),

@@ -4,8 +4,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import run
+from . import landscape, run
 from .style import save, styled
+
+
+def _in_landscape(name: str) -> Callable:
+    """A figure of a run in its landscape; numba wakes only when it is drawn."""
+
+    def drawn(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
+        from .. import inversion
+
+        return getattr(landscape, name)(*getattr(inversion, name)(trajectory, events, attrs))
+
+    return drawn
 
 
 KINDS: dict[str, Callable] = {
@@ -14,6 +25,7 @@ KINDS: dict[str, Callable] = {
     "drift": run.drift,
     "sphere": run.sphere,
     "energy": run.energy,
+    **{name: _in_landscape(name) for name in ("band", "surface", "potential", "inversion")},
 }
 
 
