@@ -14,7 +14,8 @@ TIMES = 6  # panels of the potential
 
 
 def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[xr.Dataset, xr.Dataset, str]:
-    """The band along a run, and the logged turning angles with the edge of the band at their times.
+    """The band along a run, and the logged turning angles with the nearer edge of the band at their times: where the
+    band rises fast, theta can turn at its upper edge only.
 
     D and E~ at a turning are a cubic through the neighbouring output times: at 40 outputs a nutation, that leaves the
     edge some 1e-6 rad uncertain.
@@ -34,8 +35,8 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
             for name in ("routh", "jellett", "modified_energy")
         ]
     edges = landscape.turning_angles(parameters, *states, system)
-    minimum = events["theta_dot_sign"].values[turning] > 0
-    edge = np.where(minimum, edges["theta_min"], edges["theta_max"])
+    low, high = edges["theta_min"].values, edges["theta_max"].values
+    edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
     return found, logged, attrs["title"] + ": the band that the main equation predicts"
 
@@ -57,9 +58,9 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     parameters, system = _body(attrs)
     theta = trajectory["theta"].values
     reached = np.maximum.accumulate(theta)
-    levels = np.linspace(theta[0], reached[-1], TIMES)
-    picks = sorted({int(np.searchsorted(reached, level)) for level in levels} | {0, theta.size - 1})
-    picks = [picks[i] for i in np.unique(np.linspace(0, len(picks) - 1, TIMES).round().astype(int))]
+    picks = np.unique(np.searchsorted(reached, np.linspace(theta[0], reached[-1], TIMES)))
+    if picks.size < TIMES:  # theta does not rise: evenly spread in time
+        picks = np.unique(np.linspace(0, theta.size - 1, TIMES).round().astype(int))
     z = np.cos(np.linspace(np.pi, 0, 1203)[1:-1])
     curves = []
     for i in picks:

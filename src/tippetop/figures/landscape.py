@@ -57,7 +57,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None) -> Figure:
     axes.set_zlabel("energy (mJ)", labelpad=6)
     axes.set_zlim(low, high)
     axes.set_box_aspect((1.15, 1, 0.75), zoom=0.92)
-    axes.view_init(elev=26, azim=-122)
+    axes.view_init(elev=28, azim=-108)
     axes.set_title(f"minimal surface F({_symbol(x_name)}, {_symbol(y_name)})")
     if lines is not None or run is not None:
         axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.98))
@@ -75,8 +75,7 @@ def potential(curves: list[tuple[str, Any, Any]]) -> Figure:
     made = figure(1.2 + 3.6 * columns if columns > 1 else 7.5, 0.6 + (3.0 * rows if columns > 1 else 4.4))
     panels = np.atleast_1d(made.subplots(rows, columns, sharex=True)).ravel()
     for axes, (title, V, at) in zip(panels, curves, strict=False):
-        _well(axes, V, at)
-        axes.set_title(title)
+        _well(axes, title, V, at)
     for axes in panels[len(curves) :]:
         axes.set_visible(False)
     for axes in panels[:: max(columns, 1)]:
@@ -87,51 +86,31 @@ def potential(curves: list[tuple[str, Any, Any]]) -> Figure:
     return made
 
 
-def _well(axes: Any, V: Any, at: Any) -> None:
-    """One potential with its level."""
+def _well(axes: Any, title: str, V: Any, at: Any) -> None:
+    """One potential with its level; the numbers stand above, where no curve is."""
     z, values, least = V["z"].values, 1e3 * V["V"].values.ravel(), 1e3 * float(at["F"])
     axes.plot(z, values, color=RUN, lw=1.4)
-    axes.set_xlim(-1, 1)
-    finite = values[np.isfinite(values)]
-    height = 0.35 * (np.percentile(finite, 70) - least) if "energy" not in at else 0.0
+    axes.scatter([np.cos(float(at["theta_star"]))], [least], s=24, color=QUIET, zorder=3, clip_on=False)
+    height = 0.35 * (np.percentile(values[np.isfinite(values)], 70) - least)
     if "energy" in at:
         level = 1e3 * float(at["energy"])
         height = max(level - least, 0.06 * abs(least))
-        low, high = (float(np.cos(at[name])) for name in ("theta_max", "theta_min"))
-        axes.hlines(level, low, high, color=UPPER, lw=1.6)
+        inner, outer = float(at["theta_min"]), float(at["theta_max"])
         axes.axhline(level, color=UPPER, lw=0.6, ls=":")
-        for where, name, color, align in (
-            (low, "theta_max", UPPER, "right" if low > -0.45 else "left"),
-            (high, "theta_min", LOWER, "left" if high < 0.45 else "right"),
-        ):
-            if np.isfinite(where):
-                axes.scatter([where], [level], s=24, color=color, zorder=3, clip_on=False)
-                side = 7 if align == "left" else -7
-                axes.annotate(
-                    f"{np.degrees(float(at[name])):.1f}°",
-                    (where, level),
-                    xytext=(side, -12),
-                    textcoords="offset points",
-                    ha=align,
-                    color=color,
-                )
-        axes.annotate("Ẽ", (0.0, level), xytext=(0, 4), textcoords="offset points", color=UPPER, ha="center")
-    best = float(np.cos(at["theta_star"]))
-    axes.scatter([best], [least], s=24, color=QUIET, zorder=3, clip_on=False)
-    axes.annotate(
-        f"F = {least:.4g} mJ, θ = {np.degrees(float(at['theta_star'])):.1f}°",
-        (0.5, 0.03),
-        xycoords="axes fraction",
-        ha="center",
-        color="#4b5563",
-        fontsize=9,
-    )
-    axes.set_ylim(least - 0.55 * height, least + 2.4 * height)
+        axes.hlines(level, np.cos(outer), np.cos(inner), color=UPPER, lw=1.6)
+        for angle, color in ((outer, UPPER), (inner, LOWER)):
+            axes.scatter([np.cos(angle)], [level], s=24, color=color, zorder=3, clip_on=False)
+        words = f"{np.degrees(inner):.4g}° ≤ θ ≤ {np.degrees(outer):.4g}°, Ẽ = {level:.4g}, F = {least:.4g} mJ"
+    else:
+        words = f"F = {least:.4g} mJ at θ = {np.degrees(float(at['theta_star'])):.4g}°"
+    axes.set_title(f"{title}\n{words}", fontsize=9.5)
+    axes.set_xticks([-1, -0.5, 0, 0.5, 1])
+    axes.set(xlim=(-1, 1), ylim=(least - 0.2 * height, least + 2.8 * height))
 
 
 def band(found: Any, events: Any = None, title: str = "") -> Figure:
     """theta(t) on the nutational band that the main equation predicts; logged turning angles as dots; below, how far
-    they lie from the edge of the band. `found` as `band` gives it; events: time, theta, edge (the predicted angle)."""
+    they lie from the nearer edge of the band. `found` as `band` gives it; events: time, theta, edge (the predicted angle)."""
     made = figure(10, 6.4)
     axes, below = made.subplots(2, sharex=True, height_ratios=(4, 1.4))
     step = max(1, found["time"].size // MOST_POINTS)
@@ -151,7 +130,7 @@ def band(found: Any, events: Any = None, title: str = "") -> Figure:
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
     axes.set(ylabel="θ (rad)", title=title, ylim=(-0.03 * top, 1.06 * top), xlim=(t[0], t[-1]))
     axes.legend(loc="upper left", markerscale=2)
-    below.set(xlabel="t (s)", ylabel="|logged − edge| (rad)")
+    below.set(xlabel="t (s)", ylabel="logged − edge (rad)")
     return made
 
 
@@ -171,7 +150,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "") -> Figure:
     axes.plot(x, y, color=RUN, lw=0.8, label="run (D(t), Ẽ(t))")
     axes.scatter(x[[0, -1]], y[[0, -1]], s=30, color=RUN, marker="x", zorder=4)
     axes.annotate("start", (x[0], y[0]), xytext=(-8, 8), textcoords="offset points", ha="right", color=RUN)
-    axes.annotate("end", (x[-1], y[-1]), xytext=(8, 10), textcoords="offset points", color=RUN)
+    axes.annotate("end", (x[-1], y[-1]), xytext=(-4, -18), textcoords="offset points", color=RUN)
     for i, (words, color) in enumerate((("θ = 0", LOWER), ("θ = π", UPPER))):
         end = lines.isel(end=i)
         where = float(end["D"].values.ravel()[0]) / scale, 1e3 * float(end["E"].values.ravel()[0])
