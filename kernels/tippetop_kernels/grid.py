@@ -110,19 +110,19 @@ def potentials(prepare, slopes, value, zs, xs, ys, r, V, V_z, V_zz):
 
 @kernel
 def turnings(
-    prepare, guess, slopes, value, ends, bend, several, allowance, xs, ys, levels, r, low, high, q, F, bends, status
+    prepare, guess, slopes, value, ends, excess, bend, several, allowance, xs, ys, levels, r, low, high, q, F, bends, status
 ):
     """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
     how = np.empty(1, np.int8)
     for i in range(xs.size):
         row(prepare, guess, slopes, value, ends, several, xs[i], ys[i : i + 1], r, F[i : i + 1], q[i : i + 1], how)
         p = prepare(xs[i], ys[i], r)
-        low[i], high[i], status[i] = crossings(value, bend, q[i], levels[i], allowance, p, r)
+        low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
         bends[i] = bend(q[i], p, r)
 
 
 @kernel
-def periods(prepare, value, inertia, low, high, xs, ys, levels, r, b, period):
+def periods(prepare, excess, inertia, low, high, xs, ys, levels, r, b, period):
     """The period of the swing between low and high at each point; fills period (n,)."""
     for i in range(xs.size):
-        period[i] = swing(value, inertia, low[i], high[i], levels[i], prepare(xs[i], ys[i], r), r, b)
+        period[i] = swing(excess, inertia, low[i], high[i], levels[i], prepare(xs[i], ys[i], r), r, b)

@@ -1,4 +1,4 @@
-"""Where a function of one positive variable q, with one minimum, takes a given level: left and right of the minimum."""
+"""Where a function of one positive variable q takes a given level, left and right of its minimum; and the swing between."""
 
 from enum import IntEnum
 
@@ -18,14 +18,14 @@ class Level(IntEnum):
 
 
 @kernel
-def crossing(value, inside, outside, level, p, r):
-    """q between `inside`, where value < level, and `outside`, where value > level (Chandrupatla 1997)."""
+def crossing(excess, inside, outside, level, p, r):
+    """q between `inside`, where excess < 0, and `outside`, where it is > 0 (Chandrupatla 1997)."""
     a, b = outside, inside
-    fa, fb = value(a, p, r) - level, value(b, p, r) - level
+    fa, fb = excess(a, level, p, r), excess(b, level, p, r)
     c, fc, t = a, fa, 0.5
     for _ in range(200):
         x = a + t * (b - a)
-        fx = value(x, p, r) - level
+        fx = excess(x, level, p, r)
         if (fx > 0) == (fa > 0):
             c, fc = a, fa
         else:
@@ -45,15 +45,15 @@ def crossing(value, inside, outside, level, p, r):
 
 
 @kernel
-def crossings(value, bend, q, level, allowance, p, r):
-    """The two q at which value = level around the minimum at q, and a Level.
+def crossings(excess, bend, q, level, allowance, p, r):
+    """The two q around the minimum at q at which excess(q, level, p, r), a function less the level, is 0; and a Level.
 
     A level less than `allowance` (relative) from the minimum touches it. An end of the range (SMALLEST, LARGEST) stands
     for a function that stays below the level up to there.
     """
     if not (np.isfinite(level) and np.isfinite(q)):
         return np.nan, np.nan, Level.UNDEFINED
-    depth = level - value(q, p, r)
+    depth = -excess(q, level, p, r)
     if abs(depth) <= allowance * abs(level):
         return q, q, Level.TOUCHING
     if depth < 0:
@@ -64,28 +64,28 @@ def crossings(value, bend, q, level, allowance, p, r):
     step = 1 + min(width, 1.0)
     while low > SMALLEST:
         inner_low, low = low, clipped(low / step)
-        if value(low, p, r) > level:
+        if excess(low, level, p, r) > 0:
             break
         step *= min(step, 1e8)
     step = 1 + min(width, 1.0)
     while high < LARGEST:
         inner_high, high = high, clipped(high * step)
-        if value(high, p, r) > level:
+        if excess(high, level, p, r) > 0:
             break
         step *= min(step, 1e8)
-    if value(low, p, r) > level:
-        low = crossing(value, inner_low, low, level, p, r)
-    if value(high, p, r) > level:
-        high = crossing(value, inner_high, high, level, p, r)
+    if excess(low, level, p, r) > 0:
+        low = crossing(excess, inner_low, low, level, p, r)
+    if excess(high, level, p, r) > 0:
+        high = crossing(excess, inner_high, high, level, p, r)
     return low, high, Level.ABOVE
 
 
 @kernel
-def swing(value, inertia, low, high, level, p, r, b):
-    """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/(level - value)) dtheta.
+def swing(excess, inertia, low, high, level, p, r, b):
+    """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/-excess) dtheta.
 
     With y = q/(1 + q) = y_low cos^2 + y_high sin^2 of beta/2 the integrand is smooth and periodic: the midpoint rule
-    converges geometrically. NaN where 4096 nodes do not settle to 1e-12 (next to a separatrix).
+    converges geometrically. NaN where 4096 nodes do not settle to 1e-11 (next to a separatrix).
     """
     if not low < high:
         return np.nan
@@ -99,9 +99,9 @@ def swing(value, inertia, low, high, level, p, r, b):
             half = (j + 0.5) * np.pi / (2 * n)
             s2, k2 = np.sin(half) ** 2, np.cos(half) ** 2
             y, c = y1 * k2 + y2 * s2, c1 * k2 + c2 * s2
-            total += np.sqrt(inertia(c - y, b) * s2 * k2 / (y * c * (level - value(y / c, p, r))))
+            total += np.sqrt(inertia(c - y, b) * s2 * k2 / (-y * c * excess(y / c, level, p, r)))
         total *= 2 * across * np.pi / n
-        if abs(total - previous) <= 1e-12 * total:
+        if abs(total - previous) <= 1e-11 * total:
             return total
         previous, n = total, 2 * n
     return np.nan

@@ -101,7 +101,7 @@ def kernels() -> Kernels:
 
     formulas = {
         name: inlined(getattr(surface, name))
-        for name in ("lean", "guess", "slopes", "value", "ends", "gradient", "bend")
+        for name in ("lean", "guess", "slopes", "value", "ends", "gradient", "bend", "excess")
     }
     formulas["inertia"] = inlined(tippe_top.theta_inertia)
     return Kernels(
@@ -284,8 +284,8 @@ def turning_angles(
 
     The arguments are broadcast against one another, with any shape; DataArrays keep their dimensions and coordinates.
     theta_min <= theta_star <= theta_max [rad]; theta_star is where V is least (the lower of two minima). `period` [s] is
-    the quadrature of the separated equation, NaN where the rounding of E~ - V leaves no 12 digits (nutations below 1e-6
-    or so, and next to a separatrix); `small_period` [s] is 2 pi sqrt(2 g/V''), exact for vanishing amplitude.
+    the quadrature of the separated equation, NaN where it does not settle to 11 digits (nutations of
+    some 1e-5 rad or less, and next to a separatrix); `small_period` [s] is 2 pi sqrt(2 g/V''), exact for vanishing amplitude.
     `level`: above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined. [T 4.12, 4.21]
     """
     from tippetop_kernels.roots import Level
@@ -304,10 +304,10 @@ def turning_angles(
     level = np.empty(x.size, np.int8)
     f = k.formulas
     k.turnings(
-        *k.problem, f["bend"], t.several, ALLOWANCE, x, y, E, t.relief, low, high, q, F, V_ss, level
+        *k.problem, f["excess"], f["bend"], t.several, ALLOWANCE, x, y, E, t.relief, low, high, q, F, V_ss, level
     )
     period = np.empty(x.size)
-    k.periods(f["lean"], f["value"], f["inertia"], low, high, x, y, E, t.relief, t.body, period)
+    k.periods(f["lean"], f["excess"], f["inertia"], low, high, x, y, E, t.relief, t.body, period)
     z = cosine(q, t.upright)
     small = np.pi * np.sqrt(2 * tippe_top.theta_inertia(z, t.body) * (4 * q / (1 + q) ** 2) / V_ss)
     inner, outer = (low, high) if t.upright == 1 else (high, low)

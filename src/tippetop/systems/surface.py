@@ -120,8 +120,8 @@ def lean(first, second, r):
 
 
 @formula
-def value(q, p, r):
-    """V [J] at q of the point p, to about two ulp: a sum of squares over one denominator. [equal to T 4.12, 2.38]"""
+def potential(q, p, r):
+    """V [J] at q of the point p, twofold: a sum of squares over one denominator. [equal to T 4.12, 2.38]"""
     h = plus(r.d0, scaled(q, r.d1))  # twice the h of above
     Kq = scaled(4 * q, r.K)
     psi = over(Kq, plus(h, root(plus(times(h, h), Kq))))  # and twice psi
@@ -137,8 +137,21 @@ def value(q, p, r):
     d = plus(times(r.gamma, tt), times(r.sigma, plus(times(arm, arm), scaled(4 * q, r.gamma))))
     motion = over(squares, scaled(q, d))
     weight = plus(r.floor, over(scaled(q, r.rise), t))
-    V = plus(weight, motion)
+    return plus(weight, motion)
+
+
+@formula
+def value(q, p, r):
+    """V [J] at q of the point p, to one rounding."""
+    V = potential(q, p, r)
     return V.head + V.tail
+
+
+@formula
+def excess(q, level, p, r):
+    """V - level [J], to one rounding also where they nearly agree."""
+    V = potential(q, p, r)
+    return (V.head - level) + V.tail
 
 
 @formula
