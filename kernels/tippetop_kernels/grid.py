@@ -7,12 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from .jit import kernel
-from .minimise import Status, clipped, factor, lowest, minimise
+from .minimise import AT_REST, Status, clipped, factor, lowest, minimise, settled
 from .roots import crossings, swing
 
 
-STEPS = 3  # of Halley, for every point: all but some 1e-4 of the points of a dense grid are then at rest
-AT_REST = 1e-5  # the last step in ln(q); the next one would be of the order of its cube
+STEPS = 3  # of Halley, for every point: all but 1 % of the points of a dense grid are then at rest
 
 
 @kernel
@@ -26,7 +25,7 @@ def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status):
         for j in range(n):
             g1, g2, g3 = slopes(q[j], prepare(x, ys[j], r), r)
             f = factor(g1, g2, g3)
-            q[j] = clipped(q[j] * f)
+            q[j] = q[j] * f
             last[j] = abs(f - 1)
     for j in range(n):
         F[j] = value(q[j], prepare(x, ys[j], r), r)
@@ -50,7 +49,9 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
     if several:
         q[0], count = lowest(slopes, value, p, r)
     else:
-        q[0] = minimise(slopes, guess, p, r)
+        q[0] = settled(slopes, q[0], p, r)
+        if np.isnan(q[0]):
+            q[0] = minimise(slopes, guess, p, r)
     F[0] = value(q[0], p, r)
     if not np.isfinite(F[0]):
         status[0] = Status.UNSETTLED

@@ -18,6 +18,8 @@ from .jit import inlined, kernel
 
 SMALLEST, LARGEST = 1e-30, 1e30
 
+AT_REST = 1e-5  # a step in ln(q) after which none is needed: the next one would be of the order of its cube
+
 
 class Status(IntEnum):
     """What became of the minimum at a point."""
@@ -44,6 +46,18 @@ def clipped(q):
     """q within the range where nothing overflows; NaN becomes its lower end."""
     q = q if q > SMALLEST else SMALLEST
     return q if q < LARGEST else LARGEST
+
+
+@kernel
+def settled(slopes, q, p, r):
+    """q after as many of Halley's steps as it takes, NaN if ten are not enough: for points next to their minimum."""
+    for _ in range(10):
+        g1, g2, g3 = slopes(q, p, r)
+        f = factor(g1, g2, g3)
+        q *= f
+        if abs(f - 1) <= AT_REST:
+            return q if g2 > 0 and SMALLEST < q < LARGEST else np.nan
+    return np.nan
 
 
 @kernel

@@ -122,9 +122,9 @@ def lean(first, second, r):
 @formula
 def potential(q, p, r):
     """V [J] at q of the point p, twofold: a sum of squares over one denominator. [equal to T 4.12, 2.38]"""
-    h = plus(r.d0, scaled(q, r.d1))  # twice the h of above
+    h = plus(r.d0, scaled(q, r.d1))  # twice the h of above, times sqrt(q)
     Kq = scaled(4 * q, r.K)
-    psi = over(Kq, plus(h, root(plus(times(h, h), Kq))))  # and twice psi
+    psi = over(Kq, plus(h, root(plus(times(h, h), Kq))))  # twice psi, times sqrt(q)
     t = plus(Two(1.0, 0.0), Two(q, 0.0))  # 2/(1 + z)
     tt = times(t, t)
     Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, psi))
