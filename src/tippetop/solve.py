@@ -270,10 +270,11 @@ class EventLog:
             return
         times = np.array([z.time for z in zeros])
         states = np.asarray(piece.output(times))
-        scalars, theta = self.view.scalars(states), self.view.angles(states).theta
+        angles = self.view.angles(states)
+        theta = angles.theta
         kind = np.array([KINDS.index(z.kind) for z in zeros], dtype=np.int8)
         crossing = np.array([z.sign * self.sense[z.kind] for z in zeros])
-        rising = np.where(crossing != 0, crossing, -np.sign(np.asarray(scalars.z_dot, float)))
+        rising = np.where(crossing != 0, crossing, np.sign(np.asarray(angles.theta_dot, float)))
         amplitude, self.before = amplitudes(kind, theta, self.before)
         significant = ~(amplitude < NOISE_FLOOR)
         seconds = times.astype(float) * self.second
