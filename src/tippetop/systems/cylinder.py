@@ -7,7 +7,7 @@ The state carries sin(theta), cos(theta), and theta as a quadrature: a count of 
 from typing import Any, NamedTuple
 
 from ..friction import LAWS, SLIP, Law, slip_coefficient
-from ..operand import Operand, cos, formula, select, sin
+from ..operand import Operand, formula, select
 from ..system import (
     INERTIA,
     JOULE,
