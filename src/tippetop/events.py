@@ -49,10 +49,31 @@ class EventTable(NamedTuple):
         return EventTable(*(column[keep & self.significant] if significant else column[keep] for column in self))
 
 
-def amplitudes(kind: np.ndarray, theta: np.ndarray, before: float) -> tuple[np.ndarray, float]:
-    """Swing |theta - theta of the turning before| of every turning row, [rad]; `before` is the angle where the first
-    swing began. Returns the column (NaN for other kinds) and the angle that the next slice continues from."""
-    turning = kind == KINDS.index("turning")
+def amplitudes(theta: np.ndarray, turning: np.ndarray, start: float) -> np.ndarray:
+    """Swing |theta - theta of the turning before| of every turning [rad], the first since the start; NaN elsewhere."""
     swing = np.full(theta.shape, np.nan)
-    swing[turning] = np.abs(np.diff(theta[turning], prepend=before))
-    return swing, float(theta[turning][-1]) if turning.any() else before
+    swing[turning] = np.abs(np.diff(theta[turning], prepend=start))
+    return swing
+
+
+def significance(theta: np.ndarray, sign: np.ndarray, end: float, floor: float = NOISE_FLOOR) -> np.ndarray:
+    """Which turnings of theta (sign +1 minima, -1 maxima, in order) are more than rounding, bool.
+
+    Hysteresis: the extreme of a stretch counts once theta has come back from it by `floor`, whatever small wiggles lie
+    between. So a true turning that rounding splits into three counts once, and a decay that ends in noise not at all.
+    `end` is theta at the end of the run.
+    """
+    found = np.zeros(len(theta), dtype=bool)
+    swings = np.abs(np.diff(theta, append=end))
+    if np.all(swings >= floor):
+        return ~found
+    candidate = -1
+    for i, (angle, way) in enumerate(zip(theta.tolist(), sign.tolist(), strict=True)):
+        if candidate >= 0 and sign[candidate] * (angle - theta[candidate]) >= floor:
+            found[candidate] = True
+            candidate = i
+        elif candidate < 0 or (way == sign[candidate] and way * (angle - theta[candidate]) < 0):
+            candidate = i
+    if candidate >= 0 and sign[candidate] * (end - theta[candidate]) >= floor:
+        found[candidate] = True
+    return found

@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from .events import KINDS, NOISE_FLOOR, EventTable, Zero, amplitudes
+from .events import KINDS, EventTable, Zero, amplitudes, significance
 from .monitor import Monitor
 from .operand import leaves, refill
 from .problem import PRECISIONS, QUADRATURE_SCALE, Problem
 from .system import SECOND, Form, System
+from .trajectory import View
 from .watch import Extremes, rate_extremes
 
 
@@ -194,12 +195,7 @@ class Run:
 
     def columns(self) -> dict[str, Any]:
         """The rows as named SI columns."""
-        return self._monitor_view().columns(self.times, self.rows)
-
-    def _monitor_view(self) -> Any:
-        from .trajectory import View
-
-        return View(self.problem)
+        return View(self.problem).columns(self.times, self.rows)
 
 
 def solve(problem: Problem, progress: Callable[[float, dict], None] | None = None) -> Run:
@@ -219,7 +215,9 @@ def solve(problem: Problem, progress: Callable[[float, dict], None] | None = Non
     wanted = np.asarray(problem.times) / second
     rows, filled, last = [first[:0]], 0, first[0]
     status, t_end = Status.FINISHED, 0.0
-    for piece in slices(integrator, end):
+    for found in slices(integrator, end):
+        force = _force(found, problem)
+        piece = grazing(found, force, problem, view)
         seconds["integrate"] += piece.wall
         reached = float(piece.times[-1])
         upto = int(np.searchsorted(wanted, reached, side="right" if piece.status else "left"))
@@ -228,18 +226,23 @@ def solve(problem: Problem, progress: Callable[[float, dict], None] | None = Non
             filled = upto
             ends = _rows(piece, piece.times[1:], problem)
             last, t_end = ends[-1], reached * second
-            monitor.follow(ends, _force(piece, problem), len(piece.times) - 1)
+            monitor.follow(ends, force, len(piece.times) - 1)
             log.take(piece)
         status = piece.status
+        if len(piece.times) == 1 and piece.status is Status.LIFTOFF and filled < upto:  # it never had contact
+            rows.append(first)
+            filled = upto
         if progress is not None:
             progress(t_end, {"steps": monitor.steps, "drift": monitor.drift, "events": log.count})
-    events = log.table()
+        if status is not None:
+            break
     final_theta = float(view.angles(last[None, :]).theta[0])
+    events = log.table(final_theta, last)
     assert status is not None
     return Run(
         problem,
         status,
-        _reason(status, t_end, view, last),
+        _reason(status, t_end, view, last, events),
         np.asarray(problem.times)[:filled],
         np.concatenate(rows),
         events.logged(problem.events),
@@ -257,7 +260,7 @@ class EventLog:
         self.view, self.second = view, float(problem.scales.of(SECOND))
         self.sense = {event.name: event.sense for event in problem.system.events}
         self.tables: list[EventTable] = []
-        self.before = float(view.angles(first).theta[0])
+        self.start = float(view.angles(first).theta[0])
         scalars, body = view.scalars(first), view.body
         on_zero = {e.name: abs(float(e.formula(scalars, body)[0])) < AT_START for e in problem.system.events}
         self.starts_on = {name for name, is_zero in on_zero.items() if is_zero}
@@ -271,19 +274,55 @@ class EventLog:
         times = np.array([z.time for z in zeros])
         states = np.asarray(piece.output(times))
         angles = self.view.angles(states)
-        theta = angles.theta
         kind = np.array([KINDS.index(z.kind) for z in zeros], dtype=np.int8)
         crossing = np.array([z.sign * self.sense[z.kind] for z in zeros])
         rising = np.where(crossing != 0, crossing, np.sign(np.asarray(angles.theta_dot, float)))
-        amplitude, self.before = amplitudes(kind, theta, self.before)
-        significant = ~(amplitude < NOISE_FLOOR)
-        seconds = times.astype(float) * self.second
-        self.tables.append(EventTable(seconds, kind, theta, rising.astype(np.int8), amplitude, significant))
+        theta, seconds = np.asarray(angles.theta, float), times.astype(float) * self.second
+        blank = np.full(theta.shape, np.nan), np.ones(theta.shape, dtype=bool)
+        self.tables.append(EventTable(seconds, kind, theta, rising.astype(np.int8), *blank))
         self.count += len(zeros)
 
-    def table(self) -> EventTable:
-        """The log so far."""
-        return EventTable.joined(self.tables)
+    def table(self, theta_end: float, last: np.ndarray) -> EventTable:
+        """The log of a run that ended at theta_end in the state `last`, with amplitudes and significance.
+
+        Sliding that dies for a moment only has not settled: of `settled`, the last one stays if sliding did not return.
+        """
+        log = EventTable.joined(self.tables)
+        settled = np.flatnonzero(log.kind == KINDS.index("settled"))
+        if len(settled):
+            sliding = next(e.formula for e in self.view.system.events if e.name == "settled")
+            over = float(sliding(self.view.scalars(last[None, :]), self.view.body)[0]) < 0
+            log = EventTable(*(np.delete(column, settled[:-1] if over else settled) for column in log))
+        turning = log.kind == KINDS.index("turning")
+        log.significant[turning] = significance(log.theta[turning], log.theta_dot_sign[turning], theta_end)
+        return log._replace(amplitude=amplitudes(log.theta, turning, self.start))
+
+
+def grazing(piece: Slice, force: Extremes, problem: Problem, view: Any) -> Slice:
+    """The slice, cut at the moment the normal force falls below zero, if no liftoff event told of it.
+
+    Event detection finds simple roots; a force that dips below zero within rounding of a double root, or that is
+    negative from the start, is seen here, in the extremes of every step.
+    """
+    unilateral = any(event.name == "liftoff" for event in problem.system.events)
+    if not unilateral or problem.on_liftoff != "stop" or not force.least < -1e-13:
+        return piece
+    grid = np.linspace(float(piece.times[0]), force.t_least, 65)
+
+    def normal_force(times: np.ndarray) -> np.ndarray:
+        return np.asarray(view.internal("normal_force", view.scalars(_rows(piece, times, problem))), float)
+
+    values = normal_force(grid)
+    if values[0] <= 0:
+        return Slice(piece.times[:1], piece.output, piece.coefficients[:0], [], Status.LIFTOFF, piece.wall)
+    high = int(np.argmax(values < 0)) if np.any(values < 0) else len(grid) - 1
+    low, high = grid[high - 1], grid[high]
+    while (middle := (low + high) / 2) not in (low, high):
+        low, high = (middle, high) if normal_force(np.array([middle]))[0] > 0 else (low, middle)
+    steps = int(np.searchsorted(np.asarray(piece.times, float), high))
+    times = np.append(piece.times[:steps], problem.number(high))
+    zeros = [zero for zero in piece.zeros if zero.time <= high] + [Zero(problem.number(high), "liftoff", -1)]
+    return Slice(times, piece.output, piece.coefficients[:steps], zeros, Status.LIFTOFF, piece.wall)
 
 
 def _rows(piece: Slice, times: np.ndarray, problem: Problem) -> np.ndarray:
@@ -299,14 +338,16 @@ def _force(piece: Slice, problem: Problem) -> Extremes:
     return rate_extremes(piece.times, piece.coefficients[:, names.index("impulse")].astype(float) / QUADRATURE_SCALE)
 
 
-def _reason(status: Status, t_end: float, view: Any, last: np.ndarray) -> str:
+def _reason(status: Status, t_end: float, view: Any, last: np.ndarray, events: EventTable) -> str:
     """The sentence that a person reads."""
     if status is Status.FINISHED:
-        return f"finished at t = {t_end:.6g} s"
+        lifted = events.of("liftoff").time
+        beyond = f", but outside the model since the liftoff at t = {lifted[0]:.9g} s" if len(lifted) else ""
+        return f"finished at t = {t_end:.6g} s{beyond}"
     if status is Status.LIFTOFF:
         return f"the top lifted off at t = {t_end:.9g} s (g_n = 0): the model ends there"
     hazards = view.hazards(last[None, :])
     meaning, least = min(hazards.items(), key=lambda item: item[1]) if hazards else ("no known cause", math.inf)
-    cause = meaning if least < 1e-3 else "no known singularity of the model is near"
+    cause = meaning if least < 1e-3 else "no singularity is near, so the equations are too stiff (large mu, small eps)"
     what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
     return f"{what} t = {t_end:.9g} s: {cause}. The last good state is kept."

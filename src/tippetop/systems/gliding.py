@@ -83,9 +83,15 @@ def g_n(s, b):
 
 
 @formula
+def friction_loss(s, b):
+    """Friction power per unit of normal force, k |v_A|^2 [m/s]."""
+    return slip_coefficient(s.v2, s.z, b.friction) * s.v2
+
+
+@formula
 def friction_power(s, b):
     """Rate at which friction takes energy, k g_n |v_A|^2 = -E' [W]. [T 3.8]"""
-    return slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b) * s.v2
+    return friction_loss(s, b) * g_n(s, b)
 
 
 @formula
@@ -147,8 +153,8 @@ class VectorState(NamedTuple):
     impulse: Operand
 
 
-VECTOR_UNITS = VectorState(
-    *(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 4, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND
+VECTOR_UNITS = VectorState._make(
+    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 4, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
 )
 QUADRATURES = ("x", "y", "work", "impulse")
 
@@ -232,7 +238,7 @@ def vector_rates(q, b):
         F.y / b.m,
         q.rx_dot,
         q.ry_dot,
-        -(F.x * v.x + F.y * v.y),
+        friction_power(scalars, b),
         N,
     )
 
@@ -256,8 +262,8 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState(
-    RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 2, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND
+EULER_UNITS = EulerState._make(
+    (RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 2, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND)
 )
 
 
@@ -324,7 +330,7 @@ def euler_rates(e, b):
         e.phi_dot,
         along_e * cos(e.phi) - along_2 * sin(e.phi),
         along_e * sin(e.phi) + along_2 * cos(e.phi),
-        k * N * scalars.v2,
+        friction_power(scalars, b),
         N,
     )
 
@@ -393,8 +399,8 @@ def euler_of_angles(e, s, z, b):
 
 @formula
 def angles_of_euler(e, b):
-    """The Euler form is its own chart."""
-    return e
+    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
 
 
 # --- initial data, events, quantities -------------------------------------------------------------------------------
@@ -485,9 +491,9 @@ def near_inversion(s, b):
 
 @formula
 def sliding(s, b):
-    """Friction power less 1e-12, in internal units (m g R per sqrt(R/g)): below it the motion is settled, because a
-    solution without sliding is a spinning or a tumbling one. [T Theorem 3.3.1]"""
-    return friction_power(s, b) - 1e-12
+    """Friction loss less 1e-12, in internal units: below it the motion is settled, because a solution without sliding
+    is a spinning or a tumbling one. [T Theorem 3.3.1]"""
+    return friction_loss(s, b) - 1e-12
 
 
 COS_INVERTED = 0.9950041652780258  # cos(0.1)
@@ -497,7 +503,7 @@ LIFTOFF = Event("liftoff", "normal force g_n falls to zero: beyond it the model 
 EQUATOR = Event("equator", "theta = pi/2", equator)
 FALLEN = Event("equator", "theta = pi/2: the body has fallen to the plane", equator, stops=True)
 INVERTED = Event("inverted", "theta rises through pi - 0.1", near_inversion, -1)
-SETTLED = Event("settled", "friction power falls below 1e-12 of its unit", sliding, -1)
+SETTLED = Event("settled", "sliding dies out: friction loss below 1e-12 sqrt(gR)", sliding, -1)
 EVENTS = (TURNING, LIFTOFF, EQUATOR, INVERTED, SETTLED)
 
 ENERGIES = (

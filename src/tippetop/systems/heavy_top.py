@@ -114,8 +114,8 @@ class ContactState(NamedTuple):
     impulse: Operand
 
 
-CONTACT_UNITS = ContactState(
-    *(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND
+CONTACT_UNITS = ContactState._make(
+    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
 )
 
 
@@ -247,7 +247,7 @@ class VectorState(NamedTuple):
     impulse: Operand
 
 
-VECTOR_UNITS = VectorState(*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_SECOND)
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_SECOND))
 
 
 @formula
@@ -279,7 +279,7 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState(RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND)
+EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
 
 
 @formula
@@ -353,6 +353,12 @@ def angles_of_vector(q, b):
     )
 
 
+@formula
+def angles_of_euler(e, b):
+    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
+
+
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
     """The Euler record of what a person gave."""
     return gliding.given_angles(EulerState, data, z)
@@ -367,7 +373,7 @@ FIXED_EULER = Form(
     euler_rates,
     euler_scalars,
     gliding.euler_of_angles,
-    gliding.angles_of_euler,
+    angles_of_euler,
     ("phi", "impulse"),
     (gliding.POLE,),
 )

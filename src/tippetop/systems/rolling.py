@@ -117,7 +117,7 @@ class VectorState(NamedTuple):
     impulse: Operand
 
 
-VECTOR_UNITS = VectorState(*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, METRE, METRE, NEWTON_SECOND)
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, METRE, METRE, NEWTON_SECOND))
 QUADRATURES = ("x", "y", "impulse")
 
 
@@ -216,7 +216,7 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState(RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, METRE, METRE, NEWTON_SECOND)
+EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, METRE, METRE, NEWTON_SECOND))
 
 
 @formula
@@ -313,6 +313,12 @@ def angles_of_vector(q, b):
     )
 
 
+@formula
+def angles_of_euler(e, b):
+    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
+
+
 # --- initial data, events, quantities -------------------------------------------------------------------------------
 
 INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
@@ -330,7 +336,7 @@ EULER = Form(
     euler_rates,
     euler_scalars,
     gliding.euler_of_angles,
-    gliding.angles_of_euler,
+    angles_of_euler,
     ("phi", *QUADRATURES),
     (gliding.POLE,),
 )

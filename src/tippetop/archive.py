@@ -1,0 +1,169 @@
+"""Runs and tables of columns <-> zarr stores. A store appears whole or not at all."""
+
+import contextlib
+import json
+import math
+import os
+import platform
+import shutil
+import uuid
+from collections.abc import Iterator
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .trajectory import Column
+
+FORMAT = "tippetop"
+FORMAT_VERSION = 1
+CHUNK = 65536  # rows: half a megabyte per column
+
+
+class StoreError(OSError):
+    """The store or the disk: one sentence, exit code 5."""
+
+
+@contextlib.contextmanager
+def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Gives a scratch folder beside `target`, which becomes `target` when the block ends well and vanishes when not.
+
+    Raises StoreError at once if `target` exists (and is not ours to overwrite) or cannot be written.
+    """
+    target = Path(target)
+    _refuse_existing(target, overwrite)
+    scratch = target.with_name(f".{target.name}.part-{uuid.uuid4().hex[:8]}")
+    try:
+        scratch.mkdir()
+    except OSError as error:
+        raise StoreError(f"`{target}` must be writable, but: {error.strerror or error}.") from None
+    try:
+        yield scratch
+        if target.exists():
+            old = scratch.with_suffix(".old")
+            target.rename(old)
+            scratch.rename(target)
+            shutil.rmtree(old)
+        else:
+            scratch.rename(target)
+    except OSError as error:
+        raise StoreError(f"`{target}` must be written whole, but: {error.strerror or error}.") from error
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _refuse_existing(target: Path, overwrite: bool) -> None:
+    if not target.exists():
+        return
+    if not overwrite:
+        raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
+    try:
+        attributes(target)
+    except StoreError:
+        raise StoreError(f"`{target}` must be a store of tippetop to be overwritten, but is something else.") from None
+
+
+def write(scratch: Path, groups: dict[str, dict[str, "Column"]], attrs: dict[str, Any]) -> None:
+    """Writes groups of columns and root attributes into an empty folder, zarr format 3."""
+    import zarr
+
+    root = zarr.open_group(store=str(scratch), mode="w", zarr_format=3, attributes=finite(attrs))
+    for name, columns in groups.items():
+        group = root.create_group(name)
+        for key, column in columns.items():
+            values = column.values
+            chunks = tuple(max(1, min(n, CHUNK)) for n in values.shape)
+            array = group.create_array(
+                key,
+                shape=values.shape,
+                dtype=values.dtype,
+                chunks=chunks,
+                dimension_names=column.dims,
+                attributes=column.attrs,
+                fill_value=np.nan if values.dtype.kind == "f" else 0,
+            )
+            if values.size:
+                array[...] = values
+
+
+def finite(value: Any) -> Any:
+    """The value as JSON can hold it: numbers that are not finite become None."""
+    if isinstance(value, dict):
+        return {k: finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(v) for v in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def attributes(path: str | Path) -> dict[str, Any]:
+    """Root attributes of a store. Raises StoreError if there is none of ours."""
+    place = Path(path)
+    try:
+        found = json.loads((place / "zarr.json").read_text(encoding="utf-8"))["attributes"]
+        if found["format"] != FORMAT:
+            raise KeyError("format")
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        why = "does not exist" if not place.exists() else "is none" if not isinstance(error, OSError) else str(error)
+        raise StoreError(f"`{path}` must be a store of tippetop, but {why}.") from None
+    if found.get("format_version") != FORMAT_VERSION:
+        raise StoreError(
+            f"`{path}` must have format version {FORMAT_VERSION}, but has {found.get('format_version')}: "
+            "use the release that wrote it."
+        )
+    return found
+
+
+def open_group(path: str | Path, group: str) -> "xr.Dataset":
+    """A group of a store as a labelled Dataset, read when needed. Raises StoreError."""
+    import xarray as xr
+
+    attrs = attributes(path)
+    try:
+        return xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+    except (OSError, ValueError, KeyError) as error:
+        raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+
+
+@lru_cache
+def versions() -> dict[str, str]:
+    """Versions of what a result depends on."""
+    found = {"python": platform.python_version()}
+    for name in ("tippetop", "heyoka", "numpy", "zarr"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+@lru_cache
+def cpu() -> str:
+    """The model of this machine's processor: results are bit-identical only on the same one."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def provenance() -> dict[str, Any]:
+    """What every store says of its making."""
+    return {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "Conventions": "CF-1.11",
+        "versions": versions(),
+        "cpu": cpu(),
+        "threads": 1,
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
+    }

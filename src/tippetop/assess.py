@@ -1,0 +1,35 @@
+"""What can be said of a scenario before it is run: its invariants, its regime, its expected cost."""
+
+from typing import Any
+
+from .problem import Problem
+from .system import SECOND
+from .trajectory import View
+
+
+STEPS_PER_RADIAN = {"double": 0.9, "longdouble": 0.9, "quad": 0.85}  # measured: canonical inversion, 1337 steps in 8 s
+MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # two shared cores of an AMD EPYC
+
+
+def assessment(problem: Problem) -> dict[str, Any]:
+    """Quantities at the start (SI), and what the run will take: steps, seconds, bytes."""
+    view = View(problem)
+    start = problem.start()[None, :]
+    scalars = view.scalars(start)
+    quantities = {
+        f"{q.name} [{q.unit.symbol}]": float(view.internal(q.name, scalars)[0]) * float(problem.scales.of(q.unit))
+        for q in problem.system.quantities
+    }
+    return {"at_start": quantities, "expected": _cost(problem, view, start)}
+
+
+def _cost(problem: Problem, view: View, start: Any) -> dict[str, float]:
+    """Orders of magnitude: a step spans about a radian of the fastest angle."""
+    rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
+    fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))
+    steps = problem.until * fastest * STEPS_PER_RADIAN[problem.precision]
+    return {
+        "steps": round(steps),
+        "seconds": round(steps * MICROSECONDS_PER_STEP[problem.precision] * 1e-6, 4),
+        "megabytes": round(len(problem.times) * 8 * 24 / 1e6, 3),
+    }

@@ -1,0 +1,148 @@
+"""`tippetop info, check, plot, systems, presets`: look at stores, scenarios, and what there is."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+
+Json = Annotated[bool, Parameter(name="--json", negative=())]
+
+
+def info(store: Path, *, as_json: Json = False) -> int:
+    """Say what is in a store: status, events, inversion, drift of the invariants, provenance."""
+    from rich.table import Table
+
+    from tippetop import archive, results
+
+    from .text import console, lines
+
+    attrs = archive.attributes(store)
+    found = results.info(attrs)
+    if as_json:
+        print(json.dumps(found, allow_nan=False))
+        return 0
+    out = console()
+    out.print(attrs["title"], style="bold")
+    table = Table.grid(padding=(0, 2))
+    for name, text in lines(found):
+        table.add_row(name, text)
+    for name in ("parameters", "friction", "initial", "run", "versions"):
+        table.add_row(name, ", ".join(f"{k} = {v}" for k, v in found[name].items()))
+    table.add_row("tolerance", f"{found['tolerance']:.3g}, {found['precision']} precision")
+    table.add_row("processor", found["cpu"])
+    out.print(table)
+    return 0
+
+
+def check(
+    scenario: str,
+    *,
+    set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    as_json: Json = False,
+) -> int:
+    """Validate a scenario without running it: resolved parameters, invariants at the start, expected cost."""
+    from rich.table import Table
+
+    from tippetop import assess
+    from tippetop import scenario as door
+
+    from .text import console
+
+    problem = door.load(scenario, set_)
+    found = {**door.resolved(problem), **assess.assessment(problem)}
+    if as_json:
+        from tippetop.archive import finite
+
+        print(json.dumps(finite(found), allow_nan=False))
+        return 0
+    table = Table.grid(padding=(0, 2))
+    for name, value in found.items():
+        text = ", ".join(f"{k} = {_plain(v)}" for k, v in value.items()) if isinstance(value, dict) else _plain(value)
+        table.add_row(name.replace("_", " "), text)
+    console().print(table)
+    return 0
+
+
+def plot(store: Path, kind: str = "theta", *, out: Path) -> int:
+    """Draw a store: theta (with the nutational band), normal-force, drift, sphere, energy."""
+    from tippetop import archive, figures
+
+    from .run import _check_picture
+
+    _check_picture(out)
+    figures.check_kind(kind)
+    attrs = archive.attributes(store)
+    groups = {name: archive.open_group(store, name) for name in ("trajectory", "events")}
+    figures.draw(kind, groups, attrs, out)
+    return 0
+
+
+def systems(*, as_json: Json = False) -> int:
+    """List the systems with their forms, parameters and events."""
+    from rich.table import Table
+
+    from tippetop.systems import SYSTEMS
+
+    from .text import console
+
+    found = {
+        name: {
+            "title": s.title,
+            "forms": list(s.forms),
+            "parameters": {n: p.unit.symbol for n, p in s.parameters.items()},
+            "initial": {n: p.unit.symbol for n, p in s.initial.items()},
+            "integrals": list(s.integrals),
+            "events": [e.name for e in s.events],
+            "source": s.source,
+        }
+        for name, s in SYSTEMS.items()
+    }
+    if as_json:
+        print(json.dumps(found))
+        return 0
+    table = Table("system", "what", "forms", "parameters", "integrals", box=None, padding=(0, 2, 0, 0))
+    for name, s in found.items():
+        columns = (s["title"], " ".join(s["forms"]), " ".join(s["parameters"]), " ".join(s["integrals"]))
+        table.add_row(name, *columns)
+    console().print(table)
+    return 0
+
+
+def presets(*, as_json: Json = False) -> int:
+    """List the built-in scenarios with their sources."""
+    from rich.table import Table
+
+    from tippetop.scenario import presets as texts
+
+    from .text import console
+
+    found = {name: _comment(text) for name, text in texts().items()}
+    if as_json:
+        print(json.dumps(found))
+        return 0
+    table = Table.grid(padding=(0, 2))
+    for name, comment in found.items():
+        table.add_row(name, comment)
+    console().print(table)
+    return 0
+
+
+def _comment(text: str) -> str:
+    """The leading comment of a preset: its source."""
+    head = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        head.append(line.lstrip("# ").strip())
+    return " ".join(head)
+
+
+def _plain(value: Any) -> str:
+    return f"{value:.8g}" if isinstance(value, float) else str(value)
+
+
+COMMANDS: list[Any] = [info, check, plot, systems, presets]

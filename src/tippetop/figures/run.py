@@ -1,0 +1,235 @@
+"""Figures of a single run. Each takes the groups of its store (Datasets or columns) and its root attributes."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from ..events import KINDS
+from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
+
+
+MOST_POINTS = 40_000  # more cannot be seen; beyond it the smallest and largest of each bin are drawn
+
+
+def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
+    """theta(t) with the logged turning angles and their envelopes, the nutational band; below, its width."""
+    made = figure(10, 6.2)
+    axes, below = made.subplots(2, sharex=True, height_ratios=(4, 1.2))
+    t, angle = trajectory["time"].values, trajectory["theta"].values
+    low, high = _turnings(events, +1), _turnings(events, -1)
+    for when, bottom, top in _bands(low, high):
+        axes.fill_between(when, bottom, top, color=UPPER, alpha=0.16, lw=0)
+    axes.plot(*_thinned(t, angle), color=RUN, lw=0.7, label="θ(t)")
+    size = 5 if len(low[0]) + len(high[0]) < 1000 else 1.5
+    for (when, where), color, words in (
+        (high, UPPER, "maxima: upper envelope"),
+        (low, LOWER, "minima: lower envelope"),
+    ):
+        axes.scatter(when, where, s=size, color=color, lw=0, zorder=3, label=words)
+    axes.set(ylabel="θ (rad)", title=_title(attrs), xlim=_span(t))
+    if np.max(np.abs(angle)) <= np.pi + 0.01 and np.max(angle) > 0.8:
+        axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+        axes.set_ylim(-0.08, min(np.pi + 0.12, max(np.max(angle) * 1.15, 0.9)))
+    for when in _of(events, "liftoff")[:1]:
+        axes.axvline(when, color=ALARM, lw=1.0, ls="--", label=f"liftoff at {when:.4g} s")
+    axes.legend(loc="upper left", markerscale=2.5)
+    turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
+    swing = events["amplitude"].values[turning]
+    if len(swing):
+        below.semilogy(events["time"].values[turning], swing, color=UPPER, lw=0.9, marker=".", ms=2)
+    below.set(xlabel="t (s)", ylabel="swing of θ (rad)")
+    return made
+
+
+def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
+    """g_n(t) in units of the weight m g."""
+    made = figure(10, 4.2)
+    axes = made.subplots()
+    t, weight = trajectory["time"].values, attrs["parameters"]["m"] * attrs["parameters"]["g"]
+    force = trajectory["normal_force"].values / weight
+    axes.plot(*_thinned(t, force), color=RUN, lw=0.8)
+    axes.axhline(1.0, color=QUIET, lw=0.8)
+    axes.axhline(0.0, color=ALARM, lw=1.0, ls="--")
+    axes.annotate(
+        "liftoff",
+        (1.0, 0.0),
+        xycoords=("axes fraction", "data"),
+        color=ALARM,
+        xytext=(4, -3),
+        textcoords="offset points",
+    )
+    axes.annotate(
+        "weight",
+        (1.0, 1.0),
+        xycoords=("axes fraction", "data"),
+        color=QUIET,
+        xytext=(4, -3),
+        textcoords="offset points",
+    )
+    report = attrs.get("report", {}).get("normal_force")
+    if report:
+        for key, color, side in (("min", LOWER, -14), ("max", UPPER, 6)):
+            value, when = report[key] / weight, report[f"t_{key}"]
+            axes.scatter([when], [value], s=22, color=color, zorder=3)
+            axes.annotate(
+                f"{key} {value:.4f} at {when:.4f} s",
+                (when, value),
+                color=color,
+                xytext=(8, side),
+                textcoords="offset points",
+            )
+    low, high = min(0.0, float(force.min())), float(force.max())
+    axes.set(xlabel="t (s)", ylabel="$g_n\\,/\\,mg$", title=_title(attrs), xlim=_span(t))
+    axes.set_ylim(low - 0.12 * (high - low), high + 0.15 * (high - low))
+    return made
+
+
+def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
+    """How well the run kept what must not change: the picture of trust."""
+    made = figure(10, 4.6)
+    axes = made.subplots()
+    t = trajectory["time"].values
+    curves: list[tuple[str, np.ndarray]] = []
+    for name, words in (("jellett", "Jellett's integral λ"), ("routh", "Routh's function D")):
+        if name in attrs["report"]["drift"]:
+            curves.append((words, _relative(trajectory[name].values)))
+    if "energy" in trajectory:
+        work = trajectory["work"].values if "work" in trajectory else 0.0
+        curves.append(("energy balance E + ∫ friction power", _relative(trajectory["energy"].values + work)))
+    if "axis" in trajectory:
+        curves.append(("length of the axis |3hat|", _relative(np.linalg.norm(trajectory["axis"].values, axis=1))))
+    for (words, values), color in zip(curves, (RUN, UPPER, LOWER, QUIET), strict=False):
+        axes.semilogy(*_worst(t, np.maximum(values, 1e-17)), color=color, lw=1.3, label=words)
+    axes.axhline(2.2e-16, color=QUIET, lw=0.8, ls=":")
+    axes.annotate(
+        "rounding\nunit",
+        (1.0, 2.2e-16),
+        xycoords=("axes fraction", "data"),
+        color=QUIET,
+        xytext=(4, -8),
+        textcoords="offset points",
+    )
+    axes.set(xlabel="t (s)", ylabel="relative change since t = 0 (worst per bin)", title=_title(attrs), xlim=_span(t))
+    top = max((float(v.max()) for _, v in curves), default=0.0)
+    axes.set_ylim(0.6e-17, max(1e-14, 30 * top))
+    axes.legend(loc="upper left", ncols=2)
+    return made
+
+
+def sphere(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
+    """The path of 3hat on the unit sphere: from the side, from above, from below; the far side is left out."""
+    made = figure(12, 4.9)
+    path, t = trajectory["axis"].values, trajectory["time"].values
+    step = max(1, len(path) // MOST_POINTS)
+    path, t = path[::step], t[::step]
+    views = (
+        ("from the side", (1, 2, 0), "y", "z"),
+        ("from above", (0, 1, 2), "x", "y"),
+        ("from below", (0, 1, 2), "x", "y"),
+    )
+    drawn: Any = None
+    for axes, (words, (right, up, towards), xlabel, ylabel) in zip(made.subplots(1, 3), views, strict=True):
+        depth = path[:, towards] * (-1 if words == "from below" else 1)
+        near = (depth[1:] >= 0) & (depth[:-1] >= 0)
+        plane = path[:, (right, up)] * ((1, -1) if words == "from below" else (1, 1))
+        segments = np.stack([plane[:-1], plane[1:]], axis=1)[near]
+        drawn = LineCollection(list(segments), array=t[1:][near], cmap="viridis", lw=0.5)
+        drawn.set_clim(*_span(t))
+        axes.add_patch(Circle((0, 0), 1, fill=False, color=QUIET, lw=0.8))
+        axes.add_collection(drawn)
+        for angle in (np.pi / 6, np.pi / 3):  # circles of latitude, 30 and 60 degrees
+            if towards == 2:
+                axes.add_patch(Circle((0, 0), np.cos(angle), fill=False, color="#e3e6ea", lw=0.6, zorder=0))
+            else:
+                for z in (np.sin(angle), -np.sin(angle)):
+                    axes.hlines(z, -np.cos(angle), np.cos(angle), color="#e3e6ea", lw=0.6, zorder=0)
+        axes.grid(False)
+        axes.set(
+            xlim=(-1.08, 1.08), ylim=(-1.08, 1.08), aspect="equal", title=words, xticks=(-1, 0, 1), yticks=(-1, 0, 1)
+        )
+        axes.set_xlabel(f"3hat · {xlabel}")
+        axes.set_ylabel(f"3hat · {'−' if words == 'from below' else ''}{ylabel}")
+    made.colorbar(drawn, ax=made.axes, shrink=0.8, pad=0.01, label="t (s)")
+    made.suptitle(_title(attrs), x=0.01, ha="left", fontsize=11)
+    return made
+
+
+def energy(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
+    """Energy E, modified energy E~ and what friction has taken."""
+    made = figure(10, 4.6)
+    axes = made.subplots()
+    t = trajectory["time"].values
+    curves = (
+        ("modified_energy", "modified energy Ẽ", UPPER),
+        ("energy", "energy E", RUN),
+        ("work", "taken by friction", LOWER),
+    )
+    for name, words, color in curves:
+        if name in trajectory:
+            axes.plot(*_thinned(t, 1e3 * trajectory[name].values), color=color, lw=0.9, label=words)
+    axes.set(xlabel="t (s)", ylabel="energy (mJ)", title=_title(attrs), xlim=_span(t))
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return made
+
+
+def _bands(low: Any, high: Any) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Pieces of the band between the envelopes, broken where turnings pause: theta is monotone there."""
+    times = np.union1d(low[0], high[0])
+    if len(low[0]) < 2 or len(high[0]) < 2:
+        return []
+    gaps = np.diff(times)
+    usual = np.array([np.median(gaps[max(0, i - 10) : i + 11]) for i in range(len(gaps))])
+    pieces = []
+    for piece in np.split(times, np.flatnonzero(gaps > 3 * usual) + 1):
+        inside = [(c[0] >= piece[0]) & (c[0] <= piece[-1]) for c in (low, high)]
+        if all(keep.sum() >= 2 for keep in inside):
+            edges = [np.interp(piece, c[0][keep], c[1][keep]) for c, keep in zip((low, high), inside, strict=True)]
+            pieces.append((piece, *edges))
+    return pieces
+
+
+def _worst(t: np.ndarray, values: np.ndarray, bins: int = 250) -> tuple[np.ndarray, np.ndarray]:
+    """The largest value of each of `bins` stretches of the run."""
+    edges = np.unique(np.linspace(0, len(t), min(bins, len(t)) + 1).astype(int))[:-1]
+    return t[edges], np.maximum.reduceat(values, edges)
+
+
+def _title(attrs: dict[str, Any]) -> str:
+    """One line: the system and what makes this run this run."""
+    initial = ", ".join(f"{name}(0) = {value:g}" for name, value in attrs["initial"].items())
+    return f"{attrs['title']}: {initial}" if initial else attrs["title"]
+
+
+def _span(t: np.ndarray) -> tuple[float, float]:
+    return (float(t[0]), float(t[-1])) if len(t) > 1 and t[-1] > t[0] else (-1.0, 1.0)
+
+
+def _of(events: Any, kind: str) -> np.ndarray:
+    return events["time"].values[events["kind"].values == KINDS.index(kind)]
+
+
+def _turnings(events: Any, sign: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times and angles of the significant minima (sign +1) or maxima (-1) of theta."""
+    keep = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
+    keep &= events["theta_dot_sign"].values == sign
+    return events["time"].values[keep], events["theta"].values[keep]
+
+
+def _relative(values: np.ndarray) -> np.ndarray:
+    first = values[0]
+    return np.abs(values - first) / (abs(first) if first else 1.0)
+
+
+def _thinned(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The curve with at most MOST_POINTS points: smallest and largest of each bin, so that no peak is lost."""
+    if len(t) <= MOST_POINTS:
+        return t, values
+    size = -(-len(t) // (MOST_POINTS // 2))
+    whole = len(t) // size * size
+    bins = values[:whole].reshape(-1, size)
+    first = np.arange(len(bins)) * size
+    pick = np.sort(np.concatenate([first + bins.argmin(axis=1), first + bins.argmax(axis=1), np.arange(whole, len(t))]))
+    return t[pick], values[pick]

@@ -1,0 +1,53 @@
+"""How all our figures look."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+
+RUN, UPPER, LOWER, QUIET, ALARM = "#1f3b57", "#c2410c", "#0f766e", "#8a94a0", "#b91c1c"
+RC = {
+    "font.size": 10,
+    "axes.titlesize": 11,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e3e6ea",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "lines.linewidth": 1.0,
+    "agg.path.chunksize": 20000,
+}
+
+
+def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
+    """An empty figure, inches, with room managed by matplotlib."""
+    made = Figure(figsize=(width, height), layout="constrained", **options)
+    FigureCanvasAgg(made)
+    return made
+
+
+def styled() -> Any:
+    """A block in which figures are made in our style, whatever the user's own settings are."""
+    return mpl.rc_context({**mpl.rcParamsDefault, **RC})
+
+
+def save(made: Figure, path: Path) -> None:
+    """Writes a figure whole or not at all; the ending of `path` names the format. Raises StoreError."""
+    from ..archive import StoreError
+
+    path = Path(path)
+    scratch = path.with_name(f".{path.stem}.part{path.suffix}")
+    try:
+        made.savefig(scratch, dpi=150)
+        os.replace(scratch, path)
+    except OSError as error:
+        raise StoreError(f"`{path}` must be writable, but: {error.strerror or error}.") from None
+    finally:
+        scratch.unlink(missing_ok=True)
