@@ -4,6 +4,7 @@ Both are bodies with R = 0, c = -l (see gliding.Body): one stands on a plane and
 L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x 3hat'.
 """
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..friction import LAWS, slip_coefficient
@@ -422,7 +423,15 @@ HEAVY_TOP = System(
     forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
     quantities=(*MOMENTA, *gliding.ENERGIES, *rolling.REACTION[:2]),
     integrals=("L3", "Lz", "energy"),
-    events=(gliding.TURNING, gliding.EQUATOR),
+    events=(
+        gliding.TURNING,
+        replace(
+            rolling.LIFTOFF,
+            long_name="vertical reaction falls to zero: beyond it a tip that merely stood would lift off",
+            stops=False,
+        ),
+        gliding.EQUATOR,
+    ),
     long_names={**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
     **COMMON,
 )
