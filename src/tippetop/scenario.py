@@ -124,7 +124,7 @@ def _shape(name: str) -> type[BaseModel]:
     initial = _table("Initial", system.initial, required=False, **flags)
     fields["initial"] = (initial, initial())
     if system.frictional:
-        laws = [_table(n, law.parameters, required=True, law=(Literal[n], ...)) for n, law in LAWS.items()]
+        laws = [_table(n, law.parameters, required=True, law=(Literal[n], ...)) for n, law in system.laws.items()]
         union: Any = laws[0]
         for law in laws[1:]:
             union = union | law
@@ -153,7 +153,7 @@ def problem(tables: dict[str, Any]) -> Problem:
     faults = [*system.checks(parameters), *_initial_faults(system, scenario.form, initial), *_run_faults(system, run)]
     if faults:
         raise ScenarioError(faults)
-    law = LAWS[scenario.friction.law] if system.frictional else LAWS["none"]
+    law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
     values = scenario.friction.model_dump() if system.frictional else {}
     built = Problem(
         system=system,
@@ -187,7 +187,8 @@ def load(source: str, assignments: list[str] | None = None, until: float | None 
 
 def law_name(problem: Problem) -> str:
     """The name of the friction law of a problem, as in `[friction] law`."""
-    return next(name for name, law in LAWS.items() if law.record is type(problem.friction))
+    laws = {**LAWS, **problem.system.laws}
+    return next(name for name, law in laws.items() if law.record is type(problem.friction))
 
 
 def resolved(problem: Problem) -> dict[str, Any]:
@@ -274,7 +275,8 @@ def _check_start(built: Problem) -> None:
 
 def _sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]) -> str:
     """One pydantic error as `key` must ..., but is ...."""
-    place = [p for p in error["loc"] if not (p in LAWS and error["loc"][0] == "friction")]
+    laws = SYSTEMS[tables["system"]].laws
+    place = [p for p in error["loc"] if not (p in laws and error["loc"][0] == "friction")]
     key, context, kind = ".".join(map(str, place)), error.get("ctx", {}), error["type"]
     found = repr(error["input"]) if not isinstance(error["input"], dict) else "a table"
     if len(found) > 60:
@@ -285,7 +287,7 @@ def _sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]) -> str
         return f"`{key}` must not be there: known keys are {', '.join(_known(tables, shape, place))}."
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         found = repr(context.get("tag")) if kind == "union_tag_invalid" else "missing"
-        return f"`{key}.law` must be one of {', '.join(LAWS)}, but is {found}."
+        return f"`{key}.law` must be one of {', '.join(laws)}, but is {found}."
     must = {
         "greater_than": f"must be greater than {context.get('gt')}",
         "greater_than_equal": f"must be at least {context.get('ge')}",
@@ -307,7 +309,7 @@ def _sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]) -> str
 def _known(tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
     """The keys that a table of the scenario may have."""
     if place[0] == "friction" and len(place) > 1:
-        return ["law", *LAWS[tables["friction"]["law"]].parameters]
+        return ["law", *SYSTEMS[tables["system"]].laws[tables["friction"]["law"]].parameters]
     model: Any = shape
     for part in place[:-1]:
         annotation = model.model_fields[part].annotation

@@ -31,10 +31,11 @@ AT_START = 1e-9  # an event function that is smaller than this at t = 0, of orde
 
 
 class Status(Enum):
-    """How a run ended. Only FINISHED and LIFTOFF are ordinary ends."""
+    """How a run ended. Only FINISHED, LIFTOFF and FALLEN are ordinary ends."""
 
     FINISHED = "finished"
     LIFTOFF = "liftoff"
+    FALLEN = "fallen"
     NON_FINITE = "non-finite"
     STALLED = "stalled"
     INTERRUPTED = "interrupted"
@@ -150,8 +151,13 @@ def integrator_of(problem: Problem) -> Any:
     return integrator
 
 
-def slices(integrator: Any, end: Any) -> Iterator[Slice]:
-    """Drives an integrator to the internal time `end`; the last slice carries the status.
+def terminal_kinds(problem: Problem) -> tuple[str, ...]:
+    """The kinds of the events that end a run, in heyoka's order."""
+    return tuple(e.name for e in problem.system.events if e.stops and problem.on_liftoff == "stop")
+
+
+def slices(integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",)) -> Iterator[Slice]:
+    """Drives an integrator to the internal time `end`; the last slice carries the status. `terminal` are its kinds.
 
     Slices of a number of steps are bit-identical to one long call; slices of time would not be.
     """
@@ -172,8 +178,9 @@ def slices(integrator: Any, end: Any) -> Iterator[Slice]:
         elif outcome == stop.step_limit:
             status = Status.STALLED if output.times[-1] - start < STEPS_PER_SLICE * 1e-10 else None
         else:
-            status = Status.LIFTOFF
-            zeros.append(Zero(integrator.time, "liftoff", -1))
+            kind = terminal[-int(outcome) - 1]  # heyoka numbers the terminal events -1, -2, ...
+            status = Status.LIFTOFF if kind == "liftoff" else Status.FALLEN
+            zeros.append(Zero(integrator.time, kind, -1))
         if output is None:  # not one step was possible
             yield Slice(
                 np.array([start]), lambda t: np.zeros((0, len(integrator.state))), np.zeros((0,)), [], status, 0
@@ -226,7 +233,7 @@ def solve(problem: Problem, progress: Callable[[float, dict], None] | None = Non
     rows, filled, last = [first[:0]], 0, first[0]
     status: Status | None = None
     t_end = 0.0
-    for found in slices(integrator, end):
+    for found in slices(integrator, end, terminal_kinds(problem)):
         force = _force(found, problem) if len(found.times) > 1 else Extremes()
         piece = grazing(found, force, problem)
         seconds["integrate"] += piece.wall
@@ -284,11 +291,11 @@ class EventLog:
             return
         times = np.array([z.time for z in zeros])
         states = np.asarray(piece.output(times))
-        scalars, theta = self.view.scalars(states), self.view.angles(states).theta
+        angles = self.view.angles(states)
         kind = np.array([KINDS.index(z.kind) for z in zeros], dtype=np.int8)
         crossing = np.array([z.sign * self.sense[z.kind] for z in zeros])
-        rising = np.where(crossing != 0, crossing, -np.sign(np.asarray(scalars.z_dot, float)))
-        theta, seconds = np.asarray(theta, float), times.astype(float) * self.second
+        rising = np.where(crossing != 0, crossing, np.sign(np.asarray(angles.theta_dot, float)))
+        theta, seconds = np.asarray(angles.theta, float), times.astype(float) * self.second
         blank = np.full(theta.shape, np.nan), np.ones(theta.shape, dtype=bool)
         self.tables.append(EventTable(seconds, kind, theta, rising.astype(np.int8), *blank))
         self.count += len(zeros)
@@ -315,7 +322,7 @@ def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
     Event detection finds simple roots; a force that dips below zero within rounding of a double root, or that is
     negative from the start, is seen here, in the extremes of every step.
     """
-    if problem.on_liftoff != "stop" or not force.least < -1e-13:
+    if "liftoff" not in terminal_kinds(problem) or not force.least < -1e-13:
         return piece
     high = falls_below_zero(piece.times, _impulse(piece, problem))
     if high is None or high <= float(piece.times[0]):
@@ -352,11 +359,14 @@ def _impulse(piece: Slice, problem: Problem) -> np.ndarray:
 def _reason(status: Status, t_end: float, view: Any, last: np.ndarray, events: EventTable) -> str:
     """The sentence that a person reads."""
     if status is Status.FINISHED:
-        lifted = events.of("liftoff").time
+        unilateral = any(e.name == "liftoff" and e.stops for e in view.system.events)
+        lifted = events.of("liftoff").time if unilateral else ()
         beyond = f", but outside the model since the liftoff at t = {lifted[0]:.9g} s" if len(lifted) else ""
         return f"finished at t = {t_end:.6g} s{beyond}"
     if status is Status.LIFTOFF:
         return f"the top lifted off at t = {t_end:.9g} s (g_n = 0): the model ends there"
+    if status is Status.FALLEN:
+        return f"the top fell at t = {t_end:.9g} s (theta = pi/2): the plane is in its way"
     hazards = view.hazards(last[None, :])
     meaning, least = min(hazards.items(), key=lambda item: item[1]) if hazards else ("no known cause", math.inf)
     cause = meaning if least < 1e-3 else "no singularity is near, so the equations are too stiff (large mu, small eps)"

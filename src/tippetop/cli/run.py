@@ -67,7 +67,7 @@ def run(
     else:
         places = {"store": out, "figure": figure}
         summary(results.headline(done), results.info(attrs), done.seconds, places)
-    if done.status.value in ("finished", "liftoff"):
+    if done.status.value in ("finished", "liftoff", "fallen"):
         return 0
     print(f"tippetop: {done.reason}", file=sys.stderr)
     return 3
