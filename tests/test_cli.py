@@ -83,20 +83,6 @@ def test_a_place_that_cannot_be_written_is_said_before_the_run(
         assert "must be writable" in err
 
 
-def test_a_failed_run_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from tippetop import archive
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(archive, "write", full)
-    err = said(capsys, "run", "inverting", "--until", "0.1", "--out", str(tmp_path / "a.zarr"), code=5)[1]
-    assert "No space left on device" in err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_physics_that_stops_a_run_exits_with_3_and_keeps_the_store(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

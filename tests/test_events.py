@@ -4,35 +4,41 @@ import numpy as np
 import pytest
 
 import tippetop
-from tippetop.events import NOISE_FLOOR, amplitudes, significance
+from tippetop.events import NOISE_FLOOR, Confirmation
 
 
-def test_all_large_swings_count() -> None:
-    theta, sign = np.array([0.3, 0.1, 0.35, 0.08]), np.array([-1, 1, -1, 1])
-    assert significance(theta, sign, end=0.2).tolist() == [True] * 4
+def confirmed(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> list[int]:
+    """Rows that are found significant when the turnings come in several pieces."""
+    waiting, found = Confirmation(), []
+    for rows in np.array_split(np.arange(len(theta)), pieces):
+        found += waiting.take(rows, np.array(theta)[rows], np.array(sign)[rows])
+    return [row for row, _ in found + waiting.reached(end)]
 
 
-def test_a_decay_that_ends_in_rounding_counts_nothing() -> None:
-    theta, sign = np.pi - np.array([1e-16, 0.0, 2e-16, 0.0]), np.array([-1, 1, -1, 1])
-    assert not significance(theta, sign, end=np.pi).any()
+@pytest.mark.parametrize("pieces", [1, 2, 4])
+class TestSignificance:
+    def test_all_large_swings_count(self, pieces: int) -> None:
+        assert confirmed([0.3, 0.1, 0.35, 0.08], [-1, 1, -1, 1], 0.2, pieces) == [0, 1, 2, 3]
 
+    def test_a_decay_that_ends_in_rounding_counts_nothing(self, pieces: int) -> None:
+        theta = [np.pi - x for x in (1e-16, 0.0, 4e-16, 0.0)]
+        assert confirmed(theta, [-1, 1, -1, 1], np.pi, pieces) == []
 
-def test_a_turning_that_rounding_splits_into_three_counts_once() -> None:
-    theta = np.array([0.1, 0.5, 0.5 - 1e-16, 0.5 + 1e-16, 0.1])
-    sign = np.array([1, -1, 1, -1, 1])
-    assert significance(theta, sign, end=0.4).tolist() == [True, False, False, True, True]
+    def test_a_turning_that_rounding_splits_into_three_counts_once(self, pieces: int) -> None:
+        theta = [0.1, 0.5, 0.5 - 1e-16, 0.5 + 2e-16, 0.1]
+        assert confirmed(theta, [1, -1, 1, -1, 1], 0.4, pieces) == [0, 3, 4]
 
-
-def test_the_last_turning_counts_only_if_theta_comes_back_from_it() -> None:
-    theta, sign = np.array([0.5, 0.1]), np.array([-1, 1])
-    assert significance(theta, sign, end=0.1 + NOISE_FLOOR / 10).tolist() == [True, False]
-    assert significance(theta, sign, end=0.1 + NOISE_FLOOR * 10).tolist() == [True, True]
+    def test_the_last_turning_counts_only_if_theta_comes_back_from_it(self, pieces: int) -> None:
+        assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR / 10, pieces) == [0]
+        assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR * 10, pieces) == [0, 1]
 
 
 def test_amplitude_is_the_swing_since_the_turning_before() -> None:
-    theta, turning = np.array([0.3, 1.57, 0.1, 0.35]), np.array([True, False, True, True])
-    found = amplitudes(theta, turning, start=0.25)
-    np.testing.assert_allclose(found, [0.05, np.nan, 0.2, 0.25], rtol=1e-14)
+    run = tippetop.run("inverting", until=2.0)
+    turning = run.events.of("turning")
+    swing = np.abs(np.diff(turning.theta, prepend=0.1))
+    np.testing.assert_allclose(turning.amplitude, swing, rtol=0, atol=1e-15)
+    assert np.all(np.isnan(run.events.amplitude[run.events.kind != 0]))
 
 
 @pytest.mark.parametrize("assignments", [[], ["initial.phi=1.0"]])
@@ -45,7 +51,7 @@ def test_a_run_released_at_rest_does_not_log_its_start(assignments: list[str]) -
 def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
     events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).events
     turning = events.of("turning")
-    assert len(events.of("settled").time) == 1
+    assert len(events.of("settled", significant=True).time) == 1
     assert turning.significant.sum() == 395
     assert (~turning.significant).sum() > 100
     assert turning.time[turning.significant].max() < 10 < turning.time[~turning.significant].min()
@@ -54,4 +60,5 @@ def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
 def test_sliding_that_dies_for_a_moment_has_not_settled() -> None:
     """In planar motion the contact velocity passes through zero at every swing."""
     run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0)
-    assert len(run.events.of("settled").time) == 0
+    assert len(run.events.of("settled").time) > 3
+    assert len(run.events.of("settled", significant=True).time) == 0

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import tippetop
-from tippetop import scenario
-from tippetop import solve as engine
+from tippetop import engine, scenario
+from tippetop import solve as course
+from tippetop.engine import Slice, Status, slices
 from tippetop.problem import Problem
-from tippetop.solve import Slice, Status, slices, solve
+from tippetop.solve import solve
 
 
 def load(*assignments: str, until: float = 2.0, **changes: object) -> Problem:
@@ -100,8 +101,8 @@ def test_a_liftoff_that_the_event_misses_is_seen_in_the_force(monkeypatch: pytes
     problem = load("initial.omega3=170.0", until=10.0)
     expected = solve(problem).report["t_end"]
     blind = engine.integrator_of(dataclasses.replace(problem, on_liftoff="continue"))
-    monkeypatch.setattr(engine, "integrator_of", lambda _: blind)
-    monkeypatch.setattr(engine, "slices", lambda *_: forgetful(slices(*_)))
+    monkeypatch.setattr(course, "integrator_of", lambda _: blind)
+    monkeypatch.setattr(course, "slices", lambda *_: forgetful(slices(*_)))
     run = solve(problem)
     assert run.status is Status.LIFTOFF
     assert run.report["t_end"] == pytest.approx(expected, abs=1e-13)
@@ -118,7 +119,7 @@ def test_a_state_that_turns_non_finite_keeps_the_last_good_one(monkeypatch: pyte
     problem = load("form=euler", until=0.3)
     good = engine.integrator_of(problem)
     good.pars[3] = np.nan  # what a broken parameter would do, past the door
-    monkeypatch.setattr(engine, "integrator_of", lambda _: good)
+    monkeypatch.setattr(course, "integrator_of", lambda _: good)
     run = solve(problem)
     assert run.status is Status.NON_FINITE
     assert "not finite" in run.reason

@@ -103,8 +103,8 @@ class Form:
     units: Any  # the state record (a NamedTuple) filled with the unit of each variable
     rates: Callable  # rates(q, b) -> the same record: the time derivatives
     scalars: Callable  # scalars(q, b) -> what the quantities are written in
-    of_angles: Callable  # of_angles(euler, sin_theta, cos_theta, b) -> q
-    to_angles: Callable  # to_angles(q, b) -> Euler record
+    of_angles: Callable  # of_angles(angles, sin_theta, cos_theta, b) -> q
+    to_angles: Callable  # to_angles(q, b) -> record of angles
     quadratures: tuple[str, ...] = ()  # variables that the equations do not read: they must not control the step
     hazards: tuple[Hazard, ...] = ()  # where the form or the model breaks down
 
@@ -122,7 +122,8 @@ class System:
     scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
     folded: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
     initial: dict[str, Parameter]
-    start: Callable  # start(data, b) -> Euler record, SI
+    start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
+    angles: Any  # the record that people read and write (a NamedTuple) filled with units
     forms: dict[str, Form]
     quantities: Sequence[Quantity]
     integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
@@ -130,5 +131,10 @@ class System:
     long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
-    frictional: bool = True
+    laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
     potential: Callable | None = None
+
+    @property
+    def frictional(self) -> bool:
+        """Whether a friction law must be given."""
+        return bool(self.laws)

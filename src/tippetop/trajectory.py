@@ -66,7 +66,7 @@ class View:
         scales, names = self.problem.scales, self.system.long_names
         scalars, euler = self.scalars(rows), self.angles(rows)
         columns = {"time": _column(times, SECOND, "time")}
-        for name, unit in self._angle_units().items():
+        for name, unit in self.system.angles._asdict().items():
             columns[name] = _column(getattr(euler, name) * _float(scales.of(unit)), unit, names[name])
         vectors = self._vectors(rows, euler)
         for name, variables in self.system.vectors.items():
@@ -81,9 +81,6 @@ class View:
     def quantity(self, name: str) -> Quantity:
         """The record of a quantity of this system."""
         return self.quantities[name]
-
-    def _angle_units(self) -> dict[str, Unit]:
-        return next(f for f in self.system.forms.values() if f.name in ("euler", "angle")).units._asdict()
 
     def _vectors(self, rows: np.ndarray, euler: Any) -> Any:
         record = self.record(rows)

@@ -25,7 +25,7 @@ class Progress:
         self.until, self.task = until, None
         self.bar: Any = None
         self.shown = sys.stderr.isatty() and not os.environ.get("TIPPETOP_QUIET")
-        self.began = time.monotonic()
+        self.began = self.drawn = time.monotonic()
 
     def __enter__(self) -> Progress:
         return self
@@ -34,10 +34,11 @@ class Progress:
         if self.bar is not None:
             self.bar.stop()
 
-    def update(self, t: float, report: dict[str, Any]) -> None:
-        """Called after every slice with the time reached [s]."""
-        if not self.shown or time.monotonic() - self.began < 0.5:
+    def update(self, course: Any) -> None:
+        """Called after every slice with the run on its way."""
+        if not self.shown or time.monotonic() - max(self.began + 0.4, self.drawn) < 0.1:
             return
+        self.drawn = time.monotonic()
         if self.bar is None:
             from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
             from rich.progress import Progress as Bar
@@ -46,9 +47,12 @@ class Progress:
             self.bar = Bar(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True)
             self.bar.start()
             self.task = self.bar.add_task("", total=self.until, note="")
+        report = course.report()
+        rate = course.t_end / (self.drawn - self.began)
         drift = max(report["drift"].values(), default=0.0)
-        note = f"{report['steps']} steps, {report['events']} events, drift {drift:.0e}"
-        self.bar.update(self.task, completed=t, note=note)
+        turnings = report["event_counts"].get("turning", 0)
+        note = f"{rate:.3g} s/s, theta {report['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
+        self.bar.update(self.task, completed=course.t_end, note=note)
 
 
 def summary(headline: str, info: dict[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:

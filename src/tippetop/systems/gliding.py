@@ -72,7 +72,7 @@ class Scalars(NamedTuple):
 @formula
 def yielding(s, b):
     """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
-    slip = slip_coefficient(s.v2, b.friction) * s.v_u
+    slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
     return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - (b.R - b.c * s.z) * slip)
 
 
@@ -85,7 +85,7 @@ def g_n(s, b):
 @formula
 def friction_loss(s, b):
     """Friction power per unit of normal force, k |v_A|^2 [m/s]."""
-    return slip_coefficient(s.v2, b.friction) * s.v2
+    return slip_coefficient(s.v2, s.z, b.friction) * s.v2
 
 
 @formula
@@ -153,8 +153,8 @@ class VectorState(NamedTuple):
     impulse: Operand
 
 
-VECTOR_UNITS = VectorState(
-    *(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 4, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND
+VECTOR_UNITS = VectorState._make(
+    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 4, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
 )
 QUADRATURES = ("x", "y", "work", "impulse")
 
@@ -223,7 +223,7 @@ def vector_rates(q, b):
     """3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
     u_dot, v, scalars = axis_rate(q, b), contact_velocity(q, b), vector_scalars(q, b)
     N = g_n(scalars, b)
-    F = times(-(slip_coefficient(scalars.v2, b.friction) * N), v)
+    F = times(-(slip_coefficient(scalars.v2, scalars.z, b.friction) * N), v)
     h = b.R - b.c * q.uz
     twist = q.ux * F.y - q.uy * F.x  # (3hat x F)_z
     return VectorState(
@@ -262,8 +262,8 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState(
-    RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 2, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND
+EULER_UNITS = EulerState._make(
+    (RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 2, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND)
 )
 
 
@@ -304,7 +304,7 @@ def euler_rates(e, b):
     s, z = sin(e.theta), cos(e.theta)
     scalars = euler_scalars(e, b)
     N = g_n(scalars, b)
-    k = slip_coefficient(scalars.v2, b.friction)
+    k = slip_coefficient(scalars.v2, scalars.z, b.friction)
     Fx, Fy = -(k * N * e.nu_x), -(k * N * e.nu_y)  # along e and 2hat
     h, q = b.R - b.c * z, b.c - b.R * z
     along_e, along_2 = centre_velocity(e, s, z, b)
@@ -339,20 +339,28 @@ def euler_rates(e, b):
 
 
 @formula
+def axis_and_momentum(e, s, z, I1, I3):
+    """3hat and the angular momentum of a body with transverse moment I1 and axial moment I3, (3,) each. [section 1]"""
+    ex, ey = cos(e.phi), sin(e.phi)
+    L3, transverse, nodal = I3 * e.omega3, -(I1 * e.phi_dot * s), I1 * e.theta_dot
+    lean = transverse * z + L3 * s  # L along e; 1hat = z e - s zhat
+    return Vector(s * ex, s * ey, z), Vector(lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s)
+
+
+@formula
 def vector_of_angles(e, s, z, b):
     """The vector state of an Euler-angle state; s, z are its sin(theta), cos(theta), exact at the poles. [section 1]"""
+    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     along_e, along_2 = centre_velocity(e, s, z, b)
     ex, ey = cos(e.phi), sin(e.phi)
-    L3, transverse, nodal = b.I3 * e.omega3, -(b.I1 * e.phi_dot * s), b.I1 * e.theta_dot
-    lean = transverse * z + L3 * s  # L along e; 1hat = z e - s zhat
     return VectorState(
-        s * ex,
-        s * ey,
-        z,
-        lean * ex - nodal * ey,
-        lean * ey + nodal * ex,
-        L3 * z - transverse * s,
-        L3,
+        u.x,
+        u.y,
+        u.z,
+        L.x,
+        L.y,
+        L.z,
+        b.I3 * e.omega3,
         along_e * ex - along_2 * ey,
         along_e * ey + along_2 * ex,
         e.x,
@@ -407,15 +415,19 @@ INITIAL = {
     "nu_y": Parameter(METRE_PER_SECOND, "contact velocity along 2hat"),
     "x": Parameter(METRE, "x of the centre of mass"),
     "y": Parameter(METRE, "y of the centre of mass"),
+    "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3"),
 }
 
 
+def given_angles(angles: type, data: dict[str, Any], z: Any) -> Any:
+    """The record of angles of what a person gave, the rest zero; psi_dot may stand for omega3."""
+    e = angles(*(data.get(name, 0) for name in angles._fields))
+    return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
+
+
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what a person gave; psi_dot may stand for omega3, centre_at_rest for nu_x and nu_y."""
-    given = {name: data.get(name, 0) for name in INITIAL}
-    if "psi_dot" in data:
-        given["omega3"] = data["psi_dot"] + given["phi_dot"] * z
-    e = EulerState(**given, work=0, impulse=0)
+    """The Euler record of what a person gave; centre_at_rest may stand for nu_x and nu_y."""
+    e = given_angles(EulerState, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
         e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
@@ -486,17 +498,20 @@ def sliding(s, b):
 
 COS_INVERTED = 0.9950041652780258  # cos(0.1)
 
-EVENTS = (
-    Event("turning", "turning angle, theta' = 0", turning, sense=-1),
-    Event("liftoff", "normal force g_n falls to zero: beyond it the model does not hold", g_n, -1, stops=True),
-    Event("equator", "theta = pi/2", equator),
-    Event("inverted", "theta rises through pi - 0.1", near_inversion, -1),
-    Event("settled", "sliding dies out: friction loss below 1e-12 sqrt(gR)", sliding, -1),
-)
+TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=-1)
+LIFTOFF = Event("liftoff", "normal force g_n falls to zero: beyond it the model does not hold", g_n, -1, stops=True)
+EQUATOR = Event("equator", "theta = pi/2", equator)
+FALLEN = Event("equator", "theta = pi/2: the body has fallen to the plane", equator, stops=True)
+INVERTED = Event("inverted", "theta rises through pi - 0.1", near_inversion, -1)
+SETTLED = Event("settled", "sliding dies out: friction loss below 1e-12 sqrt(gR)", sliding, -1)
+EVENTS = (TURNING, LIFTOFF, EQUATOR, INVERTED, SETTLED)
 
-QUANTITIES = (
+ENERGIES = (
     Quantity("energy", "E", JOULE, "energy", energy),
     Quantity("modified_energy", "E~", JOULE, "modified (rolling) energy", modified_energy),
+)
+QUANTITIES = (
+    *ENERGIES,
     Quantity("normal_force", "g_n", NEWTON, "normal force", g_n),
     Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
 )

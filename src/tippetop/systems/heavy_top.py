@@ -1,12 +1,33 @@
 """Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter. [T ch. 2, 5]
 
-Both are gliding bodies with R = 0, c = -l (see gliding.Body): one stands on a plane, the other has its tip fixed.
+Both are bodies with R = 0, c = -l (see gliding.Body): one stands on a plane and glides, the other has its tip fixed.
+L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x 3hat'.
 """
 
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
-from ..operand import Operand, formula
-from .gliding import Body
+from ..friction import LAWS, slip_coefficient
+from ..operand import Operand, Vector, atan2, cos, cross, dot, formula, plus, sin, sqrt, times
+from ..system import (
+    ANGULAR_MOMENTUM,
+    INERTIA,
+    JOULE,
+    KILOGRAM,
+    METRE,
+    METRE_PER_SECOND,
+    METRE_PER_SECOND2,
+    NEWTON_SECOND,
+    ONE,
+    RADIAN,
+    RADIAN_PER_SECOND,
+    Form,
+    Parameter,
+    Quantity,
+    System,
+)
+from . import gliding, rolling
+from .gliding import Body, axis
 
 
 class HeavyTop(NamedTuple):
@@ -19,10 +40,22 @@ class HeavyTop(NamedTuple):
     g: Operand
 
 
+PARAMETERS = {
+    "m": Parameter(KILOGRAM, "mass", above=0),
+    "l": Parameter(METRE, "distance from the tip to the centre of mass", above=0),
+    "I1": Parameter(INERTIA, "transverse moment of inertia about the centre of mass", above=0),
+    "I3": Parameter(INERTIA, "axial moment of inertia about the centre of mass", above=0),
+    "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
+}
+
+
 def body(parameters, friction) -> Body:
     """The body of a heavy top: R = 0, c = -l."""
     m, l, I1, I3, g = (parameters[name] for name in HeavyTop._fields)
     return Body(m, 0 * l, -l, I1, I3, g, friction)
+
+
+# --- quantities -----------------------------------------------------------------------------------------------------
 
 
 @formula
@@ -35,3 +68,370 @@ def tip_inertia(b):
 def potential(z, Lz, L3, b):
     """Effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip. [T 2.38, 5.26]"""
     return L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * tip_inertia(b) * ((1 - z) * (1 + z))) - b.m * b.g * b.c * z
+
+
+@formula
+def theta_inertia(z, b):
+    """I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2]. [T 2.38, 5.26]"""
+    return tip_inertia(b) / 2
+
+
+@formula
+def L3(s, b):
+    """L_3 = I3 omega_3 [kg m^2/s]; constant for any force at the tip. [T 2.37, 5.7]"""
+    return s.L3
+
+
+@formula
+def Lz(s, b):
+    """L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed. [T 2.36, 5.19]"""
+    return s.Lz + b.m * b.c**2 * s.precession
+
+
+@formula
+def Lz_rate(z_dot, slip_n, s, b):
+    """L_z' of the gliding top, m (zhat x a).(dv_A/dt) [kg m^2/s^2], by its forces; slip_n = k g_n v_n. [T 5.19]"""
+    return -(b.m * b.c**2 / b.I1 * s.L3 * z_dot) - tip_inertia(b) / b.I1 * b.c * slip_n
+
+
+# --- gliding: the vector form about the contact ---------------------------------------------------------------------
+
+
+class ContactState(NamedTuple):
+    """3hat, angular momentum L_A about the contact, contact velocity v_A, place of the centre of mass; then the
+    integrals of friction power and normal force."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    vx: Operand
+    vy: Operand
+    x: Operand
+    y: Operand
+    work: Operand
+    impulse: Operand
+
+
+CONTACT_UNITS = ContactState._make(
+    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
+)
+
+
+@formula
+def tip_axis_rate(q, b):
+    """3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
+    return times(1 / tip_inertia(b), cross(gliding.momentum(q), axis(q)))
+
+
+@formula
+def momentum_about_centre(q, b):
+    """L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
+    return plus(gliding.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
+
+
+@formula
+def contact_scalars(q, b):
+    """The scalars of a state about the contact."""
+    u, u_dot = axis(q), tip_axis_rate(q, b)
+    s = rolling.free_scalars(u, momentum_about_centre(q, b), u_dot, b)
+    return gliding.Scalars(
+        z=s.z,
+        s2=s.s2,
+        z_dot=s.z_dot,
+        fall=s.fall,
+        precession=s.precession,
+        axis_speed2=s.axis_speed2,
+        L3=s.L3,
+        Lz=s.Lz,
+        v_u=u.x * q.vx + u.y * q.vy,
+        v_n=u.x * q.vy - u.y * q.vx,
+        v2=q.vx**2 + q.vy**2,
+        speed2=(q.vx - b.c * u_dot.x) ** 2 + (q.vy - b.c * u_dot.y) ** 2,
+    )
+
+
+@formula
+def contact_rates(q, b):
+    """3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), v_A' = F/m - g zhat + c 3hat''. [T 5.4]"""
+    u, u_dot, s = axis(q), tip_axis_rate(q, b), contact_scalars(q, b)
+    N = gliding.g_n(s, b)
+    slip = slip_coefficient(s.v2, s.z, b.friction) * N
+    F = Vector(-(slip * q.vx), -(slip * q.vy), N)
+    L = momentum_about_centre(q, b)
+    u_dot2 = times(1 / b.I1, plus(cross(times(b.c, cross(u, F)), u), cross(L, u_dot)))
+    v_dot = Vector(F.x / b.m + b.c * u_dot2.x, F.y / b.m + b.c * u_dot2.y, 0)
+    pull = b.m * b.c
+    return ContactState(
+        u_dot.x,
+        u_dot.y,
+        u_dot.z,
+        pull * (u.y * b.g - u.z * v_dot.y),
+        pull * (u.z * v_dot.x - u.x * b.g),
+        pull * (u.x * v_dot.y - u.y * v_dot.x),
+        v_dot.x,
+        v_dot.y,
+        q.vx - b.c * u_dot.x,
+        q.vy - b.c * u_dot.y,
+        slip * s.v2,
+        N,
+    )
+
+
+@formula
+def contact_of_angles(e, s, z, b):
+    """The state about the contact of an Euler-angle state. [section 1]"""
+    u, L = gliding.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
+    ex, ey = cos(e.phi), sin(e.phi)
+    return ContactState(
+        u.x,
+        u.y,
+        u.z,
+        L.x,
+        L.y,
+        L.z,
+        e.nu_x * ex - e.nu_y * ey,
+        e.nu_x * ey + e.nu_y * ex,
+        e.x,
+        e.y,
+        e.work,
+        e.impulse,
+    )
+
+
+@formula
+def angles_of_contact(q, b):
+    """The Euler-angle state of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
+    c = contact_scalars(q, b)
+    s = sqrt(c.s2)
+    return gliding.EulerState(
+        atan2(s, c.z),
+        -c.z_dot / s,
+        c.precession / c.s2,
+        c.L3 / b.I3,
+        c.v_u / s,
+        c.v_n / s,
+        atan2(q.uy, q.ux),
+        q.x,
+        q.y,
+        q.work,
+        q.impulse,
+    )
+
+
+CONTACT = Form(
+    "contact",
+    CONTACT_UNITS,
+    contact_rates,
+    contact_scalars,
+    contact_of_angles,
+    angles_of_contact,
+    gliding.QUADRATURES,
+    (gliding.JAMMED,),
+)
+
+
+# --- fixed tip ------------------------------------------------------------------------------------------------------
+
+
+class VectorState(NamedTuple):
+    """3hat, and L_A about the tip; then the integral of the vertical reaction."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    impulse: Operand
+
+
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_SECOND))
+
+
+@formula
+def fixed_scalars(q, b):
+    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; r' = l 3hat'."""
+    u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
+    s = rolling.free_scalars(u, L, u_dot, b)
+    F = rolling.reaction(u, L, u_dot, s, b)
+    return rolling.completed(s, times(-b.c, u_dot), F)
+
+
+@formula
+def fixed_rates(q, b):
+    """3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
+    u, u_dot = axis(q), tip_axis_rate(q, b)
+    s = rolling.free_scalars(u, momentum_about_centre(q, b), u_dot, b)
+    weight = b.m * b.g * b.c
+    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z, rolling.normal_force(s, b))
+
+
+class EulerState(NamedTuple):
+    """theta, theta', phi', omega_3; then what the equations do not read."""
+
+    theta: Operand
+    theta_dot: Operand
+    phi_dot: Operand
+    omega3: Operand
+    phi: Operand
+    impulse: Operand
+
+
+EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
+
+
+@formula
+def tip_accelerations(e, s, z, b):
+    """theta'', phi'' about a fixed tip. [section 8]"""
+    inertia = tip_inertia(b)
+    theta_dot2 = s / inertia * (inertia * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.m * b.g * b.c)
+    phi_dot2 = (b.I3 * e.omega3 * e.theta_dot - 2 * (inertia * e.theta_dot * e.phi_dot * z)) / (inertia * s)
+    return theta_dot2, phi_dot2
+
+
+@formula
+def euler_scalars(e, b):
+    """The scalars of an Euler-angle state."""
+    s, z = sin(e.theta), cos(e.theta)
+    theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
+    precession = e.phi_dot * s**2
+    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
+    L3 = b.I3 * e.omega3
+    push_e = theta_dot2 * z - s * (e.theta_dot**2 + e.phi_dot**2)
+    push_2 = phi_dot2 * s + 2 * (e.theta_dot * e.phi_dot * z)
+    return rolling.Scalars(
+        z=z,
+        s2=s**2,
+        z_dot=-(e.theta_dot * s),
+        fall=L3 / b.I1 * precession - z * axis_speed2,
+        precession=precession,
+        axis_speed2=axis_speed2,
+        L3=L3,
+        Lz=b.I1 * precession + L3 * z,
+        speed2=b.c**2 * ((e.theta_dot * z) ** 2 + (e.phi_dot * s) ** 2),
+        grip2=(b.m * b.c) ** 2 * (push_e**2 + push_2**2),
+    )
+
+
+@formula
+def euler_rates(e, b):
+    """The equations in Euler angles. [section 8]"""
+    s, z = sin(e.theta), cos(e.theta)
+    theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
+    return EulerState(
+        e.theta_dot,
+        theta_dot2,
+        phi_dot2,
+        0 * z,
+        e.phi_dot,
+        b.m * (b.g + b.c * (theta_dot2 * s + e.theta_dot**2 * z)),
+    )
+
+
+@formula
+def vector_of_angles(e, s, z, b):
+    """The state about the fixed tip of an Euler-angle state. [section 1]"""
+    u, L = gliding.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
+    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z, e.impulse)
+
+
+@formula
+def angles_of_vector(q, b):
+    """The Euler-angle state of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
+    u, u_dot = axis(q), tip_axis_rate(q, b)
+    s2 = u.x * u.x + u.y * u.y
+    s = sqrt(s2)
+    return EulerState(
+        atan2(s, u.z),
+        -u_dot.z / s,
+        (u.x * u_dot.y - u.y * u_dot.x) / s2,
+        dot(gliding.momentum(q), u) / b.I3,
+        atan2(u.y, u.x),
+        q.impulse,
+    )
+
+
+@formula
+def angles_of_euler(e, b):
+    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
+
+
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
+    """The Euler record of what a person gave."""
+    return gliding.given_angles(EulerState, data, z)
+
+
+FIXED_VECTOR = Form(
+    "vector", VECTOR_UNITS, fixed_rates, fixed_scalars, vector_of_angles, angles_of_vector, ("impulse",)
+)
+FIXED_EULER = Form(
+    "euler",
+    EULER_UNITS,
+    euler_rates,
+    euler_scalars,
+    gliding.euler_of_angles,
+    angles_of_euler,
+    ("phi", "impulse"),
+    (gliding.POLE,),
+)
+
+
+# --- the two systems ------------------------------------------------------------------------------------------------
+
+MOMENTA = (
+    Quantity("L3", "L_3", ANGULAR_MOMENTUM, "angular momentum about the axis", L3),
+    Quantity("Lz", "L_z", ANGULAR_MOMENTUM, "angular momentum about the vertical through the tip", Lz),
+)
+COMMON = {
+    "parameters": PARAMETERS,
+    "body": body,
+    "body_units": gliding.body_units,
+    "scales": lambda b: (b.m, -b.c),
+    "folded": {"m": 1.0, "R": 0.0, "c": -1.0},
+    "vectors": gliding.VECTORS,
+    "potential": potential,
+}
+SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
+
+GLIDING_HEAVY_TOP = System(
+    name="gliding-heavy-top",
+    title="heavy symmetric top whose tip glides on a plane",
+    source=SOURCE + "5",
+    initial=gliding.INITIAL,
+    start=gliding.start,
+    angles=gliding.EULER_UNITS,
+    forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},
+    quantities=(*MOMENTA, *gliding.QUANTITIES),
+    integrals=("L3",),
+    events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
+    long_names=gliding.LONG_NAMES,
+    laws=LAWS,
+    **COMMON,
+)
+
+HEAVY_TOP = System(
+    name="heavy-top",
+    title="heavy symmetric top whose tip is fixed",
+    source=SOURCE + "2",
+    initial={name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
+    start=start,
+    angles=EULER_UNITS,
+    forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
+    quantities=(*MOMENTA, *gliding.ENERGIES, *rolling.REACTION[:2]),
+    integrals=("L3", "Lz", "energy"),
+    events=(
+        gliding.TURNING,
+        replace(
+            rolling.LIFTOFF,
+            long_name="vertical reaction falls to zero: beyond it a tip that merely stood would lift off",
+            stops=False,
+        ),
+        gliding.EQUATOR,
+    ),
+    long_names={**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
+    **COMMON,
+)

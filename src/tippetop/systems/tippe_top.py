@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from ..friction import LAWS
 from ..operand import Operand, formula, sqrt
 from ..system import (
     ANGULAR_MOMENTUM,
@@ -10,7 +11,6 @@ from ..system import (
     METRE,
     METRE_PER_SECOND2,
     ONE,
-    RADIAN_PER_SECOND,
     Parameter,
     Quantity,
     System,
@@ -111,8 +111,9 @@ TIPPE_TOP = System(
     body_units=gliding.body_units,
     scales=lambda b: (b.m, b.R),
     folded={"m": 1.0, "R": 1.0},
-    initial={**gliding.INITIAL, "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3")},
+    initial=gliding.INITIAL,
     start=gliding.start,
+    angles=gliding.EULER_UNITS,
     forms=gliding.FORMS,
     quantities=QUANTITIES,
     integrals=("jellett",),
@@ -120,5 +121,6 @@ TIPPE_TOP = System(
     long_names=gliding.LONG_NAMES,
     vectors=gliding.VECTORS,
     checks=checks,
+    laws=LAWS,
     potential=potential,
 )
