@@ -21,10 +21,10 @@ from pathlib import Path
 import numba
 import numpy as np
 import scipy.optimize
-from tippetop_kernels.jit import kernel
 
 from tippetop import landscape
 from tippetop.systems import tippe_top
+from tippetop_kernels.jit import kernel
 
 
 FIGURE = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 235 / 625 * 8e-6, "I3": 2 / 5 * 8e-6, "g": 9.82}
@@ -220,7 +220,8 @@ def big(n):
         "import resource, sys, time, numpy as np\n"
         "from tippetop import surface_store\n"
         f"P = {FIGURE!r}\n"
-        f"t = time.perf_counter(); surface_store.write(sys.argv[1], P, np.linspace(-8e-4, 9e-4, {n}), np.linspace(0, 8e-6, {n}))\n"
+        "t = time.perf_counter()\n"
+        f"surface_store.write(sys.argv[1], P, np.linspace(-8e-4, 9e-4, {n}), np.linspace(0, 8e-6, {n}))\n"
         "print(time.perf_counter() - t, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
     )
     with tempfile.TemporaryDirectory() as folder:

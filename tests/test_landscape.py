@@ -1,16 +1,16 @@
-"""The landscape against published numbers, laws and 60 digits: potential, marked lines, turning angles, periods, bands."""
+"""The landscape against published numbers, laws and 60 digits: potential, surface, turning angles, periods, bands."""
 
-import landscape_oracle as oracle
 import mpmath as mp
 import numpy as np
 import pytest
 import scipy.optimize
 import xarray as xr
-from tippetop_kernels.minimise import Status
-from tippetop_kernels.roots import Level
 
+import landscape_oracle as oracle
 from tippetop import landscape
 from tippetop.systems import heavy_top, spinning, tippe_top
+from tippetop_kernels.minimise import Status
+from tippetop_kernels.roots import Level
 
 
 CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 1 / 312500, "g": 9.82}  # section 14
@@ -30,7 +30,7 @@ def test_potential_keeps_its_digits(z, line):
         found = landscape.potential(oracle.FIGURE, z, D, lam)
         exact = oracle.potential(mp.mpf(z), mp.mpf(D), mp.mpf(lam), b)
         assert oracle.ulps(found.V.item(), exact) <= 6
-        slope = mp.diff(lambda z: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), h=mp.mpf(10) ** -25)
+        slope = mp.diff(lambda z, D=D: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), h=mp.mpf(10) ** -25)
         scale = abs(exact) / (1 - mp.mpf(z) ** 2)
         assert abs(found.V_z.item() - slope) <= 1e-14 * scale
 
@@ -61,7 +61,9 @@ def test_potential_of_heavy_tops(system):
     found = landscape.potential(HEAVY, z, L3, Lz, system)
     tip = HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2
     Z, A, B = np.meshgrid(z, L3, Lz, indexing="ij")
-    exact = A**2 / 2 / HEAVY["I3"] + (B - A * Z) ** 2 / (2 * tip * (1 - Z**2)) + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * Z
+    exact = (
+        A**2 / 2 / HEAVY["I3"] + (B - A * Z) ** 2 / (2 * tip * (1 - Z**2)) + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * Z
+    )
     np.testing.assert_allclose(found.V, exact, rtol=1e-14)
     assert found.V.dims == ("z", "L3", "Lz")
     h = 1e-5
@@ -75,7 +77,10 @@ def test_potential_of_heavy_tops(system):
 def test_critical_function_is_the_slope_of_the_potential():
     """V_z = N/(gamma I1 R^2 (1 - z^2)^2), and N(-1) <= 0 <= N(1). [section 5]"""
     b = oracle.body(oracle.FIGURE)
-    for z, D, lam in ((mp.mpf("0.3"), mp.mpf("1e-4"), mp.mpf("2e-6")), (mp.mpf("-0.9"), mp.mpf("-3e-4"), mp.mpf("5e-6"))):
+    for z, D, lam in (
+        (mp.mpf("0.3"), mp.mpf("1e-4"), mp.mpf("2e-6")),
+        (mp.mpf("-0.9"), mp.mpf("-3e-4"), mp.mpf("5e-6")),
+    ):
         slope = mp.diff(lambda z, D=D, lam=lam: oracle.potential(z, D, lam, b), z)
         N = spinning.critical(z, D, lam, b)
         assert abs(N / (b.I1**2 / b.I3 * b.R**2 * (1 - z**2) ** 2) / slope - 1) < 1e-25
@@ -195,7 +200,10 @@ def test_what_is_not_finite_is_undefined():
     [
         (lambda: landscape.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6), "Argument `D` must ascend, but does not."),
         (lambda: landscape.minimal_surface(CANONICAL, [], 1e-6), "Argument `D` must be a number or a one-dimensional"),
-        (lambda: landscape.minimal_surface(CANONICAL, 1e-4, [[1e-6]]), "Argument `lambda` must be a number or a one-dim"),
+        (
+            lambda: landscape.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
+            "Argument `lambda` must be a number or a one-dim",
+        ),
         (lambda: landscape.minimal_surface({}, 1e-4, 1e-6), "Argument `parameters` must have 'm'"),
         (lambda: landscape.top({**CANONICAL, "g": np.nan}), "Argument `parameters.g` must be finite"),
         (lambda: landscape.top({**CANONICAL, "alpha": 1.5}), "alpha in \\(0, 1\\)"),
@@ -214,7 +222,10 @@ def test_surface_of_a_heavy_top_against_a_bounded_minimiser():
     body = landscape.top(HEAVY, "heavy-top").body
     for i, j in np.ndindex(3, 3):
         best = scipy.optimize.minimize_scalar(
-            heavy_top.potential, bounds=(-1 + 1e-12, 1 - 1e-12), args=(Lz[j], L3[i], body), method="bounded",
+            heavy_top.potential,
+            bounds=(-1 + 1e-12, 1 - 1e-12),
+            args=(Lz[j], L3[i], body),
+            method="bounded",
             options={"xatol": 1e-10},
         )
         assert found.F[i, j].item() == pytest.approx(best.fun, rel=1e-12)
@@ -247,7 +258,7 @@ def test_rolling_top_swings_as_its_reference_run():
 def test_heavy_top_swings_as_its_closed_form():
     """Reference case 7: 2 K(k)/W; cuspidal start at theta = 0.6, L3 = 0.01 (sections 8, 14)."""
     L3, z0 = 0.01, np.cos(0.6)
-    heavy = {"m": 0.1, "l": 0.04, "I1": 8/100000, "I3": 5e-5, "g": 9.82}
+    heavy = {"m": 0.1, "l": 0.04, "I1": 8 / 100000, "I3": 5e-5, "g": 9.82}
     E = L3**2 / 2 / heavy["I3"] + heavy["m"] * heavy["g"] * heavy["l"] * z0
     found = landscape.turning_angles(heavy, L3, L3 * z0, E, "heavy-top")
     assert found.theta_min.item() == pytest.approx(0.6, rel=1e-12)
@@ -275,7 +286,9 @@ def test_turning_angles_are_where_the_potential_takes_the_energy():
     for i in range(40):
         for name in ("theta_min", "theta_max"):
             V = oracle.potential(mp.cos(mp.mpf(found[name][i].item())), mp.mpf(D[i]), mp.mpf(lam[i]), b)
-            slope = mp.diff(lambda t, i=i: oracle.potential(mp.cos(t), mp.mpf(D[i]), mp.mpf(lam[i]), b), found[name][i].item())
+            slope = mp.diff(
+                lambda t, i=i: oracle.potential(mp.cos(t), mp.mpf(D[i]), mp.mpf(lam[i]), b), found[name][i].item()
+            )
             assert abs(V - E[i]) <= 4e-16 * abs(slope) * np.pi + 1e-15 * E[i]
 
 

@@ -111,7 +111,25 @@ def potentials(prepare, slopes, value, zs, xs, ys, r, V, V_z, V_zz):
 
 @kernel
 def turnings(
-    prepare, guess, slopes, value, ends, excess, bend, several, allowance, xs, ys, levels, r, low, high, q, F, bends, status
+    prepare,
+    guess,
+    slopes,
+    value,
+    ends,
+    excess,
+    bend,
+    several,
+    allowance,
+    xs,
+    ys,
+    levels,
+    r,
+    low,
+    high,
+    q,
+    F,
+    bends,
+    status,
 ):
     """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
     how = np.empty(1, np.int8)

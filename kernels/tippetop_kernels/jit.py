@@ -9,4 +9,6 @@ from numba import njit
 
 
 kernel = njit(error_model="numpy", nogil=True)
-inlined = njit(error_model="numpy", nogil=True, forceinline=True)  # for a formula inside a loop that is to be vectorised
+inlined = njit(
+    error_model="numpy", nogil=True, forceinline=True
+)  # for a formula inside a loop that is to be vectorised

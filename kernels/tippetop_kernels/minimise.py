@@ -123,7 +123,7 @@ def lowest(slopes, value, p, r):
             q = between(slopes, low, high, p, r) if g_high >= 0 else high
             V = value(q, p, r)
             count += 1
-            if V < best:
+            if best > V:
                 best_q, best = q, V
         low, g_low = high, g_high
     return best_q, count

@@ -1,4 +1,4 @@
-"""Where a function of one positive variable q takes a given level, left and right of its minimum; and the swing between."""
+"""Where a function of one positive variable q takes a given level, on both sides of its minimum; the swing between."""
 
 from enum import IntEnum
 

@@ -34,7 +34,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
             CubicSpline(trajectory["time"].values, trajectory[name].values)(when)
             for name in ("routh", "jellett", "modified_energy")
         ]
-    edges = landscape.turning_angles(parameters, *states, system)
+    edges = landscape.turning_angles(parameters, states[0], states[1], states[2], system)
     low, high = edges["theta_min"].values, edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
@@ -66,7 +66,9 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     for i in picks:
         D, lam, E = (float(trajectory[name][i]) for name in ("routh", "jellett", "modified_energy"))
         at = landscape.turning_angles(parameters, D, lam, E, system).assign(energy=E)
-        curves.append((f"t = {float(trajectory['time'][i]):.4g} s", landscape.potential(parameters, z, D, lam, system), at))
+        curves.append(
+            (f"t = {float(trajectory['time'][i]):.4g} s", landscape.potential(parameters, z, D, lam, system), at)
+        )
     return (curves,)
 
 

@@ -175,13 +175,15 @@ def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> np.ndarray:
 # --- the potential --------------------------------------------------------------------------------------------------
 
 
-def potential(parameters: Mapping[str, float], z: Any, first: Any, second: Any, system: str = "tippe-top") -> xr.Dataset:
+def potential(
+    parameters: Mapping[str, float], z: Any, first: Any, second: Any, system: str = "tippe-top"
+) -> xr.Dataset:
     """V [J] and its derivatives by z over the grid z x first x second, dimensions of length one dropped.
 
     `z` = cos(theta) in (-1, 1), ascending; first and second momentum are D [kg m^2/s] and lambda [kg m^3/s] for tippe
     tops, L3 and Lz [kg m^2/s] for heavy tops. No digits are lost near the poles: 1 - z is exact there, and X is formed
-    without cancellation. Outside (-1, 1), and for infinite arguments, V is NaN; it is +oo at a pole off the marked line,
-    and at z = +-1 NaN as well: the end values are those of `marked_lines`. [T 4.12, 2.38, 5.26]
+    without cancellation. Outside (-1, 1), at z = +-1 too, and for infinite arguments V is NaN: it is +oo at a pole off
+    the marked line; the end values on it are those of `marked_lines`. [T 4.12, 2.38, 5.26]
     """
     t, k = top(parameters, system), kernels()
     z, x, y = axis("z", z), axis(t.momenta[0], first), axis(t.momenta[1], second)
@@ -217,9 +219,7 @@ def minima(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> 
     k = kernels()
     F, q = np.empty((x.size, y.size)), np.empty((x.size, y.size))
     status = np.empty((x.size, y.size), np.int8)
-    on_threads(
-        lambda s: k.minima(*k.problem, t.several, x[s], y, t.relief, F[s], q[s], status[s]), x.size, threads
-    )
+    on_threads(lambda s: k.minima(*k.problem, t.several, x[s], y, t.relief, F[s], q[s], status[s]), x.size, threads)
     return F, q, status
 
 
@@ -283,15 +283,17 @@ def turning_angles(
     """The two angles where V = E~ [J], the period of nutation between them, and that of small nutations.
 
     The arguments are broadcast against one another, with any shape; DataArrays keep their dimensions and coordinates.
-    theta_min <= theta_star <= theta_max [rad]; theta_star is where V is least (the lower of two minima). `period` [s] is
-    the quadrature of the separated equation, NaN where it does not settle to 11 digits (nutations of
-    some 1e-5 rad or less, and next to a separatrix); `small_period` [s] is 2 pi sqrt(2 g/V''), exact for vanishing amplitude.
+    theta_min <= theta_star <= theta_max [rad]; theta_star is where V is least (the lower of two minima). `period` [s]
+    is the quadrature of the separated equation, NaN where it does not settle to 11 digits (nutations of some 1e-5 rad
+    or less, and next to a separatrix); `small_period` [s] is 2 pi sqrt(2 g/V''), exact for vanishing amplitude.
     `level`: above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined. [T 4.12, 4.21]
     """
     from tippetop_kernels.roots import Level
 
     t, k = top(parameters, system), kernels()
-    arrays = [a if isinstance(a, xr.DataArray) else np.asarray(a, dtype=float) for a in (first, second, energy)]
+    arrays: list[Any] = [
+        a if isinstance(a, xr.DataArray) else np.asarray(a, dtype=float) for a in (first, second, energy)
+    ]
     if any(isinstance(a, xr.DataArray) for a in arrays):
         arrays = list(xr.broadcast(*(a if isinstance(a, xr.DataArray) else xr.DataArray(a) for a in arrays)))
         dims, coords = arrays[0].dims, dict(arrays[0].coords)
@@ -314,7 +316,9 @@ def turning_angles(
     angles = "inclination theta [rad] where V = E~"
     data = {
         "theta_min": labelled("theta", dims, inclination(inner, t.upright).reshape(shape), long_name="least " + angles),
-        "theta_max": labelled("theta", dims, inclination(outer, t.upright).reshape(shape), long_name="largest " + angles),
+        "theta_max": labelled(
+            "theta", dims, inclination(outer, t.upright).reshape(shape), long_name="largest " + angles
+        ),
         "theta_star": labelled("theta", dims, inclination(q, t.upright).reshape(shape), long_name="theta of least V"),
         "F": labelled("F", dims, F.reshape(shape)),
         "period": labelled("", dims, period.reshape(shape), "s", "period of nutation"),

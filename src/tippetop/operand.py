@@ -51,7 +51,7 @@ sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("e
 
 
 def product_error(x: Operand, y: Operand) -> Operand:
-    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exactly (Dekker 1971; an fma in numba)."""
+    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971; in numba an fma)."""
     product = x * y
     a, b = _half(x), _half(y)
     return (((a * b - product) + a * (y - b)) + (x - a) * b) + (x - a) * (y - b)
@@ -146,7 +146,7 @@ def teach_numba() -> None:
 
     @overload(product_error)
     def _(x, y):
-        return lambda x, y: fma(x, y, -(x * y))
+        return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
     _teach = teach
     for lifted in (sqrt, sin, cos, exp, atan2):

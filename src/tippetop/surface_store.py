@@ -1,4 +1,4 @@
-"""Minimal surfaces beyond memory: written to zarr chunk by chunk, resumable. The store knows what is done.
+"""Landscapes on disk. Surfaces beyond memory go to zarr chunk by chunk, resumable: the store knows what is done.
 
 Until the last chunk is written the store is a hidden folder beside its place, `.NAME.part`; a second call with the same
 body and axes goes on where the first stopped. A chunk is done when its `status` is there: it is written last.
@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from . import landscape
-from .archive import StoreError, provenance
+from .archive import Appender, StoreError, new_store, provenance
+from .trajectory import Column
 
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
@@ -62,6 +63,22 @@ def write(
     return path
 
 
+def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
+    """Writes the Dataset V of `potential` along z into the group `potential` of a new store. Raises StoreError."""
+    import zarr
+
+    columns = {
+        str(name): Column(("z",), np.asarray(v), dict(v.attrs)) for name, v in V.variables.items() if v.dims == ("z",)
+    }
+    with new_store(path) as scratch:
+        root = zarr.open_group(
+            store=str(scratch), mode="w", zarr_format=3, attributes={"content": "potential", **attrs, **provenance()}
+        )
+        table = Appender.created(root, "potential", columns, chunk=65536)
+        table.append(columns)
+        table.flush()
+
+
 def _attributes(t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> dict[str, Any]:
     return {
         "content": "surface",
@@ -77,6 +94,7 @@ def _attributes(t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> d
 def _created(scratch: Path, t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> Any:
     """An empty store: the axes, and arrays without a chunk."""
     import zarr
+
     from tippetop_kernels.minimise import Status
 
     root = zarr.open_group(store=str(scratch), mode="w", zarr_format=3, attributes=_attributes(t, x, y, chunk))
@@ -92,7 +110,9 @@ def _created(scratch: Path, t: landscape.Top, x: np.ndarray, y: np.ndarray, chun
             attributes={"units": units, "long_name": words},
         )
         axis[...] = values
-    flags = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in landscape.flags(Status, "how F is taken").items()}
+    flags = {
+        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in landscape.flags(Status, "how F is taken").items()
+    }
     described = {
         "F": ("f8", np.nan, dict(zip(("units", "long_name"), landscape.NAMES["F"], strict=True))),
         "z": ("f8", np.nan, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
@@ -117,11 +137,11 @@ def _opened(scratch: Path, t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk
 
     try:
         found = json.loads((scratch / "zarr.json").read_text(encoding="utf-8"))["attributes"]
-        group = zarr.open_group(store=str(scratch), mode="r+")["surface"]
+        group: Any = zarr.open_group(store=str(scratch), mode="r+")["surface"]
         wanted = _attributes(t, x, y, chunk)
         same = all(found[k] == wanted[k] for k in ("system", "parameters", "axes", "chunk", "format_version"))
-        same = same and all(np.array_equal(group[n][...], v) for n, v in zip(t.momenta, (x, y), strict=True))  # type: ignore[index]
-        group["status"]  # type: ignore[index]
+        same = same and all(np.array_equal(np.asarray(group[n]), v) for n, v in zip(t.momenta, (x, y), strict=True))
+        group["status"]
     except (OSError, ValueError, KeyError):
         return _created(scratch, t, x, y, chunk)  # killed before it held anything
     if not same:
@@ -129,7 +149,9 @@ def _opened(scratch: Path, t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk
     return group
 
 
-def _fill(group: Any, t: landscape.Top, x: np.ndarray, y: np.ndarray, rows: slice, columns: slice, threads: int | None) -> None:
+def _fill(
+    group: Any, t: landscape.Top, x: np.ndarray, y: np.ndarray, rows: slice, columns: slice, threads: int | None
+) -> None:
     """Computes and writes one chunk, the status last."""
     F, q, status = landscape.minima(t, x[rows], y[columns], threads)
     group["F"][rows, columns] = F

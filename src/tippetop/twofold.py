@@ -1,7 +1,7 @@
 """Numbers as an unevaluated sum head + tail: twice the digits, where the last ulp of a result counts.
 
-The tail carries what rounding took from the head, to first order; nothing is renormalised but by `tidy`. Plain arithmetic: fed with
-decimals or 50-digit numbers, the formulas give what these give, and the tails are nothing.
+The tail carries what rounding took from the head, to first order; nothing is renormalised but by `tidy`. Plain
+arithmetic: fed with decimals or 50-digit numbers, the formulas give what these give, and the tails are nothing.
 """
 
 from typing import NamedTuple

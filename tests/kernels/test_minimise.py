@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 import pytest
+
 from tippetop_kernels.grid import minima, on_threads
 from tippetop_kernels.minimise import LARGEST, SMALLEST, Status, lowest, minimise
 from tippetop_kernels.roots import Level, crossings

@@ -57,7 +57,7 @@ def surface(
             surface_store.write(out, parameters, Ds, lambdas, system, progress=bar.update)
     if figure is not None:
         few = [v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas)]
-        _draw_surface(landscape.minimal_surface(parameters, *few, system, gradient=False), parameters, figure)
+        _draw_surface(landscape.minimal_surface(parameters, few[0], few[1], system, gradient=False), parameters, figure)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0
 
@@ -93,8 +93,7 @@ def potential(
     """
     import numpy as np
 
-    from tippetop import archive, landscape
-    from tippetop.trajectory import Column
+    from tippetop import archive, landscape, surface_store
 
     from .run import _check_picture
 
@@ -118,21 +117,8 @@ def potential(
         "status": meanings[least["status"].item()],
     }
     if out is not None:
-        attrs = {
-            "content": "potential",
-            "title": "effective potential V(z)",
-            "system": system,
-            "parameters": parameters,
-            "D": D,
-            "lambda": lambda_,
-            "minimum": found,
-            **archive.provenance(),
-        }
-        columns = {
-            str(name): Column(("z",), v.values, dict(v.attrs)) for name, v in V.variables.items() if v.dims == ("z",)
-        }
-        with archive.new_store(out) as scratch:
-            archive.write(scratch, {"potential": columns}, attrs)
+        attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
+        surface_store.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": found})
     if figure is not None:
         _draw_potential(V, least, figure)
     if as_json:

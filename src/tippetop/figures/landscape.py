@@ -50,7 +50,9 @@ def surface(grid: Any, lines: Any = None, run: Any = None) -> Figure:
     if run is not None:
         step = max(1, run["routh"].size // MOST_POINTS)
         path = [run[name].values[::step] for name in ("routh", "jellett", "modified_energy")]
-        axes.plot(path[0] / x_scale[0], path[1] / y_scale[0], 1e3 * path[2], color="#111111", lw=1.1, label="run", zorder=4)
+        axes.plot(
+            path[0] / x_scale[0], path[1] / y_scale[0], 1e3 * path[2], color="#111111", lw=1.1, label="run", zorder=4
+        )
         high = max(high, 1e3 * float(np.max(path[2])))
     axes.set_xlabel(f"{_symbol(x_name)} ({x_scale[1]} {_unit(grid[x_name])})", labelpad=10)
     axes.set_ylabel(f"{_symbol(y_name)} ({y_scale[1]} {_unit(grid[y_name])})", labelpad=10)
@@ -110,7 +112,7 @@ def _well(axes: Any, title: str, V: Any, at: Any) -> None:
 
 def band(found: Any, events: Any = None, title: str = "") -> Figure:
     """theta(t) on the nutational band that the main equation predicts; logged turning angles as dots; below, how far
-    they lie from the nearer edge of the band. `found` as `band` gives it; events: time, theta, edge (the predicted angle)."""
+    they lie from the nearer edge of the band. `found` as `band` gives it; events: time, theta, edge (predicted)."""
     made = figure(10, 6.4)
     axes, below = made.subplots(2, sharex=True, height_ratios=(4, 1.4))
     step = max(1, found["time"].size // MOST_POINTS)
@@ -144,7 +146,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "") -> Figure:
     D, F = section["D"].values, 1e3 * section["F"].values.ravel()
     scale, power = _scale(D)
     step = max(1, run["routh"].size // MOST_POINTS)
-    axes.fill_between(D / scale, F, F.min() - 10 * np.ptp(F), color=QUIET, alpha=0.22, lw=0, label="below F: impossible")
+    axes.fill_between(D / scale, F, F.min() - 10 * np.ptp(F), color=QUIET, alpha=0.22, lw=0, label="below F")
     axes.plot(D / scale, F, color=QUIET, lw=1.4, label="minimal surface F")
     x, y = run["routh"].values[::step] / scale, 1e3 * run["modified_energy"].values[::step]
     axes.plot(x, y, color=RUN, lw=0.8, label="run (D(t), Ẽ(t))")
@@ -157,7 +159,12 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "") -> Figure:
         axes.scatter(*where, s=46, facecolors="none", edgecolors=color, lw=1.6, zorder=5, label=f"spinning, {words}")
     bottom, top = min(y.min(), F.min()), max(y.max(), 1e3 * float(lines["E"].max()))
     axes.set_ylim(bottom - 0.12 * (top - bottom), top + 0.12 * (top - bottom))
-    axes.set(xlabel=f"D ({power} {_unit(section['D'])})", ylabel="energy (mJ)", title=title, xlim=(D[0] / scale, D[-1] / scale))
+    axes.set(
+        xlabel=f"D ({power} {_unit(section['D'])})",
+        ylabel="energy (mJ)",
+        title=title,
+        xlim=(D[0] / scale, D[-1] / scale),
+    )
     axes.legend(loc="upper center")
     return made
 
@@ -174,6 +181,10 @@ def _symbol(name: Any) -> str:
 
 
 def _unit(values: Any) -> str:
-    return str(values.attrs.get("units", "")).replace("kg m", "kg m").replace("m2", "m²").replace("m3", "m³").replace(
-        "s-1", "s⁻¹"
+    return (
+        str(values.attrs.get("units", ""))
+        .replace("kg m", "kg m")
+        .replace("m2", "m²")
+        .replace("m3", "m³")
+        .replace("s-1", "s⁻¹")
     )

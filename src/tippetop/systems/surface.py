@@ -11,7 +11,7 @@ in z. Heavy tops are the case K = 0, d = 1, seen upside down: q = cot(theta/2)^2
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..operand import Operand, formula, sqrt
 from ..twofold import Two, over, plus, root, scaled, tidy, times, two
@@ -105,7 +105,8 @@ def heavy_top_relief(b) -> Relief:
 
 def rounded(r: Relief) -> Relief:
     """A relief of decimals in doubles, single or twofold as its fields say."""
-    return Relief(*(two(x) if Relief.__annotations__[name] is Two else float(x) for name, x in r._asdict().items()))
+    parts: Any = (two(x) if Relief.__annotations__[name] is Two else float(x) for name, x in r._asdict().items())
+    return Relief(*parts)
 
 
 @formula
@@ -226,7 +227,7 @@ def guess(p, r):
 def ends(first, second, p, r):
     """Is the infimum approached at q -> 0, at q -> oo? So it is on the marked lines, to a rounding of D and lambda."""
     little = 4 * 2.220446049250313e-16
-    a, b = tilt(p, r)
+    a = tilt(p, r)[0]
     return (
         abs(p.a.head) <= little * abs(r.a2.head * second),
         (abs(p.b.head) <= little * abs(r.b2.head * second)) & (a >= r.root_rise),
