@@ -338,7 +338,28 @@ def inverting_run():
     from tippetop import results
 
     run = tippetop.run("inverting", until=8)
-    return results.datasets(run), results.attributes(run)
+    groups = results.datasets(run)
+    return groups, groups["trajectory"].attrs
+
+
+def test_band_of_a_rolling_top_stands_still():
+    """In pure rolling D, lambda and E~ are constant, and theta swings from edge to edge."""
+    import tippetop
+    from tippetop import scenario
+
+    tables = {
+        "system": "rolling-tippe-top",
+        "parameters": CANONICAL,
+        "initial": {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0},
+        "run": {"until": 0.5, "output_step": 0.001},
+    }
+    run = tippetop.datasets(tippetop.integrate(scenario.problem(tables)))
+    found = landscape.band(CANONICAL, run["trajectory"], "rolling-tippe-top")
+    for name in ("theta_min", "theta_max", "period"):
+        assert float(np.ptp(found[name].values)) < 1e-10
+    turnings = run["events"].theta.values[run["events"].kind.values == 0]
+    np.testing.assert_allclose(np.sort(turnings)[:5], found.theta_min[0], atol=1e-12)
+    np.testing.assert_allclose(np.sort(turnings)[-5:], found.theta_max[0], atol=1e-12)
 
 
 def test_figures_of_a_run_in_its_landscape(inverting_run, tmp_path):

@@ -8,6 +8,7 @@ import xarray as xr
 from . import landscape
 from .events import KINDS
 from .scenario import ScenarioError
+from .systems.surface import SHAPES
 
 
 TIMES = 6  # panels of the potential
@@ -22,7 +23,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
     """
     from scipy.interpolate import CubicSpline
 
-    parameters, system = _body(attrs)
+    parameters, system = _body(attrs, *SHAPES)
     found = landscape.band(parameters, trajectory, system)
     turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
     when, theta = events["time"].values[turning], events["theta"].values[turning]
@@ -32,7 +33,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
     else:
         states = [
             CubicSpline(trajectory["time"].values, trajectory[name].values)(when)
-            for name in ("routh", "jellett", "modified_energy")
+            for name in landscape.run_names(system)
         ]
     edges = landscape.turning_angles(parameters, states[0], states[1], states[2], system)
     low, high = edges["theta_min"].values, edges["theta_max"].values
@@ -55,7 +56,7 @@ def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -
 
 def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[list]:
     """V(z), E~ and the turning angles at several times: evenly spread in theta, hence all through an inversion."""
-    parameters, system = _body(attrs)
+    parameters, system = _body(attrs, *SHAPES)
     theta = trajectory["theta"].values
     reached = np.maximum.accumulate(theta)
     picks = np.unique(np.searchsorted(reached, np.linspace(theta[0], reached[-1], TIMES)))
@@ -64,10 +65,10 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     z = np.cos(np.linspace(np.pi, 0, 1203)[1:-1])
     curves = []
     for i in picks:
-        D, lam, E = (float(trajectory[name][i]) for name in ("routh", "jellett", "modified_energy"))
-        at = landscape.turning_angles(parameters, D, lam, E, system).assign(energy=E)
+        x, y, E = (float(trajectory[name][i]) for name in landscape.run_names(system))
+        at = landscape.turning_angles(parameters, x, y, E, system).assign(energy=E)
         curves.append(
-            (f"t = {float(trajectory['time'][i]):.4g} s", landscape.potential(parameters, z, D, lam, system), at)
+            (f"t = {float(trajectory['time'][i]):.4g} s", landscape.potential(parameters, z, x, y, system), at)
         )
     return (curves,)
 
@@ -83,9 +84,9 @@ def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     return section, lines, trajectory, f"{attrs['title']}: λ = {lam:.6g} kg m³ s⁻¹"
 
 
-def _body(attrs: dict[str, Any]) -> tuple[dict[str, float], str]:
-    """Parameters and system of a run. Raises ScenarioError where there is no landscape."""
-    system = attrs["system"]
-    if system not in ("tippe-top", "rolling-tippe-top"):
-        raise ScenarioError([f"this figure needs a run of a tippe top, but this is one of `{system}`."])
+def _body(attrs: dict[str, Any], *allowed: str) -> tuple[dict[str, float], str]:
+    """Parameters and system of a run. Raises ScenarioError where there is no such landscape."""
+    system, allowed = attrs["system"], allowed or ("tippe-top", "rolling-tippe-top")
+    if system not in allowed:
+        raise ScenarioError([f"this figure needs a run of {' or '.join(allowed)}, but this is one of {system}."])
     return dict(attrs["parameters"]), system

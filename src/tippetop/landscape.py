@@ -331,13 +331,20 @@ def turning_angles(
 def band(parameters: Mapping[str, float], run: xr.Dataset, system: str = "tippe-top") -> xr.Dataset:
     """The nutational band along a run, as the main equation predicts it: theta_min(t), theta_max(t), F(t), periods.
 
-    `run` has the variables routh [kg m^2/s], jellett [kg m^3/s] and modified_energy [J] along `time`. [T 4.21]
+    `run` has the momenta (routh and jellett, or L3 and Lz) and modified_energy [J] along `time`. [T 4.21, 5.26]
     """
-    found = turning_angles(parameters, run["routh"], run["jellett"], run["modified_energy"], system)
-    for name in ("routh", "jellett", "modified_energy", "theta"):
+    names = run_names(system)
+    first, second, energy = (run[name] for name in names)
+    found = turning_angles(parameters, first, second, energy, system)
+    for name in (*names, "theta"):
         if name in run:
             found[name] = run[name]
     return found
+
+
+def run_names(system: str) -> tuple[str, str, str]:
+    """The variables of a run that place it in its landscape: two momenta and the energy."""
+    return ("routh", "jellett", "modified_energy") if SHAPES[system].upright == 1 else ("L3", "Lz", "modified_energy")
 
 
 # --- the spinning states --------------------------------------------------------------------------------------------

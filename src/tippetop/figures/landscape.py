@@ -96,13 +96,13 @@ def _well(axes: Any, title: str, V: Any, at: Any) -> None:
     height = 0.35 * (np.percentile(values[np.isfinite(values)], 70) - least)
     if "energy" in at:
         level = 1e3 * float(at["energy"])
-        height = max(level - least, 0.06 * abs(least))
+        height = max(level - least, 0.06 * height)
         inner, outer = float(at["theta_min"]), float(at["theta_max"])
         axes.axhline(level, color=UPPER, lw=0.6, ls=":")
         axes.hlines(level, np.cos(outer), np.cos(inner), color=UPPER, lw=1.6)
         for angle, color in ((outer, UPPER), (inner, LOWER)):
             axes.scatter([np.cos(angle)], [level], s=24, color=color, zorder=3, clip_on=False)
-        words = f"{np.degrees(inner):.4g}° ≤ θ ≤ {np.degrees(outer):.4g}°, Ẽ = {level:.4g}, F = {least:.4g} mJ"
+        words = f"{np.degrees(inner):.4g}° ≤ θ ≤ {np.degrees(outer):.4g}°, Ẽ = {level:.5g}, F = {least:.5g} mJ"
     else:
         words = f"F = {least:.4g} mJ at θ = {np.degrees(float(at['theta_star'])):.4g}°"
     axes.set_title(f"{title}\n{words}", fontsize=9.5)
@@ -127,10 +127,13 @@ def band(found: Any, events: Any = None, title: str = "") -> Figure:
         axes.scatter(events["time"], events["theta"], s=6, color="#111111", lw=0, zorder=3, label="logged turnings")
         away = np.abs(events["theta"].values - events["edge"].values)
         below.semilogy(events["time"].values, np.maximum(away, 1e-17), ".", ms=3, color=RUN)
-    top = float(np.nanmax(high)) if np.isfinite(high).any() else np.pi
-    if top > 0.8:
+    known = np.isfinite(high).any()
+    bottom, top = (float(np.nanmin(low)), float(np.nanmax(high))) if known else (0.0, np.pi)
+    span = max(top - bottom, 1e-3)
+    if span > 1.2:
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
-    axes.set(ylabel="θ (rad)", title=title, ylim=(-0.03 * top, 1.06 * top), xlim=(t[0], t[-1]))
+    room = 0.06 if span > 1.2 else 0.55  # for the legend: an inversion leaves it room at the left
+    axes.set(ylabel="θ (rad)", title=title, ylim=(bottom - 0.04 * span, top + room * span), xlim=(t[0], t[-1]))
     axes.legend(loc="upper left", markerscale=2)
     below.set(xlabel="t (s)", ylabel="logged − edge (rad)")
     return made
