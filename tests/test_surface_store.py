@@ -1,6 +1,8 @@
 """Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write and draw them."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -102,6 +104,27 @@ def test_potential_command(tmp_path, capsys):
     assert found["status"] == "attained"
     assert outcome(["plot", str(out), "--out", str(tmp_path / "again.png")]) == 0
     assert isinstance(V, xr.DataArray)
+
+
+def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
+    calls = []
+
+    def stop(*a):
+        calls.append(1)
+        raise KeyboardInterrupt
+
+    words = ["surface", "inverting", "--D=-6e-4:8e-4:21", "--lambda", "0:7e-6:31", "--out", str(tmp_path / "F.zarr")]
+    with monkeypatch.context() as patched:
+        patched.setattr(surface_store.landscape, "minima", stop)
+        assert outcome(words) == 130
+    assert "the same command goes on" in capsys.readouterr().err
+    assert calls
+    assert outcome(words) == 0
+
+
+def test_numba_sleeps_until_a_kernel_is_wanted():
+    code = "import sys, tippetop.landscape, tippetop.figures, tippetop.cli; assert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 @pytest.mark.parametrize(

@@ -35,8 +35,8 @@ class Status(IntEnum):
 @inlined
 def factor(g1, g2, g3):
     """Halley's step in ln(q) as a factor on q, between 1/8 and 8. The Pade form of exp keeps its third order."""
-    n, m = 2 * g1 * g2, 2 * g2 * g2 - g1 * g3
-    f = (2 * m - n) / (2 * m + n)
+    n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
+    f = (m - n) / (m + n)
     f = f if f > 0.125 else 0.125
     return f if f < 8.0 else 8.0
 
@@ -75,8 +75,8 @@ def between(slopes, low, high, p, r):
             high = q
         else:
             return q
-        n, m = 2 * g1 * g2, 2 * g2 * g2 - g1 * g3
-        trial = q * (2 * m - n) / (2 * m + n)
+        n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
+        trial = q * (m - n) / (m + n)
         if not (low < trial < high):
             trial = np.sqrt(low) * np.sqrt(high)
         if abs(trial - q) <= 4e-16 * q or high - low <= 4e-16 * low:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from . import landscape
-from .archive import Appender, StoreError, new_store, provenance
+from .archive import Appender, StoreError, new_store, provenance, sweep
 from .trajectory import Column
 
 
@@ -139,6 +139,7 @@ def _opened(scratch: Path, t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk
         found = json.loads((scratch / "zarr.json").read_text(encoding="utf-8"))["attributes"]
         group: Any = zarr.open_group(store=str(scratch), mode="r+")["surface"]
         wanted = _attributes(t, x, y, chunk)
+        sweep(scratch)
         same = all(found[k] == wanted[k] for k in ("system", "parameters", "axes", "chunk", "format_version"))
         same = same and all(np.array_equal(np.asarray(group[n]), v) for n, v in zip(t.momenta, (x, y), strict=True))
         group["status"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -53,8 +54,12 @@ def surface(
     ends = landscape.marked_lines(parameters, lambdas)["D"].values
     Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
     if out is not None:
-        with _Bar() as bar:
-            surface_store.write(out, parameters, Ds, lambdas, system, progress=bar.update)
+        try:
+            with _Bar() as bar:
+                surface_store.write(out, parameters, Ds, lambdas, system, progress=bar.update)
+        except KeyboardInterrupt:
+            print("tippetop: interrupted; the same command goes on from here.", file=sys.stderr)
+            return 130
     if figure is not None:
         few = [v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas)]
         _draw_surface(landscape.minimal_surface(parameters, few[0], few[1], system, gradient=False), parameters, figure)
@@ -212,8 +217,6 @@ class _Bar:
     """Progress over chunks on stderr; nothing when it is not a terminal."""
 
     def __enter__(self) -> _Bar:
-        import sys
-
         self.bar: Any = None
         self.shown = sys.stderr.isatty()
         return self
