@@ -208,6 +208,7 @@ def test_what_is_not_finite_is_undefined():
         (lambda: landscape.top({**CANONICAL, "g": np.nan}), "Argument `parameters.g` must be finite"),
         (lambda: landscape.top({**CANONICAL, "alpha": 1.5}), "alpha in \\(0, 1\\)"),
         (lambda: landscape.top({**CANONICAL, "I1": -1.0}), "Argument `parameters.I1` must be positive"),
+        (lambda: landscape.top({**HEAVY, "l": -0.1}, "heavy-top"), "Argument `parameters.l` must be positive"),
         (lambda: landscape.top(CANONICAL, "cylinder"), "Argument `system` must be one of tippe-top"),
     ],
 )

@@ -115,6 +115,20 @@ def test_two_minima_and_the_lower_of_them():
     assert (found.status.values == Status.LOWER_OF_TWO).any()
 
 
+def test_two_minima_of_which_the_end_is_the_lower():
+    """Far above lambda_pi the inverted state is the lower of the two, and only approached."""
+    parameters = oracle.parameters(0.3, 3.0, 4.0)
+    for factor, status in ((1.02, Status.LOWER_OF_TWO), (3.0, Status.AT_UPPER_END)):
+        lines = landscape.marked_lines(parameters, factor * float(spinning.lambda_pi(oracle.body(parameters))))
+        found = landscape.minimal_surface(parameters, lines.D[1, 0].item(), lines["lambda"].item())
+        assert found.status.item() == status
+        if status == Status.AT_UPPER_END:
+            assert found.theta.item() == np.pi
+            assert found.F.item() == pytest.approx(lines.E[1, 0].item(), rel=2e-15)
+        else:
+            assert found.F.item() < lines.E[1, 0].item()
+
+
 def test_second_minimum_appears_at_gamma_star():
     """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
     assert not landscape.top(oracle.parameters(0.3, 2.1212, 2.5)).several

@@ -55,7 +55,9 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
     F[0] = value(q[0], p, r)
     if not np.isfinite(F[0]):
         status[0] = Status.UNSETTLED
-    elif status[0] == Status.UNSETTLED or several:
+        return
+    at_end = (status[0] == Status.AT_LOWER_END and q[0] < 1e-6) or (status[0] == Status.AT_UPPER_END and q[0] > 1e6)
+    if status[0] == Status.UNSETTLED or (several and not at_end):
         status[0] = Status.LOWER_OF_TWO if count > 1 else Status.ATTAINED
 
 

@@ -68,8 +68,8 @@ def top(parameters: Mapping[str, float], system: str = "tippe-top") -> Top:
             body = shape.body({name: decimal.Decimal(x) for name, x in given.items()}, Frictionless())
         except KeyError as missing:
             raise ValueError(f"Argument `parameters` must have {missing}, but has {', '.join(given)}.") from None
-        for name in ("m", "I1", "I3", "g"):
-            if not given[name] > 0:
+        for name in ("m", "I1", "I3", "g", "l"):
+            if not given.get(name, 1.0) > 0:
                 raise ValueError(f"Argument `parameters.{name}` must be positive, but is {given[name]}.")
         if shape.upright == 1 and not (0 < given["alpha"] < 1 and given["R"] > 0):
             raise ValueError(
@@ -97,12 +97,13 @@ class Kernels(NamedTuple):
 def kernels() -> Kernels:
     """The kernels of this house; numba is imported here, and only here."""
     from tippetop_kernels import grid
-    from tippetop_kernels.jit import inlined
+    from tippetop_kernels.jit import inlined, kernel
 
     formulas = {
-        name: inlined(getattr(surface, name))
-        for name in ("lean", "guess", "slopes", "value", "ends", "gradient", "bend", "excess")
+        name: inlined(getattr(surface, name)) for name in ("lean", "guess", "slopes", "value", "ends", "gradient")
     }
+    # not inlined where it is called from many places: a third of the compilation
+    formulas |= {name: kernel(getattr(surface, name)) for name in ("bend", "excess")}
     formulas["inertia"] = inlined(tippe_top.theta_inertia)
     return Kernels(
         grid.minima,
