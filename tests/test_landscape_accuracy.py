@@ -1,6 +1,7 @@
 """F, its minimiser and its gradient against 60 digits: at random, next to the marked lines, for extreme bodies."""
 
 import mpmath as mp
+import numba
 import numpy as np
 import pytest
 
@@ -133,3 +134,34 @@ def test_second_minimum_appears_at_gamma_star():
     """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
     assert not landscape.top(oracle.parameters(0.3, 2.1212, 2.5)).several
     assert landscape.top(oracle.parameters(0.3, 2.1214, 2.5)).several
+
+
+@numba.njit
+def minima_along(lean, slopes, D, lam, r):
+    """The largest number of minima of V found on 400 values of q, e^-40 to e^40, at the points (D, lam)."""
+    worst = 0
+    for i in range(D.size):
+        p, count, before = lean(D[i], lam[i], r), 0, -1.0
+        for j in range(400):
+            g = slopes(np.exp(80 * j / 399 - 40), p, r)[0]
+            count += before < 0 < g
+            before = g
+        worst = max(worst, count)
+    return worst
+
+
+def test_no_second_minimum_below_gamma_star():
+    """1500 bodies, inside and outside the inverting class, at points around the marked lines: what `several` rests on."""
+    rng, f, found = np.random.default_rng(8), landscape.kernels().formulas, 0
+    for _ in range(1500):
+        alpha, sigma = rng.uniform(0.001, 0.999), 10 ** rng.uniform(-2, 3)
+        gamma = rng.choice([rng.uniform(0.5, 1 + alpha), rng.uniform(1 + alpha, 6)])
+        parameters = oracle.parameters(alpha, gamma, sigma)
+        t, scale = landscape.top(parameters), oracle.scales(parameters)[1]
+        slopes = np.array([spinning.slope(z, t.body) for z in (1, -1)])
+        lam = scale * 10 ** rng.uniform(-1.5, 1.5, 60)
+        D = np.resize(slopes, 60) * lam * (1 + rng.choice([-1, 1], 60) * 10 ** rng.uniform(-8, 0, 60))
+        count = minima_along(f["lean"], f["slopes"], D, lam, t.relief)
+        assert count == 1 or t.several, f"{count} minima for alpha = {alpha}, gamma = {gamma}, sigma = {sigma}"
+        found += count > 1
+    assert found > 50  # the scan does see second minima where they are allowed
