@@ -278,13 +278,13 @@ def test_small_nutations_have_the_period_of_the_second_derivative():
 
 def test_turning_angles_are_where_the_potential_takes_the_energy():
     rng, b = np.random.default_rng(7), oracle.body(CANONICAL)
-    D, lam = rng.uniform(-5e-4, 5e-4, 40), rng.uniform(1e-7, 7e-6, 40)
+    D, lam = rng.uniform(-5e-4, 5e-4, 15), rng.uniform(1e-7, 7e-6, 15)
     F = np.array([landscape.minimal_surface(CANONICAL, x, y).F.item() for x, y in zip(D, lam, strict=True)])
-    E = F * (1 + 10 ** rng.uniform(-10, 1, 40))
+    E = F * (1 + 10 ** rng.uniform(-10, 1, 15))
     found = landscape.turning_angles(CANONICAL, D, lam, E)
     assert (found.theta_min < found.theta_star).all()
     assert (found.theta_star < found.theta_max).all()
-    for i in range(40):
+    for i in range(15):
         for name in ("theta_min", "theta_max"):
             V = oracle.potential(mp.cos(mp.mpf(found[name][i].item())), mp.mpf(D[i]), mp.mpf(lam[i]), b)
             slope = mp.diff(

@@ -151,7 +151,7 @@ def minima_along(lean, slopes, D, lam, r):
 
 
 def test_no_second_minimum_below_gamma_star():
-    """1500 bodies, inside and outside the inverting class, at points around the marked lines: what `several` rests on."""
+    """1500 bodies in and out of the inverting class, at points around the marked lines: what `several` rests on."""
     rng, f, found = np.random.default_rng(8), landscape.kernels().formulas, 0
     for _ in range(1500):
         alpha, sigma = rng.uniform(0.001, 0.999), 10 ** rng.uniform(-2, 3)
