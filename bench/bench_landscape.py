@@ -247,6 +247,7 @@ def main():
     one, two = times["F, 1 thread"], times["F, 2 threads"]
     result = {
         "machine": f"{platform.machine()}, {os.cpu_count()} processors",
+        "load_average": os.getloadavg(),  # above 1 on two processors, two threads have no second one to themselves
         "versions": {"python": platform.python_version(), "numpy": np.__version__, "numba": numba.__version__},
         "grid": [n, n],
         "repeats": repeats,
