@@ -14,6 +14,13 @@ from .systems.surface import SHAPES
 TIMES = 6  # panels of the potential
 
 
+def table(columns: Any) -> xr.Dataset:
+    """Columns of a run as a labelled Dataset; a Dataset as it is."""
+    if isinstance(columns, xr.Dataset):
+        return columns
+    return xr.Dataset({name: (c.dims, c.values, c.attrs) for name, c in columns.items()}).set_coords("time")
+
+
 def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[xr.Dataset, xr.Dataset, str]:
     """The band along a run, and the logged turning angles with the nearer edge of the band at their times: where the
     band rises fast, theta can turn at its upper edge only.

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import zarr
 
-from . import archive, results, scenario
-from .archive import CHECKPOINT, Appender, StoreError
+from . import archive, chunks, results, scenario
+from .archive import CHECKPOINT, StoreError
+from .chunks import Appender
 from .engine import Status
 from .events import EventTable
 from .problem import Problem
@@ -179,7 +180,7 @@ def _go_back(target: Path, root: Any, recorder: Recorder) -> None:
     for appender, rows in ((recorder.trajectory, kept["rows"]), (recorder.log, kept["events"])):
         appender.cut(rows)
     for group in (root["trajectory"], root["events"]):
-        archive.verify(group)
+        chunks.verify(group)
     recorder.trajectory.reload(kept["rows"])
     recorder.log.reload(kept["events"])
 

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from . import landscape
-from .archive import Appender, StoreError, new_store, provenance, sweep
+from .archive import StoreError, new_store, provenance, sweep
+from .chunks import Appender
 from .trajectory import Column
 
 

@@ -81,16 +81,38 @@ class View:
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
         """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked for."""
-        scale, names, values = self.problem.scales.of, self.system.long_names, self.values(rows)
+        names, values = self.system.long_names, self.values(rows)
+
+        def scale(unit: Unit) -> Any:
+            return _widened(np.array(self.problem.scales.of(unit)), self._wide)
+
         columns = {"time": _column(times, SECOND, "time")}
         for name, unit in self.system.angles._asdict().items():
-            columns[name] = _column(values[name] * float(scale(unit)), unit, names[name])
+            columns |= self._split(name, values[name] * scale(unit), unit, names[name])
         for name, variables in self.system.vectors.items():
             unit = getattr(self.system.forms["vector"].units, variables[0])
-            stacked = np.stack([values[v] for v in variables], axis=1) * float(scale(unit))
-            columns[name] = _column(stacked, unit, names[name], ("time", "xyz"))
+            stacked = np.stack([values[v] for v in variables], axis=1) * scale(unit)
+            columns |= self._split(name, stacked, unit, names[name], ("time", "xyz"))
         for q in self.system.quantities:
-            columns[q.name] = _column(values[q.name] * float(scale(q.unit)), q.unit, q.long_name, symbol=q.symbol)
+            si = values[q.name] * scale(q.unit)
+            columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
+        if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole
+            for name, variable, weight in zip(
+                self.form.units._fields, rows.T, self.problem.weights(self.form), strict=True
+            ):
+                unit = getattr(self.form.units, name)
+                columns |= self._split(
+                    f"state_{name}", variable * np.array([weight]), unit, f"integrated variable {name}"
+                )
+        return columns
+
+    def _split(self, name: str, values: np.ndarray, unit: Unit, long_name: str, *dims: Any, **extra: str) -> dict:
+        """A column of doubles; in wider precisions a second one, `name_lo`, to be added to it."""
+        high = values.astype(np.float64)
+        columns = {name: _column(high, unit, long_name, *dims, **extra)}
+        if self.problem.precision != "double":
+            low = (values - high).astype(np.float64)
+            columns[f"{name}_lo"] = _column(low, unit, f"{long_name}: low part, to be added", *dims)
         return columns
 
 

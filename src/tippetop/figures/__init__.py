@@ -14,7 +14,8 @@ def _in_landscape(name: str) -> Callable:
     def drawn(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
         from .. import inversion
 
-        return getattr(landscape, name)(*getattr(inversion, name)(trajectory, events, attrs))
+        tables = (inversion.table(group) for group in (trajectory, events))
+        return getattr(landscape, name)(*getattr(inversion, name)(*tables, attrs))
 
     return drawn
 
