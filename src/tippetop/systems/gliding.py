@@ -131,6 +131,13 @@ def modified_energy(s, b):
     return b.m * arm_speed2(s, b) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
 
 
+@formula
+def modified_energy_rate(push_u, push_n, s, b):
+    """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
+    turn = (b.c - b.R * s.z) * s.precession + b.R * (s.L3 / b.I3) * s.s2
+    return b.m * ((b.R - b.c * s.z) * (s.z_dot * push_u) + turn * push_n) / s.s2
+
+
 # --- vector form: regular everywhere --------------------------------------------------------------------------------
 
 

@@ -89,9 +89,9 @@ def Lz(s, b):
 
 
 @formula
-def Lz_rate(z_dot, slip_n, s, b):
-    """L_z' of the gliding top, m (zhat x a).(dv_A/dt) [kg m^2/s^2], by its forces; slip_n = k g_n v_n. [T 5.19]"""
-    return -(b.m * b.c**2 / b.I1 * s.L3 * z_dot) - tip_inertia(b) / b.I1 * b.c * slip_n
+def Lz_rate(push_n, b):
+    """L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding; push_n = (zhat x 3hat).(dv_A/dt). [T 5.19]"""
+    return b.m * b.c * push_n
 
 
 # --- gliding: the vector form about the contact ---------------------------------------------------------------------
@@ -394,6 +394,8 @@ COMMON = {
     "folded": {"m": 1.0, "R": 0.0, "c": -1.0},
     "vectors": gliding.VECTORS,
     "potential": potential,
+    "theta_inertia": theta_inertia,
+    "momenta": ("Lz", "L3"),
 }
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
 

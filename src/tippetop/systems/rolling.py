@@ -239,6 +239,19 @@ def euler_accelerations(e, s, z, b):
 
 
 @formula
+def general_accelerations(e, s, z, w_x, w_y, b):
+    """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat: the general system,
+    of which rolling is w = 0. [T 3.36; section 12]"""
+    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
+    h, q, determinant = b.R - b.c * z, b.c - b.R * z, spin_determinant(z, b)
+    return (
+        theta_dot2 - b.m * (h * w_x) / (b.I1 + b.m * arm2(z, b)),
+        phi_dot2 + b.m * b.I3 * (q * w_y) / (determinant * s),
+        omega3_dot + b.m * b.R * b.I1 * (s * w_y) / determinant,
+    )
+
+
+@formula
 def euler_scalars(e, b):
     """The scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)

@@ -123,4 +123,6 @@ TIPPE_TOP = System(
     checks=checks,
     laws=LAWS,
     potential=potential,
+    theta_inertia=theta_inertia,
+    momenta=("routh", "jellett"),
 )
