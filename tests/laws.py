@@ -250,6 +250,9 @@ def main_equation(case: Case) -> Pairs:
         return
     z, s2 = m.u[2], 1 - m.u[2] ** 2
     V = system.potential(z, *(case.quantity(name) for name in system.momenta), b)
+    if hasattr(s, "Lz"):
+        left = case.quantity("energy") - b.m * s.speed2 / 2 - gliding.vertical_inertia(z, b) * s.z_dot**2 / s2
+        yield "vertical potential", gliding.vertical_potential(z, s.Lz, s.L3, b), left
     yield "METT", case.quantity("modified_energy"), system.theta_inertia(z, b) * s.z_dot**2 / s2 + V
     if case.has("routh"):
         tippe_top = importlib.import_module("tippetop.systems.tippe_top")

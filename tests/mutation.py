@@ -2,7 +2,7 @@
 
 usage: python tests/mutation.py [FILE ...]        (names as in src/tippetop/systems, or `friction`; default: all)
 
-Nothing on disk is touched: the mutated source is executed in fresh modules of this process. Exit code 1 if one survives.
+usage: python tests/mutation.py [FILE ...]     (names as in src/tippetop/systems, or `friction`; default: all)
 """
 
 import ast

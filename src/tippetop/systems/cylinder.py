@@ -28,7 +28,7 @@ from ..system import (
     System,
     Unit,
 )
-from . import gliding, rolling
+from . import gliding, rolling, tippe_top
 from .gliding import Body
 
 
@@ -296,7 +296,7 @@ ROLLING_ANGLES = RollingAngles(RADIAN, RADIAN_PER_SECOND, METRE, NEWTON_SECOND)
 @formula
 def rolling_acceleration(s, z, theta_dot, b):
     """theta'' of pure rolling [1/s^2]. [T 6.11]"""
-    return -(b.m * b.c * s * (b.g + b.R * theta_dot**2)) / (b.I1 + b.m * rolling.arm2(z, b))
+    return -(b.m * b.c * s * (b.g + b.R * theta_dot**2)) / (b.I1 + b.m * gliding.arm2(z, b))
 
 
 @formula
@@ -384,6 +384,8 @@ COMMON = {
     "scales": lambda b: (b.m, b.R),
     "folded": {"m": 1.0, "R": 1.0},
     "long_names": LONG_NAMES,
+    "potential": gliding.height_energy,
+    "theta_inertia": tippe_top.theta_inertia,
 }
 
 GLIDING_CYLINDER = System(
