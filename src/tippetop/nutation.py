@@ -25,8 +25,8 @@ def nutation(
 ) -> Nutation:
     """The nutation that passes theta, or starts there, by quadrature; about 14 digits.
 
-    inertia(z) and potential(z) take arrays; `energy` is that of the nutation; `span` is where theta may go. Steady motion
-    gives equal angles and NaN as its period; a motion that leaves the span, infinity.
+    inertia(z) and potential(z) take arrays; `energy` is that of the nutation; `span` is where theta may go. Steady
+    motion gives equal angles and NaN as its period; a motion that leaves the span, infinity.
     """
 
     def kinetic(angle: Any) -> Any:
@@ -96,12 +96,13 @@ def closed_form(energy: float, Lz: float, L3: float, inertia: float, I3: float, 
     roots = np.sort(np.roots(f).real)
     for _ in range(3):  # polish: companion eigenvalues lose a few digits
         slope = np.polyval(np.polyder(f), roots)
-        roots = roots - np.divide(np.polyval(f, roots), slope, out=np.zeros(3), where=slope != 0)
+        simple = np.abs(slope) > 1e-5 * np.abs(f).max()
+        roots = roots - np.divide(np.polyval(f, roots), slope, out=np.zeros(3), where=simple)
     z1, z2, z3 = (float(z) for z in roots)
     return ClosedForm(z1, z2, z3, math.sqrt(weight * (z3 - z1) / (2 * inertia)), (z2 - z1) / (z3 - z1))
 
 
-NEAR = 1e-9  # of order one: two turning angles, or a cusp, that are this close are one
+NEAR = 1e-7  # of order one: turning angles, or a cusp, that are this close are one; a double root has eight digits
 
 
 def heavy_top_motion(energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float) -> str:

@@ -1,7 +1,7 @@
-"""Where tops end: spinning and tumbling states, their thresholds and stability, linear modes, and the regime of a start.
+"""Where tops end: spinning and tumbling states, thresholds, stability, linear modes, and the regime of a start.
 
-Bodies are `gliding.Body` records of floats, SI. Theorem 3.3.2 of the source is used as corrected: below gamma_+ tumbling
-states near the upright are unstable, and below gamma_c the upright spin outlives the inverted one.
+Bodies are `gliding.Body` records of floats, SI. Theorem 3.3.2 of the source is used as corrected: below gamma_+ some
+tumbling states near the upright are unstable, and below gamma_c the upright spin outlives the inverted one.
 """
 
 import math
