@@ -16,7 +16,7 @@ def reconstruct(
 ) -> np.ndarray:
     """z = cos(theta) at `times`, by integrating E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)) from (z, z_dot).
 
-    Only E~ and the momenta (as functions of time, rows in `times`) and the start are read. The equation of first order,
+    Only E~ and the momenta (as functions of time, rows in `times`) and the start are read. The first-order equation,
     z'^2 = Q(z, t), has a branch point at every turning angle, so its derivative is integrated, z'' = Q_z/2 + Q_t/(2 z');
     Q_t vanishes with z' there, and the sampled quotient fades out over a relative speed of TURNING_SPEED.
     """
