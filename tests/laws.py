@@ -257,7 +257,7 @@ def main_equation(case: Case) -> Pairs:
     if case.has("routh"):
         tippe_top = importlib.import_module("tippetop.systems.tippe_top")
         yield "D'", case.along(lambda x: case.quantity("routh", x)), tippe_top.routh_rate(z, v_n, b)
-    elif case.system.frictional:
+    elif case.system.frictional and case.has("Lz"):
         heavy_top = importlib.import_module("tippetop.systems.heavy_top")
         found = case.along(lambda x: case.quantity("Lz", x))
         yield "L_z' by dv_A/dt", heavy_top.Lz_rate(v_n, b), found

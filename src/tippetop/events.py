@@ -26,7 +26,7 @@ class EventTable(NamedTuple):
     theta: np.ndarray  # [rad]
     theta_dot_sign: np.ndarray  # of theta' just after the event: +1 at a minimum of theta, -1 at a maximum; int8
     amplitude: np.ndarray  # swing |theta - theta of the turning before| [rad]; NaN for other kinds
-    significant: np.ndarray  # False where rounding could have made the event; bool
+    significant: np.ndarray  # False where rounding could have made the event, or it did not last; bool
 
     @classmethod
     def empty(cls) -> "EventTable":
@@ -38,42 +38,45 @@ class EventTable(NamedTuple):
         """One log of several, in order."""
         return cls(*map(np.concatenate, zip(*tables, strict=True))) if tables else cls.empty()
 
-    def logged(self, kinds: tuple[str, ...]) -> "EventTable":
-        """The rows of the kinds that a person asked for."""
-        keep = np.isin(self.kind, [KINDS.index(kind) for kind in kinds])
-        return EventTable(*(column[keep] for column in self))
-
     def of(self, kind: str, *, significant: bool = False) -> "EventTable":
         """The rows of one kind; only the significant ones, if asked."""
         keep = self.kind == KINDS.index(kind)
         return EventTable(*(column[keep & self.significant] if significant else column[keep] for column in self))
 
 
-def amplitudes(theta: np.ndarray, turning: np.ndarray, start: float) -> np.ndarray:
-    """Swing |theta - theta of the turning before| of every turning [rad], the first since the start; NaN elsewhere."""
-    swing = np.full(theta.shape, np.nan)
-    swing[turning] = np.abs(np.diff(theta[turning], prepend=start))
-    return swing
+class Confirmation:
+    """Tells which turnings of theta are more than rounding, as they come.
 
-
-def significance(theta: np.ndarray, sign: np.ndarray, end: float, floor: float = NOISE_FLOOR) -> np.ndarray:
-    """Which turnings of theta (sign +1 minima, -1 maxima, in order) are more than rounding, bool.
-
-    Hysteresis: the extreme of a stretch counts once theta has come back from it by `floor`, whatever small wiggles lie
-    between. So a true turning that rounding splits into three counts once, and a decay that ends in noise not at all.
-    `end` is theta at the end of the run.
+    Hysteresis: the extreme of a stretch counts once theta has come back from it by the floor, whatever small wiggles
+    lie between. So a true turning that rounding splits into three counts once, and a decay that ends in noise not
+    at all. A turning waits, by its row in the log, until a later one confirms it.
     """
-    found = np.zeros(len(theta), dtype=bool)
-    swings = np.abs(np.diff(theta, append=end))
-    if np.all(swings >= floor):
-        return ~found
-    candidate = -1
-    for i, (angle, way) in enumerate(zip(theta.tolist(), sign.tolist(), strict=True)):
-        if candidate >= 0 and sign[candidate] * (angle - theta[candidate]) >= floor:
-            found[candidate] = True
-            candidate = i
-        elif candidate < 0 or (way == sign[candidate] and way * (angle - theta[candidate]) < 0):
-            candidate = i
-    if candidate >= 0 and sign[candidate] * (end - theta[candidate]) >= floor:
-        found[candidate] = True
-    return found
+
+    def __init__(self, floor: float = NOISE_FLOOR):
+        self.floor = floor
+        self.row, self.theta, self.sign = -1, 0.0, 0  # the turning that waits; row -1: none
+
+    def take(self, rows: np.ndarray, theta: np.ndarray, sign: np.ndarray) -> list[tuple[int, float]]:
+        """Takes turnings in order (sign +1 minima, -1 maxima); gives (row, theta) of those that are now confirmed."""
+        if not len(rows):
+            return []
+        every = np.append(self.theta, theta) if self.row >= 0 else theta
+        if np.all(np.abs(np.diff(every)) >= self.floor) and (self.row < 0 or sign[0] != self.sign):
+            waiting = [(self.row, self.theta)] if self.row >= 0 else []
+            confirmed = waiting + list(zip(rows[:-1].tolist(), theta[:-1].tolist(), strict=True))
+            self.row, self.theta, self.sign = int(rows[-1]), float(theta[-1]), int(sign[-1])
+            return confirmed
+        found = []
+        for row, angle, way in zip(rows.tolist(), theta.tolist(), sign.tolist(), strict=True):
+            found += self.reached(angle)
+            if self.row < 0 or (way == self.sign and way * (angle - self.theta) < 0):
+                self.row, self.theta, self.sign = row, angle, way
+        return found
+
+    def reached(self, theta: float) -> list[tuple[int, float]]:
+        """(row, theta) of the waiting turning if theta has come back from it by the floor; then none waits."""
+        if self.row < 0 or self.sign * (theta - self.theta) < self.floor:
+            return []
+        confirmed = [(self.row, self.theta)]
+        self.row = -1
+        return confirmed

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from .events import EventTable
 from .problem import Problem
 from .system import NEWTON, SECOND
 from .trajectory import View
@@ -21,14 +20,11 @@ class Monitor:
     """Follows a run slice by slice. Drifts are relative, and the worst of the run."""
 
     problem: Problem
-    view: View = field(init=False)
+    view: View
     drift: dict[str, float] = field(default_factory=dict)
     force: Extremes = field(default_factory=Extremes)
     steps: int = 0
     _start: dict[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self.view = View(self.problem)
 
     def begin(self, row: np.ndarray) -> None:
         """Takes the start, (1, variables), as what the invariants are compared with."""
@@ -54,17 +50,9 @@ class Monitor:
             found["axis_norm"] = np.sqrt(scalars.s2 + scalars.z**2)
         return found
 
-    def report(self, events: EventTable, t_end: float, theta_end: float) -> dict[str, Any]:
-        """The measured part of `info --json`."""
-        report: dict[str, Any] = {
-            "t_end": t_end,
-            "steps": self.steps,
-            "event_counts": event_counts(events),
-            "inversion": inversion(events),
-            "nutational_band": band(events),
-            "theta_end": theta_end,
-            "drift": self.drift,
-        }
+    def report(self) -> dict[str, Any]:
+        """The measured part of `info --json` that does not concern events."""
+        report: dict[str, Any] = {"steps": self.steps, "drift": self.drift}
         if math.isfinite(self.force.least):
             newton = float(self.problem.scales.of(NEWTON))
             second = float(self.problem.scales.of(SECOND))
@@ -77,30 +65,10 @@ class Monitor:
             }
         return report
 
+    def snapshot(self) -> dict[str, Any]:
+        """What a checkpoint keeps."""
+        return {"drift": self.drift, "force": list(self.force), "steps": self.steps}
 
-def event_counts(events: EventTable) -> dict[str, int]:
-    """How many events of each kind were logged, and how many turnings are more than rounding."""
-    from .events import KINDS
-
-    counts = {kind: int(np.sum(events.kind == i)) for i, kind in enumerate(KINDS)}
-    counts["turning_significant"] = len(events.of("turning", significant=True).time)
-    return {name: n for name, n in counts.items() if n}
-
-
-def inversion(events: EventTable) -> dict[str, float | None]:
-    """First and last passage of theta = pi/2 and first of pi - 0.1 [s]; None if there was none."""
-    equator, inverted = events.of("equator").time, events.of("inverted").time
-    return {
-        "first_equator": float(equator[0]) if len(equator) else None,
-        "last_equator": float(equator[-1]) if len(equator) else None,
-        "inverted_at": float(inverted[0]) if len(inverted) else None,
-    }
-
-
-def band(events: EventTable) -> dict[str, float | None]:
-    """Smallest and largest turning angle of the run [rad]; None if theta' had no zero above rounding."""
-    theta = events.of("turning", significant=True).theta
-    return {
-        "theta_min": float(theta.min()) if len(theta) else None,
-        "theta_max": float(theta.max()) if len(theta) else None,
-    }
+    def restore(self, kept: dict[str, Any]) -> None:
+        """Goes on from a checkpoint; the start is that of the problem."""
+        self.drift, self.force, self.steps = kept["drift"], Extremes(*kept["force"]), kept["steps"]

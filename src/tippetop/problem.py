@@ -10,9 +10,11 @@ import numpy as np
 
 from .operand import leaves, refill
 from .system import SECOND, Form, Scales, System
+from .times import Given, Grid
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
+ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 QUADRATURE_SCALE = 2.0**-32
 """Factor on variables that the equations do not read: too small to control the step, and a power of two."""
 
@@ -28,11 +30,17 @@ class Problem:
     friction_units: Any
     initial: dict[str, Any]
     until: float
-    times: np.ndarray  # of the rows that are asked for, ascending, in [0, until]
+    times: Grid | Given  # of the rows that are asked for
     events: tuple[str, ...]  # the kinds that are logged
     on_liftoff: str = "stop"
     precision: str = "double"
     tolerance: float = 0.0  # 0 is the rounding unit of the precision
+    output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
+    stop_when: str = "until"  # or "settled"
+
+    def __post_init__(self) -> None:
+        if isinstance(self.times, np.ndarray):
+            object.__setattr__(self, "times", Given(self.times))
 
     @cached_property
     def number(self) -> Any:

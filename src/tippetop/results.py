@@ -2,37 +2,50 @@
 
 from typing import TYPE_CHECKING, Any
 
-from .archive import provenance, versions
-from .scenario import law_name, resolved
-from .system import Unit
+from .archive import provenance
+from .problem import ROUNDING, Problem
+from .scenario import resolved, tables_of
+from .systems import SYSTEMS
 from .trajectory import Column, event_columns
 
 
 if TYPE_CHECKING:
+    from .engine import Status
     from .solve import Run
 
 
 def groups(run: "Run") -> dict[str, dict[str, Column]]:
-    """The groups of the store: trajectory and events."""
+    """The groups of a store, of a run in memory: trajectory and events."""
     return {"trajectory": run.columns(), "events": event_columns(run.events)}
 
 
-def attributes(run: "Run") -> dict[str, Any]:
-    """The root attributes of the store: scenario, what was measured, provenance. No times of the clock."""
-    problem = run.problem
-    view = problem.form.units._fields
-    weights = [float(w) for w in problem.weights(problem.form)]
+def datasets(run: "Run") -> dict[str, Any]:
+    """The groups of the store as labelled Datasets, in memory."""
+    import xarray as xr
+
+    attrs = attributes(run.problem, run.status, run.reason, run.final, run.report)
+    return {
+        name: xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs).set_coords("time")
+        for name, columns in groups(run).items()
+    }
+
+
+def attributes(problem: Problem, status: "Status", reason: str, final: Any, report: dict[str, Any]) -> dict[str, Any]:
+    """The root attributes of a store: scenario, what was measured, provenance. No times of the clock."""
+    names = problem.form.units._fields
+    values = [float(v) * float(w) for v, w in zip(final, problem.weights(problem.form), strict=True)]
+    parameters = {**problem.system.parameters, **problem.system.initial}
     return {
         "title": problem.system.title,
         "source": problem.system.source,
-        "status": run.status.value,
-        "reason": run.reason,
+        "status": status.value,
+        "reason": reason,
         **resolved(problem),
-        "tolerance": resolved(problem)["run"]["tolerance"],
+        "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
-        "units": {n: p.unit.symbol for n, p in problem.system.parameters.items()},
-        "final_state": dict(zip(view, (float(v) * w for v, w in zip(run.final, weights, strict=True)), strict=True)),
-        "report": run.report,
+        "units": {name: parameter.unit.symbol for name, parameter in parameters.items()},
+        "final_state": dict(zip(names, values, strict=True)),
+        "report": report,
         **provenance(),
     }
 
@@ -43,32 +56,18 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
         "status": attrs["status"],
         "reason": attrs["reason"],
         **attrs["report"],
-        **{key: attrs[key] for key in ("system", "form", "parameters", "friction", "initial", "run")},
+        **tables_of(attrs),
         **{key: attrs[key] for key in ("tolerance", "precision", "final_state", "versions", "cpu")},
     }
 
 
-def friction_words(friction: dict[str, Any], units: Any) -> str:
-    """The friction law as a person says it."""
-    numbers = [
-        f"{name} = {value:g} {_symbol(unit)}".strip() for (name, value), unit in zip(friction, units, strict=True)
-    ]
-    return ", ".join(numbers)
-
-
-def _symbol(unit: Unit) -> str:
-    return "" if unit.symbol == "1" else unit.symbol
-
-
-def headline(run: "Run") -> str:
+def headline_of(attrs: dict[str, Any]) -> str:
     """One line: what was integrated."""
-    problem = run.problem
-    words = [problem.system.title, f"{problem.form.name} form", problem.precision]
-    if problem.system.frictional:
-        law = law_name(problem)
-        numbers = friction_words(problem.friction._asdict().items(), problem.friction_units)
-        words.append(f"{law} friction, {numbers}" if numbers else "no friction")
+    words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
+    if "friction" in attrs:
+        law, *numbers = attrs["friction"].items()
+        laws = SYSTEMS[attrs["system"]].laws
+        units = {name: p.unit.symbol for name, p in laws[law[1]].parameters.items()}
+        said = [f"{name} = {value:g} {units[name]}".removesuffix(" 1") for name, value in numbers]
+        words.append(", ".join([f"{law[1]} friction", *said]) if numbers else "no friction")
     return " · ".join(words)
-
-
-__all__ = ["attributes", "friction_words", "groups", "headline", "info", "versions"]

@@ -17,10 +17,11 @@ from .operand import leaves
 from .problem import PRECISIONS, Problem
 from .system import Parameter, System
 from .systems import SYSTEMS
+from .times import Given, Grid
 from .trajectory import View
 
 
-MOST_ROWS = 20_000_000  # what a run may hold in memory: about 2 GB
+MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
 
 
 class ScenarioError(ValueError):
@@ -92,6 +93,8 @@ class _Run(_Table):
     until: Annotated[float, Field(gt=0)]
     output_step: Annotated[float, Field(gt=0)] | None = None
     output_times: list[Annotated[float, Field(ge=0)]] | None = None
+    output: Literal["times", "events", "steps"] = "times"
+    stop_when: Literal["until", "settled"] = "until"
     events: list[str] | None = None
     on_liftoff: Literal["stop", "continue"] = "stop"
     precision: Literal["double", "longdouble", "quad"] = "double"
@@ -99,12 +102,14 @@ class _Run(_Table):
 
 
 def _number(parameter: Parameter) -> Any:
-    bounds = {"gt": parameter.above, "ge": parameter.least, "lt": parameter.below, "le": parameter.most}
+    bounds: dict[str, Any] = {"gt": parameter.above, "ge": parameter.least, "lt": parameter.below, "le": parameter.most}
     return Annotated[float, Field(**{k: v for k, v in bounds.items() if v is not None})]
 
 
 def _table(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
-    fields = {n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()}
+    fields: dict[str, Any] = {
+        n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()
+    }
     return create_model(name, __base__=_Table, **extra, **fields)
 
 
@@ -123,7 +128,7 @@ def _shape(name: str) -> type[BaseModel]:
     fields["initial"] = (initial, initial())
     if system.frictional:
         laws = [_table(n, law.parameters, required=True, law=(Literal[n], ...)) for n, law in system.laws.items()]
-        union = laws[0]
+        union: Any = laws[0]
         for law in laws[1:]:
             union = union | law
         fields["friction"] = (Annotated[union, Field(discriminator="law")], ...)
@@ -166,6 +171,8 @@ def problem(tables: dict[str, Any]) -> Problem:
         on_liftoff=run.on_liftoff,
         precision=run.precision,
         tolerance=run.tolerance,
+        output=run.output,
+        stop_when=run.stop_when,
     )
     _check_start(built)
     return built
@@ -183,6 +190,12 @@ def load(source: str, assignments: list[str] | None = None, until: float | None 
     return problem(tables)
 
 
+def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
+    """The tables that a store's root attributes hold: what `resolved` wrote."""
+    names = ("system", "form", "parameters", "friction", "initial", "run")
+    return {name: attrs[name] for name in names if name in attrs}
+
+
 def law_name(problem: Problem) -> str:
     """The name of the friction law of a problem, as in `[friction] law`."""
     laws = {**LAWS, **problem.system.laws}
@@ -195,17 +208,27 @@ def resolved(problem: Problem) -> dict[str, Any]:
         "system": problem.system.name,
         "form": problem.form.name,
         "parameters": dict(problem.parameters),
-        "friction": {"law": law_name(problem), **problem.friction._asdict()},
+        **({"friction": {"law": law_name(problem), **problem.friction._asdict()}} if problem.system.frictional else {}),
         "initial": dict(problem.initial),
         "run": {
             "until": problem.until,
-            "rows": len(problem.times),
+            **_output(problem),
             "events": list(problem.events),
             "on_liftoff": problem.on_liftoff,
             "precision": problem.precision,
-            "tolerance": problem.tolerance or float(np.finfo(float).eps) * (problem.precision == "double"),
+            "tolerance": problem.tolerance,
+            "stop_when": problem.stop_when,
         },
     }
+
+
+def _output(problem: Problem) -> dict[str, Any]:
+    """The keys of [run] that say when rows are wanted."""
+    if problem.output != "times":
+        return {"output": problem.output}
+    if isinstance(problem.times, Grid):
+        return {"output_step": problem.times.step}
+    return {"output_times": problem.times.times.tolist()}
 
 
 def _initial_faults(system: System, form: str, initial: dict[str, Any]) -> list[str]:
@@ -227,11 +250,13 @@ def _run_faults(system: System, run: _Run) -> list[str]:
     ]
     if run.output_step is not None and run.output_times is not None:
         faults.append("`run.output_step` must stand alone, but `run.output_times` is given too.")
-    if run.output_step is not None and run.until / run.output_step > MOST_ROWS:
+    if run.output_step is not None and not run.until / run.output_step <= MOST_ROWS:
         faults.append(
-            f"`run.output_step` must give at most {MOST_ROWS} rows, but {run.output_step:g} gives "
+            f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {run.output_step:g} gives "
             f"{run.until / run.output_step:.3g}."
         )
+    if run.output != "times" and (run.output_step is not None or run.output_times is not None):
+        faults.append('`run.output` must be "times" where `run.output_step` or `run.output_times` is given.')
     times = run.output_times or []
     if any(b <= a for a, b in itertools.pairwise(times)):
         faults.append("`run.output_times` must ascend strictly, but do not.")
@@ -240,16 +265,11 @@ def _run_faults(system: System, run: _Run) -> list[str]:
     return faults
 
 
-def _times(run: _Run) -> np.ndarray:
+def _times(run: _Run) -> Grid | Given:
     """Times of the rows [s]; a grid always ends with `until` itself."""
     if run.output_times is not None:
-        return np.array(run.output_times, dtype=float)
-    step = run.output_step or run.until / 1000
-    times = np.arange(math.floor(run.until / step * (1 + 1e-12)) + 1) * step
-    if run.until - times[-1] < 1e-9 * step:
-        times[-1] = run.until
-        return times
-    return np.append(times, run.until)
+        return Given(np.array(run.output_times, dtype=float))
+    return Grid(run.output_step or run.until / 1000, run.until)
 
 
 def _check_start(built: Problem) -> None:

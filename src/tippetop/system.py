@@ -1,6 +1,6 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -129,7 +129,7 @@ class System:
     integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
     events: Sequence[Event]
     long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
-    vectors: dict[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
+    vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
     laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
     potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V

@@ -97,7 +97,7 @@ POLAR = ("phi", "phi_dot", "nu_x", "nu_y")
 def event_columns(table: EventTable) -> dict[str, Column]:
     """The event log as columns of the store's group `events`."""
     flags = {"flag_values": list(range(len(KINDS))), "flag_meanings": " ".join(KINDS)}
-    about = {
+    about: dict[str, dict[str, Any]] = {
         "kind": {"long_name": "kind of event", **flags},
         "theta_dot_sign": {"long_name": "sign of theta' just after: +1 at a minimum of theta, -1 at a maximum"},
         "significant": {"long_name": "false where rounding could have made the event"},

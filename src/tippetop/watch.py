@@ -28,12 +28,8 @@ def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
     times (n + 1,) are the ends of n steps, coefficients (n, order + 1) the variable's Taylor coefficients in time
     since the start of each step. The sampled extreme is refined on the polynomial of its step and of its neighbours.
     """
-    times, h = np.asarray(times, float), np.diff(np.asarray(times, float))
-    k = np.arange(1, coefficients.shape[1])
-    rate = (
-        np.asarray(coefficients, float)[:, 1:] * k * h[:, None] ** (k - 1)
-    )  # polynomial of tau = (t - t_i)/h in [0, 1]
-    samples = rate @ np.vander(_NODES, len(k), increasing=True).T
+    times, h, rate = _rates(times, coefficients)
+    samples = rate @ np.vander(_NODES, rate.shape[1], increasing=True).T
     found = []
     for sign in (1, -1):
         worst = int(np.argmin((sign * samples).min(axis=1)))
@@ -41,6 +37,29 @@ def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
         value, tau, i = min(candidates)
         found += [sign * value, times[i] + tau * h[i]]
     return Extremes(*found)
+
+
+def falls_below_zero(times: np.ndarray, coefficients: np.ndarray) -> float | None:
+    """When the rate of a variable first falls below zero over a run of steps; None if it does not."""
+    times, h, rate = _rates(times, coefficients)
+    tau = np.linspace(0.0, 1.0, 65)
+    negative = rate @ np.vander(tau, rate.shape[1], increasing=True).T < 0
+    steps = np.flatnonzero(negative.any(axis=1))
+    if not len(steps):
+        return None
+    step = steps[0]
+    p, first = np.polynomial.Polynomial(rate[step]), int(np.argmax(negative[step]))
+    low, high = tau[max(0, first - 1)], tau[first]
+    while (middle := (low + high) / 2) not in (low, high):
+        low, high = (middle, high) if p(middle) > 0 else (low, middle)
+    return float(times[step] + high * h[step])
+
+
+def _rates(times: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Step ends, step lengths, and the rate of the variable as polynomials of tau = (t - t_i)/h in [0, 1]."""
+    times = np.asarray(times, float)
+    h, k = np.diff(times), np.arange(1, coefficients.shape[1])
+    return times, h, np.asarray(coefficients, float)[:, 1:] * k * h[:, None] ** (k - 1)
 
 
 def _least(polynomial: np.ndarray) -> tuple[float, float]:

@@ -7,7 +7,8 @@ import pytest
 
 import tops
 from tippetop import nutation
-from tippetop.solve import Status, solve
+from tippetop.engine import Status
+from tippetop.solve import solve
 from tippetop.systems import cylinder, gliding, tippe_top
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import laws
+from tippetop.engine import variables
 from tippetop.friction import Frictionless
 from tippetop.operand import leaves, refill
-from tippetop.solve import variables
 from tippetop.systems import SYSTEMS
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import tops
-from tippetop.solve import Status, solve
+from tippetop.engine import Status
+from tippetop.solve import solve
 
 
 CASES = [  # double precision; the inversion amplifies rounding a thousandfold, the cylinder turns over sixteen times

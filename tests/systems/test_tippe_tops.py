@@ -8,7 +8,8 @@ import pytest
 
 import tops
 from tippetop import nutation
-from tippetop.solve import Status, solve
+from tippetop.engine import Status
+from tippetop.solve import solve
 from tippetop.systems import SYSTEMS, gliding, tippe_top
 
 
@@ -173,7 +174,7 @@ def test_mirrored_start_gives_the_mirrored_run() -> None:
 
 def test_events_do_not_change_the_bits() -> None:
     plain = tops.problem("tippe-top", tops.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 3.0, VISCOUS)
-    few = solve(dataclasses.replace(plain, events=(), times=plain.times[:1]))
+    few = solve(dataclasses.replace(plain, events=(), times=np.array([0.0])))
     many = solve(dataclasses.replace(plain, times=np.linspace(0, 3, 10_001)))
     assert few.final.tobytes() == many.final.tobytes()
     assert few.report["steps"] == many.report["steps"]

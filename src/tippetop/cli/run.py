@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -39,38 +40,79 @@ def run(
     overwrite
         Replace an existing store.
     """
-    from contextlib import ExitStack
-
     from tippetop import archive, results
     from tippetop import scenario as door
 
-    from .text import Progress, summary
+    from .text import Progress
 
     problem = door.load(scenario, set_, until)
     if figure is not None:
         _check_picture(figure)
-    with ExitStack() as stack:
-        scratch = stack.enter_context(archive.new_store(out, overwrite=overwrite)) if out is not None else None
+    if out is None:
         from tippetop.solve import solve
 
-        with Progress(problem.until) as progress:
-            done = solve(problem, progress.update)
-        attrs, groups = results.attributes(done), results.groups(done)
-        if scratch is not None:
-            archive.write(scratch, groups, attrs)
-    if figure is not None:
-        from tippetop.figures import draw
+        done = solve(problem)
+        attrs = archive.finite(results.attributes(problem, done.status, done.reason, done.final, done.report))
+        _picture(figure, results.groups(done), attrs)
+        return _say(attrs, done.seconds, {"figure": figure}, as_json)
+    from tippetop.record import record
 
-        draw("theta", groups, attrs, figure)
+    with Progress(problem.until) as progress:
+        course, attrs = _interruptible(lambda: record(problem, out, overwrite=overwrite, progress=progress.update), out)
+    _picture(figure, out, attrs)
+    return _say(attrs, course.seconds, {"store": out, "figure": figure}, as_json)
+
+
+def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
+    """Continue an interrupted run: the finished store is that of an undisturbed one, bit by bit."""
+    from tippetop import archive
+    from tippetop.record import resume as go_on
+
+    from .text import Progress
+
+    until = archive.attributes(store)["run"]["until"]
+    with Progress(until) as progress:
+        course, attrs = _interruptible(lambda: go_on(store, progress.update), store)
+    return _say(attrs, course.seconds, {"store": store}, as_json)
+
+
+def _interruptible(work: Callable[[], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
+    """Does the work; where it was interrupted, says how to go on and exits with 128 + the signal's number."""
+    from tippetop.record import Interrupted
+
+    try:
+        return work()
+    except Interrupted as stopped:
+        print(f"tippetop: interrupted; everything so far is kept. Go on with: tippetop resume {store}", file=sys.stderr)
+        raise SystemExit(128 + stopped.signal) from None
+
+
+def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
+    """Draws theta(t) of a run in memory or of a store."""
+    if figure is None:
+        return
+    from tippetop import figures
+    from tippetop.archive import open_group
+
+    if isinstance(groups, Path):
+        groups = {name: open_group(groups, name) for name in ("trajectory", "events")}
+    figures.draw("theta", groups, attrs, figure)
+
+
+def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:
+    """Prints the result; gives the exit code."""
+    from tippetop.results import headline_of, info
+
+    from .text import summary
+
     if as_json:
-        print(json.dumps(archive.finite(results.info(archive.finite(attrs))), allow_nan=False))
+        print(json.dumps(info(attrs), allow_nan=False))
     else:
-        places = {"store": out, "figure": figure}
-        summary(results.headline(done), results.info(attrs), done.seconds, places)
-    if done.status.value in ("finished", "liftoff", "fallen"):
-        return 0
-    print(f"tippetop: {done.reason}", file=sys.stderr)
-    return 3
+        summary(headline_of(attrs), info(attrs), seconds, places)
+    if attrs["status"] in ("non-finite", "stalled"):
+        print(f"tippetop: {attrs['reason']}", file=sys.stderr)
+        return 3
+    return 0
 
 
 def _check_picture(path: Path) -> None:
@@ -84,4 +126,4 @@ def _check_picture(path: Path) -> None:
         raise StoreError(f"`{path.parent}` must be a folder, but is not.")
 
 
-COMMANDS: list[Any] = [run]
+COMMANDS: list[Any] = [run, resume]

@@ -17,8 +17,9 @@ def info(store: Path, *, as_json: Json = False) -> int:
     from rich.table import Table
 
     from tippetop import archive, results
+    from tippetop.report import lines
 
-    from .text import console, lines
+    from .text import console
 
     attrs = archive.attributes(store)
     found = results.info(attrs)
@@ -89,7 +90,7 @@ def systems(*, as_json: Json = False) -> int:
 
     from .text import console
 
-    found = {
+    found: dict[str, dict[str, Any]] = {
         name: {
             "title": s.title,
             "forms": list(s.forms),

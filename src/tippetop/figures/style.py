@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 
 RUN, UPPER, LOWER, QUIET, ALARM = "#1f3b57", "#c2410c", "#0f766e", "#8a94a0", "#b91c1c"
-RC = {
+RC: dict[str, Any] = {
     "font.size": 10,
     "axes.titlesize": 11,
     "axes.titlelocation": "left",
@@ -35,7 +35,7 @@ def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
 
 def styled() -> Any:
     """A block in which figures are made in our style, whatever the user's own settings are."""
-    return mpl.rc_context({**mpl.rcParamsDefault, **RC})
+    return mpl.rc_context(dict(mpl.rcParamsDefault) | RC)  # type: ignore[arg-type]
 
 
 def save(made: Figure, path: Path) -> None:

@@ -1,0 +1,236 @@
+"""A problem becomes a compiled Taylor integrator and advances slice by slice.
+
+The only user of heyoka's integrators.
+"""
+
+import copy
+import hashlib
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from .events import KINDS, Zero
+from .operand import leaves, refill
+from .problem import PRECISIONS, QUADRATURE_SCALE, Problem
+from .system import Form, System
+from .watch import Extremes, falls_below_zero, rate_extremes
+
+
+hy.set_logger_level_critical()  # heyoka warns on stdout, which is ours; every outcome it warns of has a status here
+
+STEPS_PER_SLICE = 4096  # about 10 ms of work and 6 MB of dense output: prompt to interrupt, cheap to keep
+EVENT_SCALE = 2.0**-24  # events must not control the step either: with and without them, a run has the same bits
+
+
+class Status(Enum):
+    """How a run ended. All are ordinary ends but NON_FINITE and STALLED."""
+
+    FINISHED = "finished"
+    LIFTOFF = "liftoff"
+    FALLEN = "fallen"
+    NON_FINITE = "non-finite"
+    STALLED = "stalled"
+    SETTLED = "settled"
+    RUNNING = "running"  # a store that is being written, or waits for `tippetop resume`
+
+
+class Compiled(NamedTuple):
+    """An integrator to be copied, the expressions it was made of, and the log its events write to."""
+
+    integrator: Any
+    kinds: tuple[str, ...]
+
+
+class Log:
+    """What heyoka calls at an event. Copies are the object itself: heyoka copies callbacks deeply."""
+
+    def __init__(self, kind: str):
+        self.kind = kind
+        self.zeros: list[Zero] = []
+
+    def __deepcopy__(self, memo: dict) -> "Log":
+        return Log(self.kind)
+
+    def __call__(self, integrator: Any, t: Any, sign: int) -> None:
+        self.zeros.append(Zero(t, self.kind, sign))
+
+
+def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list[tuple]]:
+    """State and body as heyoka expressions, and the equations of motion, in internal units.
+
+    What is 0 or 1 by construction is a number, so that expressions fold; everything else is a run-time parameter.
+    """
+    state = hy.make_vars(*form.units._fields)
+    scaled = [v / QUADRATURE_SCALE if v_ in form.quadratures else v for v, v_ in zip(state, form.units._fields)]  # noqa: B905
+    record = type(form.units)(*scaled)
+    template = system.body({name: 1.0 for name in system.parameters}, friction(*(1.0 for _ in friction._fields)))
+    count = iter(range(len(leaves(template))))
+    body = refill(template, (hy.par[i] for i in count))._replace(**system.folded)
+    rates = form.rates(record, body)
+    equations = [
+        (v, hy.expression(0.0) + (QUADRATURE_SCALE * rate if name in form.quadratures else rate))
+        for v, name, rate in zip(state, form.units._fields, rates, strict=True)
+    ]
+    return record, body, equations
+
+
+@lru_cache(maxsize=32)
+def compiled(
+    name: str, form_name: str, friction: Any, precision: str, tolerance: float, events: tuple[str, ...], stop: bool
+) -> Compiled:
+    """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
+    heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`."""
+    from .systems import SYSTEMS
+
+    system = SYSTEMS[name]
+    form = system.forms[form_name]
+    record, body, equations = variables(system, form, friction)
+    scalars, number = form.scalars(record, body), PRECISIONS[precision]
+    number = float if number is np.float64 else number
+    passing, terminal, kinds = [], [], []
+    for event in system.events:
+        if event.name not in events:
+            continue
+        expression = hy.expression(EVENT_SCALE) * event.formula(scalars, body)
+        if not hy.get_variables(expression):  # it never changes: without friction, sliding dissipates nothing
+            continue
+        direction = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
+        options = {"direction": direction[event.direction], "fp_type": number}
+        if event.stops and stop:
+            terminal.append(hy.t_event(expression, **options))
+        else:
+            passing.append(hy.nt_event(expression, Log(event.name), **options))
+            kinds.append(event.name)
+    integrator = hy.taylor_adaptive(
+        equations,
+        np.zeros(len(equations), dtype=PRECISIONS[precision]),
+        pars=np.zeros(len(leaves(body)), dtype=PRECISIONS[precision]),
+        tol=number(tolerance),
+        high_accuracy=True,
+        nt_events=passing,
+        t_events=terminal,
+        compact_mode=precision != "double",  # otherwise 6 s (longdouble) and 25 s (quad) of compilation
+        fp_type=number,
+    )
+    return Compiled(integrator, tuple(kinds))
+
+
+@dataclass
+class Slice:
+    """A run of accepted steps: their ends, the dense output over them, and the zeros found in them."""
+
+    times: np.ndarray  # (n + 1,) internal
+    output: Callable  # output(internal times) -> (k, variables)
+    coefficients: np.ndarray  # (n, variables, order + 1)
+    zeros: list[Zero]
+    status: Status | None  # None: to be continued
+    wall: float  # [s] spent inside heyoka
+
+
+def integrator_of(problem: Problem) -> Any:
+    """A fresh integrator of the problem, at its start."""
+    detected = tuple(k for k in KINDS if k != "turning" or k in problem.events)
+    integrator = copy.deepcopy(
+        compiled(
+            problem.system.name,
+            problem.form.name,
+            problem.friction.__class__,
+            problem.precision,
+            problem.tolerance,
+            detected,
+            problem.on_liftoff == "stop",
+        ).integrator
+    )
+    integrator.pars[:] = [problem.number(leaf) for leaf in leaves(problem.internal_body)]
+    integrator.state[:] = problem.start()
+    return integrator
+
+
+def terminal_kinds(problem: Problem) -> tuple[str, ...]:
+    """The kinds of the events that end a run, in heyoka's order."""
+    return tuple(e.name for e in problem.system.events if e.stops and problem.on_liftoff == "stop")
+
+
+def slices(integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",)) -> Iterator[Slice]:
+    """Drives an integrator to the internal time `end`; the last slice carries the status. `terminal` are its kinds.
+
+    Slices of a number of steps are bit-identical to one long call; slices of time would not be.
+    """
+    stop = hy.taylor_outcome
+    status: Status | None
+    logs = [event.callback for event in integrator.nt_events] if integrator.with_events else []
+    while True:
+        for log in logs:
+            log.zeros.clear()
+        start, clock = integrator.time, time.perf_counter()
+        outcome, *_, output, _ = integrator.propagate_until(end, max_steps=STEPS_PER_SLICE, c_output=True)
+        wall = time.perf_counter() - clock
+        zeros = [zero for log in logs for zero in log.zeros]
+        if outcome == stop.time_limit:
+            status = Status.FINISHED
+        elif outcome == stop.err_nf_state:
+            status = Status.NON_FINITE
+        elif outcome == stop.step_limit:
+            status = Status.STALLED if output.times[-1] - start < STEPS_PER_SLICE * 1e-10 else None
+        else:
+            kind = terminal[-int(outcome) - 1]  # heyoka numbers the terminal events -1, -2, ...
+            status = Status.LIFTOFF if kind == "liftoff" else Status.FALLEN
+            zeros.append(Zero(integrator.time, kind, -1))
+        if output is None:  # not one step was possible
+            none = np.zeros((0, len(integrator.state), 2))
+            yield Slice(np.array([start]), _nothing, none, [], status, wall)
+            return
+        yield Slice(output.times, output, output.tcs, sorted(zeros, key=lambda z: z.time), status, wall)
+        if status is not None:
+            return
+
+
+def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
+    """The slice, cut at the moment the normal force falls below zero, if no liftoff event told of it.
+
+    Event detection finds simple roots; a force that dips below zero within rounding of a double root, or that is
+    negative from the start, is seen here, in the extremes of every step.
+    """
+    if "liftoff" not in terminal_kinds(problem) or not force.least < -1e-13:
+        return piece
+    high = falls_below_zero(piece.times, _impulse(piece, problem))
+    if high is None or high <= float(piece.times[0]):
+        return Slice(piece.times[:1], piece.output, piece.coefficients[:0], [], Status.LIFTOFF, piece.wall)
+    steps = int(np.searchsorted(np.asarray(piece.times, float), high))
+    times = np.append(piece.times[:steps], problem.number(high))
+    zeros = [zero for zero in piece.zeros if zero.time <= high] + [Zero(problem.number(high), "liftoff", -1)]
+    return Slice(times, piece.output, piece.coefficients[:steps], zeros, Status.LIFTOFF, piece.wall)
+
+
+def _nothing(times: np.ndarray) -> np.ndarray:
+    """The dense output of no step at all."""
+    raise AssertionError("a slice without steps was asked for a state")
+
+
+def fingerprint(integrator: Any) -> str:
+    """Says which equations an integrator was made of: a digest of their expressions."""
+    return hashlib.sha256("\n".join(f"{a}' = {b}" for a, b in integrator.sys).encode()).hexdigest()[:16]
+
+
+def rows_at(piece: Slice, times: np.ndarray, problem: Problem) -> np.ndarray:
+    """States at internal times inside the slice, copied (heyoka reuses one buffer for single times)."""
+    return np.array(piece.output(np.asarray(times, dtype=problem.number)), copy=True)
+
+
+def normal_force(piece: Slice, problem: Problem) -> Extremes:
+    """Extremes of the normal force over every step of the slice, in internal units."""
+    if "impulse" not in problem.form.units._fields:
+        return Extremes()
+    return rate_extremes(piece.times, _impulse(piece, problem))
+
+
+def _impulse(piece: Slice, problem: Problem) -> np.ndarray:
+    """Taylor coefficients of the integral of the normal force, (n, order + 1), internal units."""
+    index = problem.form.units._fields.index("impulse")
+    return piece.coefficients[:, index].astype(float) / QUADRATURE_SCALE

@@ -1,0 +1,187 @@
+"""A run becomes a store as it goes: rows and events in whole chunks, a checkpoint that acknowledges them, a lock."""
+
+import fcntl
+import json
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+
+from . import archive, results, scenario
+from .archive import Appender, StoreError
+from .engine import Status
+from .events import EventTable
+from .problem import Problem
+from .solve import Course
+from .trajectory import event_columns
+
+
+ROWS_PER_CHUNK = 131_072  # 1 MiB per column: the fewer files, the less time goes into naming them
+EVENTS_PER_CHUNK = 16_384
+COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
+CHECKPOINT, LOCK = "checkpoint.json", "run.lock"
+
+
+class Interrupted(Exception):
+    """The run was asked to stop, and stopped at a commit; `signal` says by what."""
+
+    def __init__(self, signal_number: int):
+        super().__init__(signal_number)
+        self.signal = signal_number
+
+
+class Recorder:
+    """The sink of a run that writes its store. A context: inside it, the store is locked and SIGINT, SIGTERM wait."""
+
+    def __init__(self, folder: Path, course: Course, trajectory: Appender, events: Appender, lock: int):
+        self.folder, self.course, self.lock = folder, course, lock
+        self.trajectory, self.log = trajectory, events
+        self.asked: int | None = None
+        self.committed_at = time.monotonic()
+
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Takes rows."""
+        self.trajectory.append(self.course.view.columns(times, states))
+
+    def events(self, table: EventTable, marks: list[int]) -> None:
+        """Takes rows of the event log."""
+        if len(table.time):
+            self.log.append(event_columns(table))
+        if marks:
+            self.log.mark("significant", marks)
+
+    def slice_done(self, course: Course) -> None:
+        """Commits now and then; stops at a commit if asked to."""
+        if self.asked is not None or time.monotonic() - self.committed_at > COMMIT_EVERY:
+            self.commit()
+        if self.asked is not None:
+            raise Interrupted(self.asked)
+
+    def commit(self) -> None:
+        """Data first, then the record that acknowledges it."""
+        self.trajectory.flush()
+        self.log.flush()
+        record = {
+            "format_version": archive.FORMAT_VERSION,
+            "versions": archive.versions(),
+            "cpu": archive.cpu(),
+            "rows": self.trajectory.rows,
+            "events": self.log.rows,
+            "course": self.course.snapshot(),
+            "report": archive.finite(self.course.report()),
+            "reason": self.course.reason(),
+        }
+        archive.replace_text(self.folder / CHECKPOINT, json.dumps(record, allow_nan=False))
+        self.committed_at = time.monotonic()
+
+    def finish(self) -> dict[str, Any]:
+        """Writes what waits and the root attributes, takes the checkpoint away; gives the attributes back."""
+        self.trajectory.flush()
+        self.log.flush()
+        attrs = _attributes(self.course)
+        zarr.open_group(store=str(self.folder), mode="r+").update_attributes(attrs)
+        archive.sweep(self.folder)
+        (self.folder / CHECKPOINT).unlink(missing_ok=True)
+        (self.folder / LOCK).unlink(missing_ok=True)
+        return attrs
+
+    def __enter__(self) -> "Recorder":
+        self.handlers = {number: signal.signal(number, self._ask) for number in (signal.SIGINT, signal.SIGTERM)}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self.handlers.items():
+            signal.signal(number, handler)
+        os.close(self.lock)
+
+    def _ask(self, number: int, _: object) -> None:
+        self.asked = number
+
+
+def record(
+    problem: Problem, target: Path, *, overwrite: bool = False, progress: Callable[[Course], None] | None = None
+) -> tuple[Course, dict[str, Any]]:
+    """Integrates a problem into a new store. Raises StoreError, Interrupted."""
+    with archive.new_store(target, overwrite=overwrite) as scratch:
+        course = Course(problem)
+        root = zarr.open_group(store=str(scratch), mode="w", zarr_format=3, attributes=_attributes(course))
+        lock = _locked(scratch)
+        empty = course.view.columns(np.zeros(0), course.first[:0])
+        trajectory = Appender.created(root, "trajectory", empty, ROWS_PER_CHUNK)
+        events = Appender.created(root, "events", event_columns(EventTable.empty()), EVENTS_PER_CHUNK)
+        Recorder(scratch, course, trajectory, events, lock).commit()
+    return _run(target, course, lock, progress)
+
+
+def resume(target: Path, progress: Callable[[Course], None] | None = None) -> tuple[Course, dict[str, Any]]:
+    """Continues an interrupted run. Raises StoreError, Interrupted, ScenarioError."""
+    attrs = archive.attributes(target)
+    if attrs["status"] != Status.RUNNING.value:
+        raise StoreError(f"`{target}` must be unfinished to be resumed, but: {attrs['reason']}.")
+    course = Course(scenario.problem(scenario.tables_of(attrs)))
+    lock = _locked(Path(target))
+    return _run(Path(target), course, lock, progress, resumed=True)
+
+
+def _run(
+    target: Path, course: Course, lock: int, progress: Callable[[Course], None] | None, *, resumed: bool = False
+) -> tuple[Course, dict[str, Any]]:
+    try:
+        root = zarr.open_group(store=str(target), mode="r+", zarr_format=3)
+        trajectory = Appender(root["trajectory"], ROWS_PER_CHUNK)
+        events = Appender(root["events"], EVENTS_PER_CHUNK)
+        recorder = Recorder(target, course, trajectory, events, lock)
+        if resumed:
+            _go_back(target, root, recorder)
+        with recorder:
+            course.run(recorder, progress)
+            return course, recorder.finish()
+    except OSError as error:
+        if isinstance(error, StoreError):
+            raise
+        raise StoreError(
+            f"`{target}` must be writable, but: {error.strerror or error}. "
+            f"Nothing acknowledged is lost: tippetop resume {target}"
+        ) from error
+
+
+def _go_back(target: Path, root: Any, recorder: Recorder) -> None:
+    """Brings a store back to its checkpoint: rows that were not acknowledged go, the rest is read once and checked."""
+    try:
+        kept = json.loads((target / CHECKPOINT).read_text(encoding="utf-8"))
+        recorder.course.restore(kept["course"])
+    except (OSError, ValueError, KeyError) as error:
+        raise StoreError(
+            f"`{target}` must have a whole checkpoint of this release to be resumed, but: {error}."
+        ) from None
+    archive.sweep(target)
+    for appender, rows in ((recorder.trajectory, kept["rows"]), (recorder.log, kept["events"])):
+        appender.cut(rows)
+    for group in (root["trajectory"], root["events"]):
+        archive.verify(group)
+    recorder.trajectory.reload(kept["rows"])
+    recorder.log.reload(kept["events"])
+
+
+def _attributes(course: Course) -> dict[str, Any]:
+    status = course.status or Status.RUNNING
+    return archive.finite(results.attributes(course.problem, status, course.reason(), course.last[0], course.report()))
+
+
+def _locked(folder: Path) -> int:
+    """Takes the lock of a store; the system frees it when the process ends, however it ends. Raises StoreError."""
+    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
+        os.close(descriptor)
+        raise StoreError(f"`{folder}` must have one writer, but {holder} is writing it.") from None
+    os.ftruncate(descriptor, 0)
+    os.write(descriptor, f"process {os.getpid()} on {os.uname().nodename}".encode())
+    return descriptor

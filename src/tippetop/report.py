@@ -1,0 +1,49 @@
+"""What a run reports, in words."""
+
+from typing import Any
+
+
+def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
+    """Name and text of each line of a summary."""
+    status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
+    if seconds is not None:
+        status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
+    found = [("status", status)]
+    if "theta_end" in info:
+        found.append(("inversion", _inversion(info)))
+    found.append(("turning angles", _turnings(info)))
+    others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
+    if others:
+        found.append(("other events", ", ".join(f"{n} {kind}" for kind, n in others.items())))
+    if "normal_force" in info:
+        force, weight = info["normal_force"], info["normal_force"]["weight"]
+        low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
+        found.append(
+            ("normal force", f"{low:.5g} to {high:.5g} N, that is {low / weight:.4f} to {high / weight:.4f} m g")
+        )
+    drift = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items())
+    found.append(("drift", f"{drift} (relative, worst of the run)"))
+    return found
+
+
+def _inversion(info: dict[str, Any]) -> str:
+    inversion, end = info["inversion"], info["theta_end"]
+    if inversion["inverted_at"] is not None:
+        equator = f"theta = pi/2 at {inversion['first_equator']:.6f} s" if inversion["first_equator"] else "inverted"
+        last = inversion["last_equator"]
+        again = f" (last at {last:.6f} s)" if last != inversion["first_equator"] else ""
+        return f"{equator}{again}, pi - 0.1 at {inversion['inverted_at']:.6f} s"
+    if inversion["first_equator"] is not None:
+        return f"theta = pi/2 at {inversion['first_equator']:.6f} s, not beyond pi - 0.1; theta ends at {end:.6g}"
+    return f"none; theta ends at {end:.6g} rad"
+
+
+def _turnings(info: dict[str, Any]) -> str:
+    counts, band = info["event_counts"], info["nutational_band"]
+    if not counts.get("turning"):
+        return "none logged"
+    noise = counts["turning"] - counts["turning_significant"]
+    text = f"{counts['turning_significant']} logged"
+    if band["theta_min"] is not None:
+        text += f", theta between {band['theta_min']:.6g} and {band['theta_max']:.6g} rad"
+    return text + (f"; {noise} more below the rounding floor" if noise else "")

@@ -1,0 +1,48 @@
+"""When rows are wanted: given times, or a grid that is never held in memory whole."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The times 0, step, 2 step, ..., and `until` itself as the last one [s]."""
+
+    step: float
+    until: float
+
+    def __len__(self) -> int:
+        whole = int(self.until / self.step * (1 + 1e-12))
+        return whole + 1 + (self.until - whole * self.step > 1e-9 * self.step)
+
+    def __getitem__(self, rows: slice) -> np.ndarray:
+        first, last, _ = rows.indices(len(self))
+        times = np.arange(first, last) * self.step
+        if last == len(self) and len(times):
+            times[-1] = self.until
+        return times
+
+    def count(self, t: float, *, inclusive: bool) -> int:
+        """How many of the times lie before t, or at t too."""
+        near = max(0, int(t / self.step) - 1)
+        side: Any = "right" if inclusive else "left"
+        return near + int(np.searchsorted(self[near : near + 4], t, side=side))
+
+
+@dataclass(frozen=True)
+class Given:
+    """Times that a person listed, ascending [s]."""
+
+    times: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __getitem__(self, rows: slice) -> np.ndarray:
+        return self.times[rows]
+
+    def count(self, t: float, *, inclusive: bool) -> int:
+        """How many of the times lie before t, or at t too."""
+        return int(np.searchsorted(self.times, t, side="right" if inclusive else "left"))

@@ -1,0 +1,64 @@
+"""The event log: which turnings are rounding, and what their amplitudes are."""
+
+import numpy as np
+import pytest
+
+import tippetop
+from tippetop.events import NOISE_FLOOR, Confirmation
+
+
+def confirmed(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> list[int]:
+    """Rows that are found significant when the turnings come in several pieces."""
+    waiting, found = Confirmation(), []
+    for rows in np.array_split(np.arange(len(theta)), pieces):
+        found += waiting.take(rows, np.array(theta)[rows], np.array(sign)[rows])
+    return [row for row, _ in found + waiting.reached(end)]
+
+
+@pytest.mark.parametrize("pieces", [1, 2, 4])
+class TestSignificance:
+    def test_all_large_swings_count(self, pieces: int) -> None:
+        assert confirmed([0.3, 0.1, 0.35, 0.08], [-1, 1, -1, 1], 0.2, pieces) == [0, 1, 2, 3]
+
+    def test_a_decay_that_ends_in_rounding_counts_nothing(self, pieces: int) -> None:
+        theta = [np.pi - x for x in (1e-16, 0.0, 4e-16, 0.0)]
+        assert confirmed(theta, [-1, 1, -1, 1], np.pi, pieces) == []
+
+    def test_a_turning_that_rounding_splits_into_three_counts_once(self, pieces: int) -> None:
+        theta = [0.1, 0.5, 0.5 - 1e-16, 0.5 + 2e-16, 0.1]
+        assert confirmed(theta, [1, -1, 1, -1, 1], 0.4, pieces) == [0, 3, 4]
+
+    def test_the_last_turning_counts_only_if_theta_comes_back_from_it(self, pieces: int) -> None:
+        assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR / 10, pieces) == [0]
+        assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR * 10, pieces) == [0, 1]
+
+
+def test_amplitude_is_the_swing_since_the_turning_before() -> None:
+    run = tippetop.run("inverting", until=2.0)
+    turning = run.events.of("turning")
+    swing = np.abs(np.diff(turning.theta, prepend=0.1))
+    np.testing.assert_allclose(turning.amplitude, swing, rtol=0, atol=1e-15)
+    assert np.all(np.isnan(run.events.amplitude[run.events.kind != 0]))
+
+
+@pytest.mark.parametrize("assignments", [[], ["initial.phi=1.0"]])
+def test_a_run_released_at_rest_does_not_log_its_start(assignments: list[str]) -> None:
+    events = tippetop.run("inverting", assignments, until=0.5).events
+    assert events.time[0] > 1e-3
+    assert np.all(np.diff(events.theta_dot_sign) != 0), "minima and maxima alternate"
+
+
+def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
+    events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).events
+    turning = events.of("turning")
+    assert len(events.of("settled", significant=True).time) == 1
+    assert turning.significant.sum() == 395
+    assert (~turning.significant).sum() > 100
+    assert turning.time[turning.significant].max() < 10 < turning.time[~turning.significant].min()
+
+
+def test_sliding_that_dies_for_a_moment_has_not_settled() -> None:
+    """In planar motion the contact velocity passes through zero at every swing."""
+    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0)
+    assert len(run.events.of("settled").time) > 3
+    assert len(run.events.of("settled", significant=True).time) == 0

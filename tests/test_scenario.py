@@ -1,0 +1,163 @@
+"""The door: bad input gets sentences, never a traceback; good input is understood as written."""
+
+import math
+import tomllib
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tippetop import scenario
+from tippetop.friction import Coulomb
+from tippetop.problem import Problem
+from tippetop.scenario import ScenarioError
+
+
+def sentences(*assignments: str) -> str:
+    with pytest.raises(ScenarioError) as caught:
+        scenario.load("inverting", list(assignments))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("assignment", "said"),
+    [
+        ("parameters.alpha=1", "`parameters.alpha` must be less than 1.0, but is 1."),
+        ("parameters.alpha=0.0", "`parameters.alpha` must be greater than 0.0, but is 0.0."),
+        ("parameters.m=nan", "`parameters.m` must be a finite number, but is nan."),
+        ("parameters.g=inf", "`parameters.g` must be a finite number, but is inf."),
+        ("parameters.I3=7e-6", "`parameters.I3` must be at most 2*I1"),
+        ("parameters.I1=-1.0", "`parameters.I1` must be greater than 0.0, but is -1.0."),
+        ("parameters.gama=1", "`parameters.gama` must not be there: known keys are m, R, alpha, I1, I3, g."),
+        ("friction.mu=-0.1", "`friction.mu` must be at least 0.0, but is -0.1."),
+        ("friction.law=coulomb", "`friction.eps` must be given, but is missing."),
+        ("friction.law=glue", "`friction.law` must be one of viscous"),
+        ("friction={}", "`friction.law` must be one of"),
+        ("initial.theta=3.2", "`initial.theta` must be at most 3.14"),
+        ("initial.psi_dot=1.0", "`initial.psi_dot` must stand alone"),
+        ("initial.mass=1", "`initial.mass` must not be there"),
+        ("run.until=0", "`run.until` must be greater than 0"),
+        ("run.until='long'", "`run.until` must be a number, but is 'long'."),
+        ("run.events=['eclipse']", "`run.events` must be of turning"),
+        ("run.output_step=1e-13", "`run.output_step` must give at most"),
+        ("run.output_times=[1.0]", "`run.output_step` must stand alone"),
+        ("run.precision=half", "`run.precision` must be 'double', 'longdouble' or 'quad', but is 'half'."),
+        ("system=pendulum", "`system` must be one of tippe-top"),
+        ("form=angle", "`form` must be 'vector' or 'euler', but is 'angle'."),
+        ("initial.omega3=1e200", "must stay finite together"),
+        ("nonsense", "--set must be table.key=value, but is `nonsense`."),
+        ("run.until=[", "--set run.until must be given a TOML value"),
+    ],
+)
+def test_a_fault_gets_its_sentence(assignment: str, said: str) -> None:
+    assert said in sentences(assignment)
+
+
+def test_all_faults_are_reported_at_once() -> None:
+    said = sentences("parameters.alpha=2", "friction.mu=-1", "run.until=-1", "colour=red")
+    assert [key in said for key in ("parameters.alpha", "friction.mu", "run.until", "colour")] == [True] * 4
+
+
+def test_a_missing_law_is_an_error() -> None:
+    tables = tomllib.loads(scenario.presets()["inverting"])
+    del tables["friction"]
+    with pytest.raises(ScenarioError, match="`friction` must be given, but is missing"):
+        scenario.problem(tables)
+
+
+def test_euler_form_refuses_a_pole_and_vector_form_takes_it() -> None:
+    assert "singular" in sentences("form=euler", "initial.theta=0.0")
+    assert scenario.load("inverting", ["initial.theta=0.0"]).start()[0] == 0.0
+
+
+def test_jammed_contact_at_the_start_is_refused() -> None:
+    said = sentences("initial.theta=1.5", "initial.nu_x=100.0", "friction.mu=3.0")
+    assert "jams the contact" in said
+
+
+def test_the_grid_ends_with_until_and_times_are_kept_as_given() -> None:
+    grid = scenario.load("inverting", ["run.until=1.05", "run.output_step=0.1"]).times[:]
+    assert grid[0] == 0.0
+    assert grid[-1] == 1.05
+    np.testing.assert_allclose(np.diff(grid)[:-1], 0.1, rtol=1e-12)
+    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables["run"] = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
+    assert scenario.problem(tables).times[:].tolist() == [0.1, 0.7, 2.0]
+
+
+def test_until_cuts_output_times() -> None:
+    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables["run"] = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
+    assert scenario.problem(scenario.override(tables, ["run.until=3"])).until == 3.0
+
+
+def test_every_preset_loads_and_cites_its_source() -> None:
+    for name, text in scenario.presets().items():
+        assert text.startswith("#"), name
+        assert scenario.load(name).until > 0
+
+
+def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
+    problem = scenario.load("inverting", ["initial.centre_at_rest=true"])
+    names = problem.form.units._fields
+    state = dict(zip(names, problem.start(), strict=True))
+    assert abs(state["rx_dot"]) < 1e-15
+    assert abs(state["ry_dot"]) < 1e-15
+    assert math.hypot(state["ux"], state["uy"]) > 0.09
+
+
+def test_psi_dot_stands_for_omega3() -> None:
+    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables["initial"] = {"theta": 0.4, "phi_dot": 3.0, "psi_dot": 50.0}
+    by_psi = scenario.problem(tables).start()
+    tables["initial"] = {"theta": 0.4, "phi_dot": 3.0, "omega3": 50.0 + 3.0 * math.cos(0.4)}
+    np.testing.assert_allclose(by_psi, scenario.problem(tables).start(), rtol=4e-16, atol=1e-16)
+
+
+def test_coulomb_law_is_built_with_its_units() -> None:
+    problem = scenario.load("inverting", ["friction.law=coulomb", "friction.eps=1e-3"])
+    assert problem.friction == Coulomb(0.3, 1e-3)
+
+
+def attempt(tables: dict) -> tuple[Problem | None, list[str]]:
+    try:
+        return scenario.problem(tables), []
+    except ScenarioError as error:
+        return None, error.sentences
+
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=5,
+)
+NAMES = (
+    "system form parameters friction initial run m R alpha I1 I3 g law mu theta omega3 until output_step output_times "
+    "events precision nu_x psi_dot other"
+)
+keys = st.sampled_from(NAMES.split())
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(table=keys, key=keys, value=values, whole=st.booleans())
+def test_random_damage_gives_sentences_or_a_problem(table: str, key: str, value: object, whole: bool) -> None:
+    tables = tomllib.loads(scenario.presets()["inverting"])
+    if whole or not isinstance(tables.get(table), dict):
+        tables[table] = value
+    else:
+        tables[table][key] = value
+    problem, said = attempt(tables)
+    assert problem is not None or said
+    assert all(s.rstrip().endswith(".") and "Traceback" not in s for s in said)
+    if problem is not None:
+        assert np.all(np.isfinite(problem.start()))
+
+
+@settings(max_examples=200, deadline=None)
+@given(text=st.text(max_size=60) | st.binary(max_size=60))
+def test_random_files_give_sentences(tmp_path_factory: pytest.TempPathFactory, text: str | bytes) -> None:
+    path = tmp_path_factory.mktemp("toml") / "scenario.toml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass"))
+    with pytest.raises(ScenarioError):
+        scenario.load(str(path))

@@ -1,0 +1,142 @@
+"""The engine: what must not change a run does not, every end has its name, and accuracy is what is promised."""
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+import tippetop
+from tippetop import engine, scenario
+from tippetop import solve as course
+from tippetop.engine import Slice, Status, slices
+from tippetop.problem import Problem
+from tippetop.solve import solve
+
+
+def load(*assignments: str, until: float = 2.0, **changes: object) -> Problem:
+    return dataclasses.replace(scenario.load("inverting", list(assignments), until), **changes)
+
+
+def test_output_never_changes_the_run() -> None:
+    """Bits of the end, steps and events are equal for 2 rows, 10^5 rows, and rows at odd times."""
+    plain = solve(load(until=6.5, times=np.array([0.0, 6.5])))
+    for times in (np.linspace(0, 6.5, 100_001), np.sort(np.random.default_rng(1).uniform(0, 6.5, 77))):
+        other = solve(load(until=6.5, times=times))
+        assert other.final.tobytes() == plain.final.tobytes()
+        assert other.report["steps"] == plain.report["steps"]
+        assert all(a.tobytes() == b.tobytes() for a, b in zip(other.events, plain.events, strict=True))
+    rows = solve(load(until=6.5, times=np.linspace(0, 6.5, 100_001))).rows
+    np.testing.assert_array_equal(rows[-1], plain.rows[-1])
+
+
+def test_slices_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = solve(load(until=3.0))
+    monkeypatch.setattr(engine, "STEPS_PER_SLICE", 7)
+    pieces = solve(load(until=3.0))
+    assert pieces.final.tobytes() == whole.final.tobytes()
+    assert pieces.rows.tobytes() == whole.rows.tobytes()
+    assert all(a.tobytes() == b.tobytes() for a, b in zip(pieces.events, whole.events, strict=True))
+
+
+def test_events_never_change_the_run() -> None:
+    with_turnings, without = solve(load(until=6.5)), solve(load("run.events=[]", until=6.5))
+    assert with_turnings.report["steps"] == without.report["steps"]
+    np.testing.assert_allclose(with_turnings.final, without.final, rtol=0, atol=1e-12)
+
+
+def test_quadratures_never_control_the_step() -> None:
+    """The place of the top may be a kilometre away: steps and motion are the same to the bit."""
+    here, there = solve(load()), solve(load("initial.x=1000.0", "initial.y=-2000.0"))
+    names = here.problem.form.units._fields
+    moved = [names.index("x"), names.index("y")]
+    assert here.report["steps"] == there.report["steps"]
+    assert np.delete(here.rows, moved, axis=1).tobytes() == np.delete(there.rows, moved, axis=1).tobytes()
+
+
+def test_drift_is_within_the_promise() -> None:
+    drift = solve(load(until=10.0)).report["drift"]
+    assert drift["jellett"] <= 1e-13
+    assert drift["energy_balance"] <= 1e-12
+    assert drift["axis_norm"] <= 1e-13
+
+
+def test_normal_force_extremes_are_those_of_a_dense_scan() -> None:
+    run = solve(load(until=6.5, times=np.linspace(5.3, 5.5, 400_001)))
+    force, seen = run.columns()["normal_force"].values, run.report["normal_force"]
+    assert seen["min"] == pytest.approx(force.min(), rel=1e-10)
+    assert seen["max"] == pytest.approx(force.max(), rel=1e-10)
+    assert seen["t_min"] == pytest.approx(run.times[force.argmin()], abs=1e-6)
+
+
+def test_liftoff_stops_the_run_where_the_force_vanishes() -> None:
+    run = solve(load("initial.omega3=170.0", until=10.0))
+    assert run.status is Status.LIFTOFF
+    assert run.report["t_end"] == pytest.approx(run.events.of("liftoff").time[0], abs=1e-15)
+    assert run.times[-1] <= run.report["t_end"] < run.times[-1] + 0.001
+    assert abs(run.report["normal_force"]["min"]) < 1e-14
+
+
+def test_a_run_without_contact_at_the_start_ends_there() -> None:
+    run = solve(load("initial.theta=2.0", "initial.theta_dot=100.0"))
+    assert run.status is Status.LIFTOFF
+    assert (run.report["t_end"], len(run.times)) == (0.0, 1)
+
+
+def test_beyond_liftoff_the_result_says_so() -> None:
+    run = solve(load("initial.omega3=170.0", "run.on_liftoff=continue", until=10.0))
+    assert run.status is Status.FINISHED
+    assert "outside the model since the liftoff" in run.reason
+
+
+def forgetful(pieces: Iterator[Slice]) -> Iterator[Slice]:
+    """The slices without their liftoff events."""
+    for piece in pieces:
+        piece.zeros = [zero for zero in piece.zeros if zero.kind != "liftoff"]
+        yield piece
+
+
+def test_a_liftoff_that_the_event_misses_is_seen_in_the_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the event taken out, the watch on every step finds the same moment."""
+    problem = load("initial.omega3=170.0", until=10.0)
+    expected = solve(problem).report["t_end"]
+    blind = engine.integrator_of(dataclasses.replace(problem, on_liftoff="continue"))
+    monkeypatch.setattr(course, "integrator_of", lambda _: blind)
+    monkeypatch.setattr(course, "slices", lambda *_: forgetful(slices(*_)))
+    run = solve(problem)
+    assert run.status is Status.LIFTOFF
+    assert run.report["t_end"] == pytest.approx(expected, abs=1e-13)
+
+
+def test_a_stiff_law_is_named_and_the_last_state_kept() -> None:
+    run = solve(load("friction.mu=1e12", "initial.theta=0.0", "initial.nu_y=0.1"))
+    assert run.status is Status.STALLED
+    assert "too stiff" in run.reason
+    assert np.all(np.isfinite(run.final))
+
+
+def test_a_state_that_turns_non_finite_keeps_the_last_good_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = load("form=euler", until=0.3)
+    good = engine.integrator_of(problem)
+    good.pars[3] = np.nan  # what a broken parameter would do, past the door
+    monkeypatch.setattr(course, "integrator_of", lambda _: good)
+    run = solve(problem)
+    assert run.status is Status.NON_FINITE
+    assert "not finite" in run.reason
+    assert np.all(np.isfinite(run.final))
+    assert np.all(np.isfinite(run.rows))
+
+
+def test_numbers_of_other_precisions_agree_with_double() -> None:
+    double = solve(load(until=1.0))
+    for precision, bound in (("longdouble", 2e-14), ("quad", 2e-14)):
+        other = solve(load(f"run.precision={precision}", until=1.0))
+        theta = [run.columns()["theta"].values for run in (double, other)]
+        np.testing.assert_allclose(*theta, rtol=0, atol=bound)
+        assert other.report["drift"]["jellett"] < 1e-16
+
+
+def test_a_run_prints_itself() -> None:
+    text = str(tippetop.run("inverting", until=1.0))
+    assert "finished at t = 1 s" in text
+    assert "drift" in text
