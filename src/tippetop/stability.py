@@ -4,6 +4,7 @@ Bodies are `gliding.Body` records of floats, SI. Theorem 3.3.2 of the source is 
 tumbling states near the upright are unstable, and below gamma_c the upright spin outlives the inverted one.
 """
 
+import itertools
 import math
 from typing import Any, NamedTuple
 
@@ -133,6 +134,34 @@ def tumbling_states(lam: float, b: Body) -> np.ndarray:
     z = np.sort(roots[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))].real)
     low, high = tumbling_limits(b)
     return z[(z > low) & (z < high)]
+
+
+class Branch(NamedTuple):
+    """A curve of asymptotic states in the plane of lambda [kg m^3/s] and z = cos(theta), all stable or all not."""
+
+    kind: str
+    stable: bool
+    z: np.ndarray
+    lam: np.ndarray
+
+
+def branches(b: Body, most: float) -> list[Branch]:
+    """Every asymptotic state of a tippe top with 0 <= lambda <= most, as curves cut where stability changes.
+
+    The source's figure 3.3."""
+    found = []
+    for kind, z, limit, inside in (("upright", 1.0, lambda_u(b), True), ("inverted", -1.0, lambda_s(b), False)):
+        for ends, stable in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):
+            if ends[0] < ends[1]:
+                found.append(Branch(kind, stable, np.full(2, z), np.array(ends)))
+    low, high = tumbling_limits(b)
+    z = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 2001)[1:-1])) / 2
+    lam, stable = tumbling_jellett(z, b), tumbling_is_stable(z, b)
+    cuts = [0, *(np.flatnonzero(np.diff(stable)) + 1), len(z)]
+    for first, last in itertools.pairwise(cuts):
+        piece = slice(first, min(last + 1, len(z)))  # one point on, so that the curve has no gap
+        found.append(Branch("tumbling", bool(stable[first]), z[piece], lam[piece]))
+    return found
 
 
 # --- linear modes ---------------------------------------------------------------------------------------------------

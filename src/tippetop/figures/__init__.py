@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import run
+from . import run, stability
 from .style import save, styled
 
 
@@ -14,6 +14,7 @@ KINDS: dict[str, Callable] = {
     "drift": run.drift,
     "sphere": run.sphere,
     "energy": run.energy,
+    "phase": stability.phase_of_run,
 }
 
 
