@@ -1,7 +1,7 @@
 """The main equation as an equation of motion: from D(t) and E~(t) of a run back to theta(t). [T 4.40, 5.26]
 
 The equation of first order, z'^2 = Q(z, t) with z = cos(theta), has a branch point at every turning angle. There Q and
-Q_t vanish together, which fixes time and angle of the turning; a smooth solution through it is a power series. From
+Q_t vanish together, which fixes time and angle of the turning; the smooth solution through it is a power series. From
 there the equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outwards, forward and backward in time:
 towards a turning it would lose what it knows, away from it errors do not grow. Half-way the pieces must meet.
 """
@@ -18,10 +18,12 @@ COMPLEX_STEP = 1e-30
 ORDER = 10  # of the power series at a turning
 REACH = 0.06  # of the time between turnings, where the series hands over
 MEET = 0.5  # of the largest z'^2 of a swing: where the piece from the next turning takes over
+QUARTER = np.pi / 4  # the phase that is left there, where z'' = z' in units of the frequency
 
 
 class Reconstruction(NamedTuple):
-    """z = cos(theta) at the times asked for, times of the turnings, and the worst mismatch of z where pieces meet."""
+    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning), times of the turnings,
+    and the worst mismatch of z where pieces meet."""
 
     z: np.ndarray
     turnings: np.ndarray
@@ -31,8 +33,9 @@ class Reconstruction(NamedTuple):
 def reconstruct(
     system: System, b: Any, times: np.ndarray, momenta: list[np.ndarray], energy: np.ndarray, z: float, period: float
 ) -> Reconstruction:
-    """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)), given as rows at `times`, for a start at a turning
-    angle; `period` is a guess of the nutation's. Nothing else of the run is read."""
+    """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)), given as rows at `times`.
+
+    The start must be a turning angle; `period` is a guess of the nutation's. Nothing else of the run is read."""
     from scipy.integrate import solve_ivp
     from scipy.interpolate import make_interp_spline
 
@@ -78,8 +81,8 @@ def reconstruct(
         known = meet
         if meet >= times[-1]:
             return Reconstruction(out, np.array(turnings), mismatch)
-        guess = meet - 2 * last[1] / along_z(last[0], meet)  # z' falls to zero at the rate Q_z/2
-        there = _series(square, along_z, along_t, guess, last[0] + last[1] * (guess - meet) / 2, REACH * period / 2)
+        left = QUARTER * abs(last[1] / motion(meet, last)[1])  # what a harmonic swing would still need
+        there = _series(square, along_z, along_t, meet + left, last[0] + last[1] * left / 2, REACH * period / 2)
         if there.t + REACH * period / 2 > times[-1]:
             return Reconstruction(out, np.array(turnings), mismatch)
         backward, _, _ = outward(there, -1.0, meet)
