@@ -253,11 +253,11 @@ VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_
 
 @formula
 def fixed_scalars(q, b):
-    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; r' = l 3hat'."""
+    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| = l |3hat'|."""
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
     s = rolling.free_scalars(u, L, u_dot, b)
     F = rolling.reaction(u, L, u_dot, s, b)
-    return rolling.completed(s, times(-b.c, u_dot), F)
+    return rolling.completed(s, times(b.c, u_dot), F)
 
 
 @formula
