@@ -420,9 +420,10 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
         from tippetop.friction import Frictionless
 
         friction = Frictionless()
-    ranges = {"theta": (0.2, np.pi - 0.2), "phi": (-3, 3)}
+    ranges = {"theta": (0.2, np.pi - 0.2), "phi": (-3.0, 3.0)}
     names = type(system.angles)._fields
-    angles = type(system.angles)(*(rng.uniform(*ranges.get(name, (-1.5, 1.5)), n) for name in names))
+    bounds = [ranges.get(name, (-1.5, 1.5)) for name in names]
+    angles = type(system.angles)(*(rng.uniform(low, high, n) for low, high in bounds))
     return Case(system, system.forms[form], law, system.body(parameters, friction), angles)
 
 

@@ -11,7 +11,7 @@ import importlib
 import sys
 import time
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def mutated(tree: ast.Module, index: int) -> ast.Module:
     return ast.fix_missing_locations(changed)
 
 
-def loaded(name: str, tree: ast.Module, codes: dict[str, object]) -> dict:
+def loaded(name: str, tree: ast.Module, codes: dict[str, CodeType]) -> dict:
     """SYSTEMS with one module mutated and everything that depends on it loaded again."""
     for module in ORDER[ORDER.index(name) :]:
         full = f"tippetop.{module}"
@@ -76,7 +76,7 @@ def source(module: str) -> str:
 def main(names: list[str]) -> int:
     """Runs the check and prints the survivors."""
     importlib.import_module("tippetop.systems")
-    codes: dict[str, object] = {module: compile(source(module), module, "exec") for module in ORDER}
+    codes: dict[str, CodeType] = {module: compile(source(module), module, "exec") for module in ORDER}
     wanted = [m for m in ORDER if not names or m.split(".")[-1] in names]
     alive = 0
     for module in wanted:

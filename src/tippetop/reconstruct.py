@@ -39,13 +39,16 @@ def reconstruct(
     from scipy.integrate import solve_ivp
     from scipy.interpolate import make_interp_spline
 
+    potential, inertia = system.potential, system.theta_inertia
+    assert potential is not None
+    assert inertia is not None
     values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
     rates = values.derivative()
 
     def square(z: Any, t: Any, step: Any = 0.0) -> Any:
         """Q(z, t) = z'^2; `step` is a complex step of time."""
         given = (values(t) + step * rates(t)).T
-        return (1 - z) * (1 + z) * (given[0] - system.potential(z, *given[1:], b)) / system.theta_inertia(z, b)
+        return (1 - z) * (1 + z) * (given[0] - potential(z, *given[1:], b)) / inertia(z, b)
 
     def along_z(z: Any, t: Any) -> Any:
         return square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
