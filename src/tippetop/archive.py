@@ -19,10 +19,10 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .trajectory import Column
 
 FORMAT = "tippetop"
 FORMAT_VERSION = 1
+CHECKPOINT = "checkpoint.json"
 
 
 class StoreError(OSError):
@@ -68,113 +68,6 @@ def _refuse_existing(target: Path, overwrite: bool) -> None:
         raise StoreError(f"`{target}` must be a store of tippetop to be overwritten, but is something else.") from None
 
 
-class Appender:
-    """Grows the arrays of a group row by row, in whole chunks; rows that do not fill a chunk wait in memory.
-
-    A flush writes the waiting rows too, as a chunk that is written again when it is full: so the files of a finished
-    store do not depend on when it was flushed.
-    """
-
-    def __init__(self, group: Any, chunk: int):
-        self.arrays = dict(group.arrays())
-        self.chunk, self.written, self.waiting = chunk, 0, 0  # rows in full chunks, rows in memory
-        self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
-        self.unflushed = False
-
-    @classmethod
-    def created(cls, root: Any, name: str, columns: dict[str, "Column"], chunk: int) -> "Appender":
-        """A new group whose arrays have the columns' names, types and attributes, and no rows."""
-        from zarr.codecs import Crc32cCodec, ZstdCodec
-
-        group = root.create_group(name)
-        for key, column in columns.items():
-            group.create_array(
-                key,
-                shape=(0, *column.values.shape[1:]),
-                dtype=column.values.dtype,
-                chunks=(chunk, *column.values.shape[1:]),
-                dimension_names=column.dims,
-                attributes=column.attrs,
-                fill_value=np.nan if column.values.dtype.kind == "f" else 0,
-                compressors=[ZstdCodec(level=0), Crc32cCodec()],  # a truncated or damaged chunk is an error to read
-            )
-        return cls(group, chunk)
-
-    @property
-    def rows(self) -> int:
-        """How many rows were appended."""
-        return self.written + self.waiting
-
-    def append(self, columns: dict[str, "Column"]) -> None:
-        """Takes rows; writes every chunk that they fill."""
-        values = {name: column.values for name, column in columns.items()}
-        count, taken = len(next(iter(values.values()))), 0
-        while taken < count:
-            step = min(self.chunk - self.waiting, count - taken)
-            for name, buffer in self.buffers.items():
-                buffer[self.waiting : self.waiting + step] = values[name][taken : taken + step]
-            self.waiting, taken, self.unflushed = self.waiting + step, taken + step, True
-            if self.waiting == self.chunk:
-                self._write(self.chunk)
-                self.written, self.waiting = self.written + self.chunk, 0
-
-    def flush(self) -> None:
-        """Writes the rows that wait."""
-        if self.unflushed and self.waiting:
-            self._write(self.waiting)
-        self.unflushed = False
-
-    def _write(self, count: int) -> None:
-        end = self.written + count
-        for name, array in self.arrays.items():
-            if array.shape[0] < end:
-                array.resize((end, *array.shape[1:]))
-            array[self.written : end] = self.buffers[name][:count]
-
-    def mark(self, name: str, rows: list[int]) -> None:
-        """Sets a column of flags to true in some rows, written or waiting."""
-        waiting = [row - self.written for row in rows if row >= self.written]
-        self.buffers[name][waiting] = True
-        self.unflushed = self.unflushed or bool(waiting)
-        older = [row for row in rows if row < self.written]
-        if older:
-            self.arrays[name].set_coordinate_selection(np.array(older), np.ones(len(older), dtype=bool))
-
-    def cut(self, rows: int) -> None:
-        """Cuts the arrays to the rows that a checkpoint acknowledges."""
-        for name, array in self.arrays.items():
-            if array.shape[0] < rows:
-                raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
-            array.resize((rows, *array.shape[1:]))
-
-    def reload(self, rows: int) -> None:
-        """Takes the rows that do not fill a chunk back into memory."""
-        self.written = rows // self.chunk * self.chunk
-        self.waiting = rows - self.written
-        for name, array in self.arrays.items():
-            self.buffers[name][: self.waiting] = array[self.written : rows]
-        self.unflushed = True
-
-
-def verify(group: Any) -> None:
-    """Reads every chunk of a group. Raises StoreError, which names the array and the rows that cannot be read."""
-    for _, array in group.arrays():
-        chunk = array.chunks[0]
-        for start in range(0, array.shape[0], chunk):
-            try:
-                if not array.store_path.store.root.joinpath(array.store_path.path, _chunk_file(array, start)).is_file():
-                    raise OSError("the file of the chunk is missing")
-                array[start : start + chunk]
-            except Exception as error:  # codecs raise what they like
-                end = min(start + chunk, array.shape[0])
-                raise StoreError(f"`{array.path}` must be readable in rows {start} to {end}, but: {error}.") from None
-
-
-def _chunk_file(array: Any, start: int) -> str:
-    """The name of the file of the chunk that begins at row `start`, below the array's folder."""
-    return "/".join(["c", str(start // array.chunks[0]), *("0" for _ in array.shape[1:])])
-
-
 def replace_text(path: Path, text: str) -> None:
     """Writes a file whole or not at all, also if the machine loses power."""
     scratch = path.with_name(f".{path.name}.part")
@@ -218,7 +111,21 @@ def attributes(path: str | Path) -> dict[str, Any]:
             f"`{path}` must have format version {FORMAT_VERSION}, but has {found.get('format_version')}: "
             "use the release that wrote it."
         )
+    if found.get("status") == "running":
+        try:
+            record = json.loads((place / CHECKPOINT).read_text(encoding="utf-8"))
+            found |= {"report": record["report"], "reason": record["reason"]}
+        except (OSError, ValueError, KeyError):
+            pass  # it just finished, or never began: the root attributes stand
     return found
+
+
+def annotate(path: str | Path, more: dict[str, Any]) -> None:
+    """Adds root attributes to a finished store."""
+    place = Path(path) / "zarr.json"
+    content = json.loads(place.read_text(encoding="utf-8"))
+    content["attributes"] |= finite(more)
+    replace_text(place, json.dumps(content, indent=2, allow_nan=False))
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":

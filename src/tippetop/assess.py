@@ -15,9 +15,9 @@ def assessment(problem: Problem) -> dict[str, Any]:
     """Quantities at the start (SI), and what the run will take: steps, seconds, bytes."""
     view = View(problem)
     start = problem.start()[None, :]
-    scalars = view.scalars(start)
+    values = view.values(start)
     quantities = {
-        f"{q.name} [{q.unit.symbol}]": float(view.internal(q.name, scalars)[0]) * float(problem.scales.of(q.unit))
+        f"{q.name} [{q.unit.symbol}]": float(values[q.name][0]) * float(problem.scales.of(q.unit))
         for q in problem.system.quantities
     }
     return {"at_start": quantities, "expected": _cost(problem, view, start)}

@@ -7,7 +7,7 @@ import copy
 import hashlib
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -16,9 +16,10 @@ import heyoka as hy
 import numpy as np
 
 from .events import KINDS, Zero
-from .operand import leaves, refill
+from .operand import leaves
 from .problem import PRECISIONS, QUADRATURE_SCALE, Problem
-from .system import Form, System
+from .symbols import variables
+from .systems import SYSTEMS
 from .watch import Extremes, falls_below_zero, rate_extremes
 
 
@@ -61,33 +62,12 @@ class Log:
         self.zeros.append(Zero(t, self.kind, sign))
 
 
-def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list[tuple]]:
-    """State and body as heyoka expressions, and the equations of motion, in internal units.
-
-    What is 0 or 1 by construction is a number, so that expressions fold; everything else is a run-time parameter.
-    """
-    state = hy.make_vars(*form.units._fields)
-    scaled = [v / QUADRATURE_SCALE if v_ in form.quadratures else v for v, v_ in zip(state, form.units._fields)]  # noqa: B905
-    record = type(form.units)(*scaled)
-    template = system.body({name: 1.0 for name in system.parameters}, friction(*(1.0 for _ in friction._fields)))
-    count = iter(range(len(leaves(template))))
-    body = refill(template, (hy.par[i] for i in count))._replace(**system.folded)
-    rates = form.rates(record, body)
-    equations = [
-        (v, hy.expression(0.0) + (QUADRATURE_SCALE * rate if name in form.quadratures else rate))
-        for v, name, rate in zip(state, form.units._fields, rates, strict=True)
-    ]
-    return record, body, equations
-
-
 @lru_cache(maxsize=32)
 def compiled(
     name: str, form_name: str, friction: Any, precision: str, tolerance: float, events: tuple[str, ...], stop: bool
 ) -> Compiled:
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
     heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`."""
-    from .systems import SYSTEMS
-
     system = SYSTEMS[name]
     form = system.forms[form_name]
     record, body, equations = variables(system, form, friction)
@@ -128,6 +108,7 @@ class Slice:
     times: np.ndarray  # (n + 1,) internal
     output: Callable  # output(internal times) -> (k, variables)
     coefficients: np.ndarray  # (n, variables, order + 1)
+    ends: np.ndarray  # (n, variables): the states at times[1:]
     zeros: list[Zero]
     status: Status | None  # None: to be continued
     wall: float  # [s] spent inside heyoka
@@ -184,9 +165,12 @@ def slices(integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",)) 
             zeros.append(Zero(integrator.time, kind, -1))
         if output is None:  # not one step was possible
             none = np.zeros((0, len(integrator.state), 2))
-            yield Slice(np.array([start]), _nothing, none, [], status, wall)
+            yield Slice(np.array([start]), _nothing, none, none[:, :, 0], [], status, wall)
             return
-        yield Slice(output.times, output, output.tcs, sorted(zeros, key=lambda z: z.time), status, wall)
+        coefficients = output.tcs
+        last = integrator.state if status is not Status.NON_FINITE else output(output.times[-1])
+        ends = np.concatenate([coefficients[1:, :, 0], last[None, :]])
+        yield Slice(output.times, output, coefficients, ends, sorted(zeros, key=lambda z: z.time), status, wall)
         if status is not None:
             return
 
@@ -200,12 +184,17 @@ def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
     if "liftoff" not in terminal_kinds(problem) or not force.least < -1e-13:
         return piece
     high = falls_below_zero(piece.times, _impulse(piece, problem))
+    none = piece.coefficients[:0]
     if high is None or high <= float(piece.times[0]):
-        return Slice(piece.times[:1], piece.output, piece.coefficients[:0], [], Status.LIFTOFF, piece.wall)
+        return replace(
+            piece, times=piece.times[:1], coefficients=none, ends=none[:, :, 0], zeros=[], status=Status.LIFTOFF
+        )
     steps = int(np.searchsorted(np.asarray(piece.times, float), high))
     times = np.append(piece.times[:steps], problem.number(high))
     zeros = [zero for zero in piece.zeros if zero.time <= high] + [Zero(problem.number(high), "liftoff", -1)]
-    return Slice(times, piece.output, piece.coefficients[:steps], zeros, Status.LIFTOFF, piece.wall)
+    coefficients = piece.coefficients[:steps]
+    ends = np.concatenate([piece.ends[: steps - 1], rows_at(piece, times[-1:], problem)])
+    return replace(piece, times=times, coefficients=coefficients, ends=ends, zeros=zeros, status=Status.LIFTOFF)
 
 
 def _nothing(times: np.ndarray) -> np.ndarray:

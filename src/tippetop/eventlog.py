@@ -35,7 +35,7 @@ class EventLog:
             "rows": 0,
             "counts": dict.fromkeys(KINDS, 0),
             "turning_significant": 0,
-            "before": float(view.angles(first).theta[0]),  # where the present swing began
+            "before": view.theta(first),  # where the present swing began
             "theta_min": None,
             "theta_max": None,
             "first_equator": None,
@@ -53,11 +53,11 @@ class EventLog:
             return EventTable.empty(), [], np.zeros((0, 0))
         times = np.array([z.time for z in zeros])
         states = np.array(piece.output(times), copy=True)
-        angles = self.view.angles(states)
+        values = self.view.values(states)
         kind = np.array([KINDS.index(z.kind) for z in zeros], dtype=np.int8)
         crossing = np.array([z.sign * self.sense[z.kind] for z in zeros])
-        rising = np.where(crossing != 0, crossing, np.sign(np.asarray(angles.theta_dot, float))).astype(np.int8)
-        theta, seconds = np.asarray(angles.theta, float), times.astype(float) * self.second
+        rising = np.where(crossing != 0, crossing, np.sign(values["theta_dot"].astype(float))).astype(np.int8)
+        theta, seconds = values["theta"].astype(float), times.astype(float) * self.second
         self._count(seconds, kind)
         keep = np.isin(kind, [KINDS.index(name) for name in self.logged])
         states, kind, rising = states[keep], kind[keep], rising[keep]
@@ -86,7 +86,7 @@ class EventLog:
 
     def finish(self, last: np.ndarray) -> list[int]:
         """Rows that the end of the run, in the state `last`, shows to be significant."""
-        marks = self._confirmed(self.confirmation.reached(float(self.view.angles(last).theta[0])))
+        marks = self._confirmed(self.confirmation.reached(self.view.theta(last)))
         return [*marks, self.tally["settled"][0]] if self.settled(last) else marks
 
     def _count(self, seconds: np.ndarray, kind: np.ndarray) -> None:

@@ -5,15 +5,18 @@ import json
 import os
 import signal
 import time
+from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import zarr
 
-from . import archive, results, scenario
-from .archive import Appender, StoreError
+from . import archive, chunks, results, scenario
+from .archive import CHECKPOINT, StoreError
+from .chunks import Appender
 from .engine import Status
 from .events import EventTable
 from .problem import Problem
@@ -24,7 +27,7 @@ from .trajectory import event_columns
 ROWS_PER_CHUNK = 131_072  # 1 MiB per column: the fewer files, the less time goes into naming them
 EVENTS_PER_CHUNK = 16_384
 COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
-CHECKPOINT, LOCK = "checkpoint.json", "run.lock"
+LOCK = "run.lock"
 
 
 class Interrupted(Exception):
@@ -41,19 +44,34 @@ class Recorder:
     def __init__(self, folder: Path, course: Course, trajectory: Appender, events: Appender, lock: int):
         self.folder, self.course, self.lock = folder, course, lock
         self.trajectory, self.log = trajectory, events
+        self.behind: deque[Future] = deque()  # writing follows integration in a second thread
+        self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
         self.asked: int | None = None
         self.committed_at = time.monotonic()
 
     def rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Takes rows."""
-        self.trajectory.append(self.course.view.columns(times, states))
+        self._later(lambda: self.trajectory.append(self.course.view.columns(times, states)))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
         if len(table.time):
-            self.log.append(event_columns(table))
+            self._later(lambda: self.log.append(event_columns(table)))
         if marks:
-            self.log.mark("significant", marks)
+            self._later(lambda: self.log.mark("significant", marks))
+
+    def _later(self, work: Callable[[], None]) -> None:
+        """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
+        while len(self.behind) > 8 or (self.behind and self.behind[0].done()):
+            self.behind.popleft().result()
+        self.behind.append(self.thread.submit(work))
+
+    def _written(self) -> None:
+        """Waits until all that was queued is written."""
+        while self.behind:
+            self.behind.popleft().result()
+        self.trajectory.flush()
+        self.log.flush()
 
     def slice_done(self, course: Course) -> None:
         """Commits now and then; stops at a commit if asked to."""
@@ -64,8 +82,7 @@ class Recorder:
 
     def commit(self) -> None:
         """Data first, then the record that acknowledges it."""
-        self.trajectory.flush()
-        self.log.flush()
+        self._written()
         record = {
             "format_version": archive.FORMAT_VERSION,
             "versions": archive.versions(),
@@ -81,8 +98,7 @@ class Recorder:
 
     def finish(self) -> dict[str, Any]:
         """Writes what waits and the root attributes, takes the checkpoint away; gives the attributes back."""
-        self.trajectory.flush()
-        self.log.flush()
+        self._written()
         attrs = _attributes(self.course)
         zarr.open_group(store=str(self.folder), mode="r+").update_attributes(attrs)
         archive.sweep(self.folder)
@@ -97,6 +113,7 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         for number, handler in self.handlers.items():
             signal.signal(number, handler)
+        self.thread.shutdown(cancel_futures=True)
         os.close(self.lock)
 
     def _ask(self, number: int, _: object) -> None:
@@ -132,13 +149,13 @@ def _run(
     target: Path, course: Course, lock: int, progress: Callable[[Course], None] | None, *, resumed: bool = False
 ) -> tuple[Course, dict[str, Any]]:
     try:
+        zarr.config.set({"array.write_empty_chunks": True})  # a chunk of zeros is data too: its absence is damage
         root = zarr.open_group(store=str(target), mode="r+", zarr_format=3)
         trajectory = Appender(root["trajectory"], ROWS_PER_CHUNK)
         events = Appender(root["events"], EVENTS_PER_CHUNK)
-        recorder = Recorder(target, course, trajectory, events, lock)
-        if resumed:
-            _go_back(target, root, recorder)
-        with recorder:
+        with Recorder(target, course, trajectory, events, lock) as recorder:
+            if resumed:
+                _go_back(target, root, recorder)
             course.run(recorder, progress)
             return course, recorder.finish()
     except OSError as error:
@@ -163,7 +180,7 @@ def _go_back(target: Path, root: Any, recorder: Recorder) -> None:
     for appender, rows in ((recorder.trajectory, kept["rows"]), (recorder.log, kept["events"])):
         appender.cut(rows)
     for group in (root["trajectory"], root["events"]):
-        archive.verify(group)
+        chunks.verify(group)
     recorder.trajectory.reload(kept["rows"])
     recorder.log.reload(kept["events"])
 

@@ -23,7 +23,21 @@ def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list
         )
     drift = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items())
     found.append(("drift", f"{drift} (relative, worst of the run)"))
+    if "certificate" in info:
+        found.append(("certificate", _certificate(info["certificate"])))
     return found
+
+
+def _certificate(found: dict[str, Any]) -> str:
+    if found["against"] is None:
+        return found["reason"]
+    text = (
+        f"against {found['against']} over {found['window'][1]:g} s: theta differs by at most {found['theta']:.1e} rad"
+    )
+    if "turnings" in found:
+        turnings = found["turnings"]
+        text += f", {turnings['compared']} turning times by {turnings['time']:.1e} s"
+    return text
 
 
 def _inversion(info: dict[str, Any]) -> str:

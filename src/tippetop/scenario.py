@@ -278,10 +278,10 @@ def _check_start(built: Problem) -> None:
         try:
             start, view = built.start()[None, :], View(built)
             numbers = [leaves(built.internal_body), start[0], built.weights(built.form)]
-            scalars = view.scalars(start)
-            numbers.append([view.internal(name, scalars)[0] for name in view.quantities])
+            values = view.values(start)
+            numbers.append([values[quantity.name][0] for quantity in built.system.quantities])
             finite = all(math.isfinite(float(v)) for group in numbers for v in group)
-        except (OverflowError, ZeroDivisionError, ValueError):
+        except (OverflowError, ZeroDivisionError):
             finite = False
         if not finite:
             raise ScenarioError(["`parameters` and `initial` must stay finite together, but they overflow."])

@@ -12,7 +12,7 @@ from . import exact
 from .engine import Slice, Status, fingerprint, grazing, integrator_of, normal_force, rows_at, slices, terminal_kinds
 from .eventlog import EventLog
 from .events import EventTable
-from .monitor import Monitor
+from .monitor import SAMPLES_PER_SLICE, Monitor
 from .problem import Problem
 from .report import lines
 from .system import SECOND
@@ -109,17 +109,17 @@ class Course:
     def _follow(self, piece: Slice, force: Extremes, sink: Sink) -> None:
         problem, self.status = self.problem, piece.status
         steps = len(piece.times) - 1
-        if steps:
-            ends = rows_at(piece, piece.times[1:], problem)
-            while steps and not np.all(np.isfinite(ends[steps - 1].astype(float))):  # never let a bad state in
-                steps -= 1
+        ends = piece.ends
+        while steps and not np.all(np.isfinite(ends[steps - 1].astype(float))):  # never let a bad state in
+            steps -= 1
         reached = float(piece.times[steps])
         self.t_end = reached * self.second
         upto = problem.times.count(self.t_end, inclusive=self.status is not None)
         if steps:
             ends = ends[:steps]
             self.last = ends[-1:].copy()
-            self.monitor.follow(ends, force, steps)
+            every = max(1, steps // SAMPLES_PER_SLICE)
+            self.monitor.follow(np.concatenate([ends[::every], ends[-1:]]), force, steps)
             table, marks, states = self.log.take(piece)
             sink.events(table, marks)
             if problem.output == "steps":
@@ -142,7 +142,7 @@ class Course:
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json`, as far as the run has come."""
-        theta_end = float(self.view.angles(self.last).theta[0])
+        theta_end = self.view.theta(self.last)
         return {"t_end": self.t_end, **self.monitor.report(), **self.log.report(), "theta_end": theta_end}
 
     def reason(self) -> str:

@@ -5,8 +5,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .events import KINDS, EventTable
+from .operand import leaves
 from .problem import QUADRATURE_SCALE, Problem
-from .system import RADIAN, SECOND, Quantity, Unit
+from .symbols import observed, table
+from .system import RADIAN, SECOND, Unit
 
 
 class Column(NamedTuple):
@@ -22,39 +24,55 @@ class View:
 
     def __init__(self, problem: Problem):
         self.problem, self.form, self.system = problem, problem.form, problem.system
-        self._state = type(self.form.units)
         self._wide = np.float64 if problem.precision == "double" else np.longdouble
         body = problem.internal_body
         self.body = _cast(body, lambda leaf: _widened(np.array(leaf), self._wide)[()])
-        self.quantities = {quantity.name: quantity for quantity in self.system.quantities}
+        self._pars = np.array(leaves(self.body), dtype=float)
 
     def record(self, rows: np.ndarray) -> Any:
         """The state record of the rows, in internal units."""
-        columns = _widened(np.asarray(rows), self._wide).T
-        names = self.form.units._fields
-        return self._state(
-            *(c / QUADRATURE_SCALE if n in self.form.quadratures else c for n, c in zip(names, columns, strict=True))
+        columns, names = _widened(np.asarray(rows), self._wide).T, self.form.units._fields
+        scaled = (
+            c / QUADRATURE_SCALE if n in self.form.quadratures else c for n, c in zip(names, columns, strict=True)
         )
+        return type(self.form.units)(*scaled)
 
     def scalars(self, rows: np.ndarray) -> Any:
         """The scalars of the rows, in internal units."""
         return self.form.scalars(self.record(rows), self.body)
 
-    def angles(self, rows: np.ndarray) -> Any:
-        """The Euler record of the rows, in internal units; NaN where an angle is undefined, exactly at a pole."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            euler = self.form.to_angles(self.record(rows), self.body)
-        scalars = self.scalars(rows)
-        if not hasattr(scalars, "axis_speed2"):
-            return euler
-        pole = scalars.s2 == 0  # the axis leaves a pole at its full speed, along no particular azimuth
-        euler = euler._replace(theta_dot=np.where(pole, np.sqrt(scalars.axis_speed2), euler.theta_dot))
-        undefined = {n: np.where(pole, np.nan, getattr(euler, n)) for n in POLAR if hasattr(euler, n)}
-        return euler._replace(**undefined)
+    def values(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole."""
+        if self._wide is np.float64:
+            values = self._compiled(np.asarray(rows, dtype=float))
+        else:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                found = observed(self.system, self.form, self.record(rows), self.body)
+            values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in found.items()}
+        if "_s2" in values:
+            pole = values.pop("_s2") == 0  # the axis leaves a pole at its full speed, along no particular azimuth
+            leaving = np.sqrt(values.pop("_axis_speed2"))
+            if pole.any():
+                values["theta_dot"][pole] = leaving[pole]
+                for name in POLAR & values.keys():
+                    values[name][pole] = np.nan
+        return values
 
-    def internal(self, name: str, scalars: Any) -> np.ndarray:
-        """A quantity in internal units, one value per row."""
-        return np.broadcast_to(self.quantities[name].formula(scalars, self.body), scalars.z.shape)
+    def _compiled(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        names, function = table(self.system.name, self.form.name, self.problem.friction.__class__)
+        outputs = np.empty((len(names), len(rows)))
+        for start in range(0, len(rows), BLOCK):
+            part = rows[start : start + BLOCK].T
+            # whole SIMD batches, the last column repeated: so a row's bits do not depend on its neighbours
+            padded = np.pad(part, ((0, 0), (0, -part.shape[1] % function.batch_size)), mode="edge")
+            block = np.ascontiguousarray(padded)
+            pars = np.repeat(self._pars[: function.nparams, None], block.shape[1], axis=1)
+            outputs[:, start : start + BLOCK] = function(block, pars=pars)[:, : part.shape[1]]
+        return dict(zip(names, outputs, strict=True))
+
+    def theta(self, row: np.ndarray) -> float:
+        """theta of one row, (1, variables) [rad]."""
+        return float(self.values(row)["theta"][0])
 
     def hazards(self, rows: np.ndarray) -> dict[str, float]:
         """Smallest value of each function that must stay positive, by its meaning."""
@@ -63,34 +81,43 @@ class View:
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
         """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked for."""
-        scales, names = self.problem.scales, self.system.long_names
-        scalars, euler = self.scalars(rows), self.angles(rows)
+        names, values = self.system.long_names, self.values(rows)
+
+        def scale(unit: Unit) -> Any:
+            return _widened(np.array(self.problem.scales.of(unit)), self._wide)
+
         columns = {"time": _column(times, SECOND, "time")}
         for name, unit in self.system.angles._asdict().items():
-            columns[name] = _column(getattr(euler, name) * _float(scales.of(unit)), unit, names[name])
-        vectors = self._vectors(rows, euler)
+            columns |= self._split(name, values[name] * scale(unit), unit, names[name])
         for name, variables in self.system.vectors.items():
             unit = getattr(self.system.forms["vector"].units, variables[0])
-            stacked = np.stack([getattr(vectors, v) for v in variables], axis=1) * _float(scales.of(unit))
-            columns[name] = _column(stacked, unit, names[name], ("time", "xyz"))
+            stacked = np.stack([values[v] for v in variables], axis=1) * scale(unit)
+            columns |= self._split(name, stacked, unit, names[name], ("time", "xyz"))
         for q in self.system.quantities:
-            values = self.internal(q.name, scalars) * _float(scales.of(q.unit))
-            columns[q.name] = _column(values, q.unit, q.long_name, symbol=q.symbol)
+            si = values[q.name] * scale(q.unit)
+            columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
+        if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole
+            for name, variable, weight in zip(
+                self.form.units._fields, rows.T, self.problem.weights(self.form), strict=True
+            ):
+                unit = getattr(self.form.units, name)
+                columns |= self._split(
+                    f"state_{name}", variable * np.array([weight]), unit, f"integrated variable {name}"
+                )
         return columns
 
-    def quantity(self, name: str) -> Quantity:
-        """The record of a quantity of this system."""
-        return self.quantities[name]
-
-    def _vectors(self, rows: np.ndarray, euler: Any) -> Any:
-        record = self.record(rows)
-        if self.form.name == "vector" or not self.system.vectors:
-            return record
-        vector = self.system.forms["vector"]
-        return vector.of_angles(euler, np.sin(euler.theta), np.cos(euler.theta), self.body)
+    def _split(self, name: str, values: np.ndarray, unit: Unit, long_name: str, *dims: Any, **extra: str) -> dict:
+        """A column of doubles; in wider precisions a second one, `name_lo`, to be added to it."""
+        high = values.astype(np.float64)
+        columns = {name: _column(high, unit, long_name, *dims, **extra)}
+        if self.problem.precision != "double":
+            low = (values - high).astype(np.float64)
+            columns[f"{name}_lo"] = _column(low, unit, f"{long_name}: low part, to be added", *dims)
+        return columns
 
 
-POLAR = ("phi", "phi_dot", "nu_x", "nu_y")
+BLOCK = 2048  # rows that are evaluated at a time: they stay in the second-level cache
+POLAR = {"phi", "phi_dot", "nu_x", "nu_y"}
 """What is undefined exactly at a pole."""
 
 
@@ -117,10 +144,6 @@ def event_columns(table: EventTable) -> dict[str, Column]:
 
 def _column(values: np.ndarray, unit: Unit, long_name: str, dims: tuple[str, ...] = ("time",), **extra: str) -> Column:
     return Column(dims, np.asarray(values, dtype=np.float64), {"units": unit.symbol, "long_name": long_name, **extra})
-
-
-def _float(value: Any) -> float:
-    return float(value)
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:

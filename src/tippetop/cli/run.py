@@ -20,6 +20,8 @@ def run(
     figure: Path | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
+    certify: Annotated[bool, Parameter(negative=())] = False,
+    window: float | None = None,
 ) -> int:
     """Integrate a scenario: a TOML file or the name of a preset.
 
@@ -39,6 +41,10 @@ def run(
         Print the result as one JSON object.
     overwrite
         Replace an existing store.
+    certify
+        Repeat the run in wider numbers and report the difference; exit 4 if the accuracy contract is broken.
+    window
+        Certify only the first so many seconds.
     """
     from tippetop import archive, results
     from tippetop import scenario as door
@@ -53,12 +59,16 @@ def run(
 
         done = solve(problem)
         attrs = archive.finite(results.attributes(problem, done.status, done.reason, done.final, done.report))
+        if certify:
+            attrs["certificate"] = _certificate(problem, window, None)
         _picture(figure, results.groups(done), attrs)
         return _say(attrs, done.seconds, {"figure": figure}, as_json)
     from tippetop.record import record
 
     with Progress(problem.until) as progress:
         course, attrs = _interruptible(lambda: record(problem, out, overwrite=overwrite, progress=progress.update), out)
+    if certify:
+        attrs["certificate"] = _certificate(problem, window, out)
     _picture(figure, out, attrs)
     return _say(attrs, course.seconds, {"store": out, "figure": figure}, as_json)
 
@@ -87,15 +97,26 @@ def _interruptible(work: Callable[[], tuple[Any, dict[str, Any]]], store: Path) 
         raise SystemExit(128 + stopped.signal) from None
 
 
+def _certificate(problem: Any, window: float | None, store: Path | None) -> dict[str, Any]:
+    """The certificate of a problem, also written into the store."""
+    from tippetop.archive import annotate, finite
+    from tippetop.certify import certificate
+
+    found = finite(certificate(problem, window))
+    if store is not None:
+        annotate(store, {"certificate": found})
+    return found
+
+
 def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
     """Draws theta(t) of a run in memory or of a store."""
     if figure is None:
         return
     from tippetop import figures
-    from tippetop.archive import open_group
+    from tippetop.chunks import digest
 
     if isinstance(groups, Path):
-        groups = {name: open_group(groups, name) for name in ("trajectory", "events")}
+        groups = {name: digest(groups, name, "theta") for name in ("trajectory", "events")}
     figures.draw("theta", groups, attrs, figure)
 
 
@@ -112,7 +133,19 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
     if attrs["status"] in ("non-finite", "stalled"):
         print(f"tippetop: {attrs['reason']}", file=sys.stderr)
         return 3
-    return 0
+    return _contract(attrs)
+
+
+def _contract(attrs: dict[str, Any]) -> int:
+    """4 and a sentence for each promise that was broken, else 0."""
+    from tippetop.certify import broken_certificate, broken_promises
+
+    broken = broken_promises(attrs["report"], attrs["tolerance"], attrs["precision"])
+    if "certificate" in attrs:
+        broken += broken_certificate(attrs["certificate"])
+    for sentence in broken:
+        print(f"tippetop: the accuracy contract is broken: {sentence}", file=sys.stderr)
+    return 4 if broken else 0
 
 
 def _check_picture(path: Path) -> None:

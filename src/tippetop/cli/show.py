@@ -70,15 +70,23 @@ def check(
 
 def plot(store: Path, kind: str = "theta", *, out: Path) -> int:
     """Draw a store: theta (with the nutational band), normal-force, drift, sphere, energy."""
-    from tippetop import archive, figures
+    from tippetop import archive, chunks, figures
 
     from .run import _check_picture
 
     _check_picture(out)
     figures.check_kind(kind)
     attrs = archive.attributes(store)
-    groups = {name: archive.open_group(store, name) for name in ("trajectory", "events")}
+    groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
     figures.draw(kind, groups, attrs, out)
+    return 0
+
+
+def export(store: Path, *, to: str, out: Path, group: str = "trajectory") -> int:
+    """Write a store as one netCDF, CSV or Parquet file; --group events for the event log (netCDF has both)."""
+    from tippetop.export import export as write
+
+    write(store, to, out, group)
     return 0
 
 
@@ -146,4 +154,4 @@ def _plain(value: Any) -> str:
     return f"{value:.8g}" if isinstance(value, float) else str(value)
 
 
-COMMANDS: list[Any] = [info, check, plot, systems, presets]
+COMMANDS: list[Any] = [info, check, plot, export, systems, presets]

@@ -1,0 +1,117 @@
+"""What long and accurate runs leave: wide numbers without loss, exports, thin reading, and the contract."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import heyoka as hy
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from tippetop import certify, chunks, record, scenario
+from tippetop.cli import outcome
+from tippetop.solve import solve
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("long") / "run.zarr"
+    record.record(scenario.load("inverting", until=7.0), path)
+    return path
+
+
+@pytest.mark.parametrize(("precision", "bits"), [("longdouble", 63), ("quad", 105)])
+def test_wide_rows_are_stored_without_losing_digits(precision: str, bits: int) -> None:
+    """hi + lo gives the integrated number back to the bits that two doubles hold, unit conversion included."""
+    problem = scenario.load("inverting", [f"run.precision={precision}", "run.output_step=0.1"], until=0.3)
+    run = solve(problem)
+    columns, weights = run.columns(), problem.weights(problem.form)
+    index = problem.form.units._fields.index("Lx")
+    name = "state_Lx" if precision == "quad" else "L"
+    high, low = (columns[n].values for n in (name, f"{name}_lo"))
+    high, low = (v if v.ndim == 1 else v[:, 0] for v in (high, low))
+    wide = np.array([hy.real128(h) + hy.real128(v) for h, v in zip(high, low, strict=True)])
+    exact = np.array([hy.real128(v) * hy.real128(weights[index]) for v in run.rows[:, index]])
+    error = np.array([float(abs(a - b) / abs(b)) for a, b in zip(wide[1:], exact[1:], strict=True)])
+    assert error.max() < 2.0 ** (1 - bits)
+    assert np.abs(low).max() > 0
+
+
+@pytest.mark.parametrize("to", ["netcdf", "csv", "parquet"])
+def test_an_export_says_the_same_as_the_store(store: Path, tmp_path: Path, to: str) -> None:
+    out = tmp_path / f"run.{to}"
+    assert outcome(["export", str(store), "--to", to, "--out", str(out)]) == 0
+    mine = xr.open_zarr(store, group="trajectory", consolidated=False)
+    if to == "netcdf":
+        theirs = xr.open_dataset(out, group="trajectory", engine="h5netcdf")
+        assert theirs["theta"].attrs["units"] == "rad"
+        np.testing.assert_array_equal(theirs["axis"], mine["axis"])
+        events = xr.open_dataset(out, group="events", engine="h5netcdf")
+        assert events.sizes["event"] > 300
+        events.close()
+    else:
+        theirs = pd.read_parquet(out) if to == "parquet" else pd.read_csv(out)
+        np.testing.assert_array_equal(theirs["axis_z"], mine["axis"][:, 2])
+    for name in ("time", "theta", "jellett"):
+        np.testing.assert_array_equal(theirs[name], mine[name])
+    if to == "netcdf":
+        theirs.close()
+
+
+def test_an_export_of_events_names_their_kinds(store: Path, tmp_path: Path) -> None:
+    out = tmp_path / "events.csv"
+    assert outcome(["export", str(store), "--to", "csv", "--group", "events", "--out", str(out)]) == 0
+    assert set(pd.read_csv(out)["kind"]) == {"turning", "equator", "inverted"}
+
+
+def test_a_bad_export_is_said(store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "a"
+    assert outcome(["export", str(store), "--to", "pdf", "--out", str(out)]) == 2
+    out.write_text("mine")
+    assert outcome(["export", str(store), "--to", "csv", "--out", str(out)]) == 5
+    assert out.read_text() == "mine"
+    assert "must not exist" in capsys.readouterr().err
+
+
+def test_a_thin_reading_loses_no_peak(store: Path) -> None:
+    whole = chunks.digest(store, "trajectory", "theta")
+    thin = chunks.digest(store, "trajectory", "theta", most=200)
+    assert len(whole["theta"].values) == 7001
+    assert len(thin["theta"].values) <= 210
+    for extreme in (np.min, np.max):
+        assert extreme(thin["theta"].values) == extreme(whole["theta"].values)
+    assert thin["time"].values[-1] == whole["time"].values[-1]
+    assert np.all(np.diff(thin["time"].values) > 0)
+    assert thin["axis"].values.shape == (len(thin["time"].values), 3)
+
+
+def test_a_certificate_measures_the_error_of_the_run() -> None:
+    """Against a run that is spoiled on purpose, it must show the damage; against a good one, the promise holds."""
+    problem = scenario.load("inverting", until=3.0)
+    good = certify.certificate(problem)
+    assert good["theta"] < 1e-12
+    assert good["turnings"]["time"] < 1e-12
+    assert certify.broken_certificate(good) == []
+    spoiled = certify.certificate(dataclasses.replace(problem, tolerance=1e-6))
+    assert spoiled["theta"] > 100 * good["theta"]
+    assert certify.broken_certificate({**good, "theta": 1e-9})
+
+
+def test_a_broken_promise_is_said_and_exits_with_4(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(certify.PROMISED, "jellett", 1e-18)
+    assert outcome(["run", "inverting", "--until", "1", "--json"]) == 4
+    out, err = capsys.readouterr()
+    assert "the accuracy contract is broken: the drift of jellett must be at most 1.0e-18" in err
+    assert json.loads(out)["status"] == "finished"
+
+
+def test_certify_is_kept_in_the_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "run.zarr"
+    assert outcome(["run", "inverting", "--until", "2", "--certify", "--window", "1", "--out", str(path)]) == 0
+    capsys.readouterr()
+    assert outcome(["info", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["certificate"]["window"] == [0.0, 1.0]

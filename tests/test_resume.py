@@ -1,0 +1,263 @@
+"""Long runs cannot be lost: whatever interrupts them, the finished store is that of an undisturbed run."""
+
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from tippetop import archive, record, scenario
+from tippetop.archive import StoreError
+from tippetop.cli import outcome
+from tippetop.problem import Problem
+
+
+SETS = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # it turns for ever
+UNTIL = 400.0
+PRELUDE = (
+    "import tippetop.record as r, tippetop.archive as a; r.COMMIT_EVERY = 0.02; r.ROWS_PER_CHUNK = 5000;"
+    "r.EVENTS_PER_CHUNK = 1000; import sys; from tippetop.cli import main;"
+)
+
+
+def problem(until: float = UNTIL, *sets: str) -> Problem:
+    return scenario.load("inverting", [*SETS, "run.output_step=0.01", *sets], until)
+
+
+def start(*arguments: str) -> subprocess.Popen:
+    """The command line in a process of its own, with small chunks and frequent commits."""
+    code = f"{PRELUDE} main({list(arguments)!r})"
+    return subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+def ended(process: subprocess.Popen) -> tuple[int, str]:
+    """Exit code and stderr of a process, once it ends."""
+    _, err = process.communicate()
+    return process.returncode, err
+
+
+def running(store: Path) -> list[str]:
+    sets = [word for s in (*SETS, "run.output_step=0.01") for word in ("--set", s)]
+    return ["run", "inverting", *sets, "--until", str(UNTIL), "--out", str(store)]
+
+
+def files(store: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(store)): p.read_bytes() for p in sorted(store.rglob("*")) if p.is_file()}
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    store = tmp_path_factory.mktemp("whole") / "run.zarr"
+    assert ended(start(*running(store)))[0] == 0
+    return store
+
+
+def assert_same(store: Path, other: Path) -> None:
+    mine, yours = files(store), files(other)
+    assert sorted(mine) == sorted(yours)
+    assert [name for name in mine if mine[name] != yours[name]] == []
+
+
+@pytest.mark.parametrize("kills", [4, pytest.param(50, marks=pytest.mark.slow)])
+def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
+    kills: int, undisturbed: Path, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    store = tmp_path / "run.zarr"
+    arguments, acknowledged, killed = running(store), 0, 0
+    while True:
+        process = start(*arguments)
+        while not (store / "checkpoint.json").exists() and process.poll() is None:
+            time.sleep(0.005)
+        time.sleep(rng.uniform(0.0, 0.25) if killed < kills else 0.0)
+        if killed >= kills or process.poll() is not None:
+            code, err = ended(process)
+            assert code == 0, err
+            break
+        process.send_signal(signal.SIGKILL)
+        ended(process)
+        killed += 1
+        rows = json.loads((store / "checkpoint.json").read_text())["rows"]
+        assert rows >= acknowledged
+        acknowledged, arguments = rows, ["resume", str(store)]
+    assert killed > 0
+    assert_same(store, undisturbed)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_asked_to_stop_it_stops_within_half_a_second_and_says_how_to_go_on(
+    number: int, code: int, undisturbed: Path, tmp_path: Path
+) -> None:
+    store = tmp_path / "run.zarr"
+    process = start(*running(store))
+    while not (store / "checkpoint.json").exists():
+        time.sleep(0.005)
+    time.sleep(0.1)
+    process.send_signal(number)
+    asked = time.monotonic()
+    found, err = ended(process)
+    assert time.monotonic() - asked < 2.0  # half a second on a quiet machine; the interpreter's end is in it
+    assert found == code
+    assert f"tippetop resume {store}" in err
+    assert ended(start("resume", str(store)))[0] == 0
+    assert_same(store, undisturbed)
+
+
+def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path, tmp_path: Path) -> None:
+    """A file-size limit makes a write fail in the middle, as a full disk does."""
+    store = tmp_path / "run.zarr"
+    code = f"{PRELUDE} r.ROWS_PER_CHUNK = 5000; main({running(store)!r})"
+    limits = (30_000, 30_000)
+    process = subprocess.run(
+        [sys.executable, "-c", f"import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); {code}"],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits),
+        capture_output=True,
+        text=True,
+        env={**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache")},
+    )
+    assert process.returncode == 5, process.stderr
+    assert "File too large" in process.stderr
+    assert "Traceback" not in process.stderr
+    assert (store / "checkpoint.json").exists()
+    assert ended(start("resume", str(store)))[0] == 0
+    assert_same(store, undisturbed)
+
+
+def test_two_writers_are_refused_with_the_holder_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    store = tmp_path / "run.zarr"
+    process = start(*running(store))
+    while not (store / "checkpoint.json").exists():
+        time.sleep(0.005)
+    assert outcome(["resume", str(store)]) == 5
+    assert f"process {process.pid}" in capsys.readouterr().err
+    process.kill()
+    ended(process)
+
+
+def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A store that was interrupted after some chunks."""
+    store = tmp_path / "run.zarr"
+    for name, value in (("COMMIT_EVERY", 0.0), ("ROWS_PER_CHUNK", 5000), ("EVENTS_PER_CHUNK", 1000)):
+        monkeypatch.setattr(record, name, value)
+    seen = []
+
+    def stop(course: object) -> None:
+        seen.append(course)
+        if len(seen) == 4:
+            raise record.Interrupted(signal.SIGINT)
+
+    with pytest.raises(record.Interrupted):
+        record.record(problem(), store, progress=stop)
+    return store
+
+
+def test_a_damaged_chunk_is_said_on_resume(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = interrupted(tmp_path, monkeypatch)
+    chunk = store / "trajectory" / "theta" / "c" / "1"
+    whole = chunk.read_bytes()
+    for damage in (whole[: len(whole) // 2], whole[:100] + b"\x00" + whole[101:]):
+        chunk.write_bytes(damage)
+        with pytest.raises(StoreError, match=r"theta.* must be readable in rows 5000 to"):
+            record.resume(store)
+    chunk.unlink()
+    with pytest.raises(StoreError, match="missing"):
+        record.resume(store)
+
+
+def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = interrupted(tmp_path, monkeypatch)
+    place = store / "checkpoint.json"
+    kept = place.read_text()
+    place.write_text(kept[: len(kept) // 2])
+    with pytest.raises(StoreError, match="must have a whole checkpoint"):
+        record.resume(store)
+    other = json.loads(kept)
+    other["course"]["equations"] = "0" * 16
+    place.write_text(json.dumps(other))
+    with pytest.raises(StoreError, match="equations"):
+        record.resume(store)
+
+
+def test_an_unfinished_store_can_be_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    store = interrupted(tmp_path, monkeypatch)
+    assert outcome(["info", str(store), "--json"]) == 0
+    info = json.loads(capsys.readouterr().out)
+    assert info["status"] == "running"
+    assert 0 < info["t_end"] < UNTIL
+    assert info["event_counts"]["turning"] > 100
+    trajectory = xr.open_zarr(store, group="trajectory", consolidated=False)
+    assert np.all(np.isfinite(trajectory["theta"]))
+    assert outcome(["plot", str(store), "--out", str(tmp_path / "a.png")]) == 0
+
+
+def test_a_finished_store_is_not_resumed(undisturbed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["resume", str(undisturbed)]) == 5
+    assert "must be unfinished" in capsys.readouterr().err
+
+
+def test_a_store_equals_the_run_in_memory(undisturbed: Path) -> None:
+    from tippetop.solve import solve
+
+    run = solve(problem())
+    columns = run.columns()
+    trajectory = xr.open_zarr(undisturbed, group="trajectory", consolidated=False)
+    for name, column in columns.items():
+        np.testing.assert_array_equal(trajectory[name].values, column.values, err_msg=name)
+    events = xr.open_zarr(undisturbed, group="events", consolidated=False)
+    for name, values in run.events._asdict().items():
+        np.testing.assert_array_equal(events[name].values, values, err_msg=name)
+    report = archive.attributes(undisturbed)["report"]
+    assert report == archive.finite(run.report)
+
+
+@pytest.mark.parametrize("precision", ["longdouble", "quad"])
+def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tippetop.engine.STEPS_PER_SLICE", 16)
+    monkeypatch.setattr(record, "COMMIT_EVERY", 0.0)
+    short = problem(0.6, f"run.precision={precision}")
+    whole, broken = tmp_path / "whole.zarr", tmp_path / "broken.zarr"
+    record.record(short, whole)
+    calls = []
+
+    def stop(course: object) -> None:
+        calls.append(course)
+        if len(calls) == 2:
+            raise record.Interrupted(signal.SIGINT)
+
+    with pytest.raises(record.Interrupted):
+        record.record(short, broken, progress=stop)
+    record.resume(broken)
+    assert_same(broken, whole)
+
+
+def test_rows_at_events_or_steps(tmp_path: Path) -> None:
+    for output in ("events", "steps"):
+        store = tmp_path / f"{output}.zarr"
+        tables = scenario.override(scenario.read("inverting"), [f"run.output={output}", "run.until=2.0"])
+        del tables["run"]["output_step"]
+        record.record(scenario.problem(tables), store)
+        times = xr.open_zarr(store, group="trajectory", consolidated=False)["time"].values
+        events = xr.open_zarr(store, group="events", consolidated=False)["time"].values
+        expected = np.array([0.0, *events, 2.0]) if output == "events" else None
+        if expected is not None:
+            np.testing.assert_array_equal(times, expected)
+        assert (times[0], times[-1]) == (0.0, 2.0)
+        assert np.all(np.diff(times) > 0)
+
+
+def test_a_settled_run_can_stop_early(tmp_path: Path) -> None:
+    tables = scenario.override(scenario.read("inverting"), ["run.stop_when=settled", "run.until=1e5"])
+    tables["run"]["output_step"] = 1.0
+    course, attrs = record.record(scenario.problem(tables), tmp_path / "run.zarr")
+    assert attrs["status"] == "settled"
+    assert 36 < course.t_end < 1000
+    shutil.rmtree(tmp_path / "run.zarr")
