@@ -258,9 +258,9 @@ def main_equation(case: Case) -> Pairs:
         tippe_top = importlib.import_module("tippetop.systems.tippe_top")
         yield "D'", case.along(lambda x: case.quantity("routh", x)), tippe_top.routh_rate(z, v_n, b)
     elif case.system.frictional and case.has("Lz"):
-        heavy_top = importlib.import_module("tippetop.systems.heavy_top")
+        gliding_heavy_top = importlib.import_module("tippetop.systems.gliding_heavy_top")
         found = case.along(lambda x: case.quantity("Lz", x))
-        yield "L_z' by dv_A/dt", heavy_top.Lz_rate(v_n, b), found
+        yield "L_z' by dv_A/dt", gliding_heavy_top.Lz_rate(v_n, b), found
 
 
 def general_system(case: Case) -> Pairs:

@@ -20,7 +20,7 @@ import laws
 
 ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore[arg-type]
 ORDER = ("friction", "systems.gliding", "systems.tippe_top", "systems.rolling", "systems.rolling_tippe_top")
-ORDER += ("systems.heavy_top", "systems.cylinder", "systems")
+ORDER += ("systems.heavy_top", "systems.gliding_heavy_top", "systems.cylinder", "systems.rolling_cylinder", "systems")
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
 

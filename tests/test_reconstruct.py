@@ -26,9 +26,9 @@ def test_main_equation_gives_the_motion_back(
     """Through every turning point; the limit is the spline through 6001 rows."""
     made = tops.problem(system, parameters, start, until, ("viscous", {"mu": 0.3}), times=np.linspace(0, until, 6001))
     run, view = solve(made), View(made)
-    scalars, times = view.scalars(run.rows), made.internal_time(run.times)
-    momenta = [view.internal(name, scalars) for name in made.system.momenta]
-    energy = view.internal("modified_energy", scalars)
+    values, scalars, times = view.values(run.rows), view.scalars(run.rows), made.internal_time(run.times)
+    momenta = [values[name] for name in made.system.momenta]
+    energy = values["modified_energy"]
     expected = made.internal_time(run.events.of("turning", significant=True).time)
     assert len(expected) == turnings
     found = reconstruct(made.system, view.body, times, momenta, energy, float(scalars.z[0]), 2 * expected[0])

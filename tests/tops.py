@@ -51,12 +51,10 @@ def si(made: Problem) -> Any:
 
 
 def at_start(made: Problem) -> dict[str, float]:
-    """Quantities at t = 0, and speed2, in SI units."""
+    """Quantities at t = 0, in SI units."""
     view = View(made)
-    scalars = view.scalars(made.start()[None, :])
-    return {
-        q.name: float(view.internal(q.name, scalars)[0]) * float(made.scales.of(q.unit)) for q in made.system.quantities
-    }
+    values = view.values(made.start()[None, :])
+    return {q.name: float(values[q.name][0]) * float(made.scales.of(q.unit)) for q in made.system.quantities}
 
 
 class Case(NamedTuple):
