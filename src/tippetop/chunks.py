@@ -158,9 +158,8 @@ def _picked(key: np.ndarray | None, count: int, size: int) -> np.ndarray:
     first = np.arange(0, count, size)
     if key is None:
         return np.union1d(first, [count - 1])
-    whole = count // size * size
-    bins, starts = np.nan_to_num(key[:whole].reshape(-1, size)), first[: whole // size]
-    return np.unique(np.concatenate([starts + bins.argmin(1), starts + bins.argmax(1), [count - 1]]))
+    filled = np.concatenate([np.nan_to_num(key), np.full(-count % size, key[-1])]).reshape(-1, size)
+    return np.unique(np.minimum([*(first + filled.argmin(1)), *(first + filled.argmax(1)), count - 1], count - 1))
 
 
 def _arrays(path: str | Path, group: str) -> dict[str, Any]:

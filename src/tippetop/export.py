@@ -1,5 +1,6 @@
 """A store in the formats of others: netCDF, CSV, Parquet; a stretch of rows at a time, whole or not at all."""
 
+import contextlib
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -37,7 +38,8 @@ def export(store: Path, to: str, out: Path, group: str = "trajectory") -> None:
             raise
         raise StoreError(f"`{out}` must be writable, but: {error.strerror or error}.") from None
     finally:
-        scratch.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            scratch.unlink()
 
 
 def _netcdf(store: Path, _: str, attrs: dict[str, Any], path: Path) -> None:

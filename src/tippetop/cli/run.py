@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -157,6 +158,8 @@ def _check_picture(path: Path) -> None:
         raise ScenarioError([f"--figure must end with .png, .svg or .pdf, but is `{path}`."])
     if not path.parent.is_dir():
         raise StoreError(f"`{path.parent}` must be a folder, but is not.")
+    if not os.access(path.parent, os.W_OK):
+        raise StoreError(f"`{path}` must be writable, but its folder is not.")
 
 
 COMMANDS: list[Any] = [run, resume]

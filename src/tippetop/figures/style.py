@@ -1,5 +1,6 @@
 """How all our figures look."""
 
+import contextlib
 import os
 from pathlib import Path
 from typing import Any
@@ -50,4 +51,5 @@ def save(made: Figure, path: Path) -> None:
     except OSError as error:
         raise StoreError(f"`{path}` must be writable, but: {error.strerror or error}.") from None
     finally:
-        scratch.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            scratch.unlink()
