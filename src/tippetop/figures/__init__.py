@@ -18,8 +18,16 @@ KINDS: dict[str, Callable] = {
 }
 
 
+NEEDED = {"sphere": "axis", "phase": "jellett"}
+"""The column without which a figure has nothing to show."""
+
+
 def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
     """Draws one kind of figure of a run to a file. groups: trajectory and events, Datasets or columns."""
+    from ..scenario import ScenarioError
+
+    if NEEDED.get(kind, "time") not in groups["trajectory"]:
+        raise ScenarioError([f"the figure `{kind}` must have `{NEEDED[kind]}` to draw, but this system has none."])
     with styled():
         save(KINDS[kind](groups["trajectory"], groups["events"], attrs), path)
 

@@ -51,12 +51,9 @@ def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, 
 def phase_of_run(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """The asymptotic states of the body of a run, with the run."""
     from ..friction import Frictionless
-    from ..scenario import ScenarioError
     from ..stability import branches, lambda_s, lambda_u
     from ..systems import SYSTEMS
 
-    if "tippe-top" not in attrs["system"]:
-        raise ScenarioError(["the figure `phase` must be asked for a tippe top, but this is another system."])
     body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
     lam = float(_values(trajectory["jellett"])[0])
     limits = {r"$\lambda_u$": lambda_u(body), r"$\lambda_s$": lambda_s(body)}
