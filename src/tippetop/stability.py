@@ -275,9 +275,11 @@ def _heavy(system: System, b: Body, start: dict[str, float], fast: bool) -> dict
         upright = "stable" if fast else "unstable"
         return {"regime": f"the sleeping top of this spin is {upright}", "fate": name}
     growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
+    if type(b.friction).__name__ == "Frictionless":
+        return {"regime": f"without friction the upright spin is {'un' if growth > 1e-6 else ''}stable", "fate": ""}
     how = "spirals out slowly" if fast else "topples"
     rate = f"upright spin unstable at every speed (growth rate {growth:.3g} per second): the top {how}"
-    return {"regime": rate, "fate": "falls to the plane in the end"}
+    return {"regime": rate, "fate": "falls to the plane in the end, unless it lifts off"}
 
 
 def _planar(system: System, b: Body) -> str:
