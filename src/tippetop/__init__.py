@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from .api import run as run
     from .archive import open_group as open_group
     from .friction import LAWS as LAWS
+    from .landscape import band as band
+    from .landscape import marked_lines as marked_lines
+    from .landscape import minimal_surface as minimal_surface
+    from .landscape import potential as potential
+    from .landscape import turning_angles as turning_angles
     from .problem import Problem as Problem
     from .results import datasets as datasets
     from .scenario import ScenarioError as ScenarioError
@@ -26,6 +31,11 @@ _PLACES = {
     "run": "api",
     "open_group": "archive",
     "LAWS": "friction",
+    "band": "landscape",
+    "marked_lines": "landscape",
+    "minimal_surface": "landscape",
+    "potential": "landscape",
+    "turning_angles": "landscape",
     "Problem": "problem",
     "datasets": "results",
     "ScenarioError": "scenario",

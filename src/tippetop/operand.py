@@ -50,6 +50,18 @@ def _lift(name: str) -> Callable:
 sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("exp"), _lift("atan2")
 
 
+def product_error(x: Operand, y: Operand) -> Operand:
+    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971; in numba an fma)."""
+    product = x * y
+    a, b = _half(x), _half(y)
+    return (((a * b - product) + a * (y - b)) + (x - a) * b) + (x - a) * (y - b)
+
+
+def _half(x: Operand) -> Operand:
+    big = 134217729 * x  # 2^27 + 1 (Veltkamp 1968)
+    return big - (big - x)
+
+
 @formula
 def dot(a: Vector, b: Vector) -> Operand:
     """Scalar product a.b."""
@@ -104,12 +116,12 @@ def teach_numba() -> None:
     if _teach is not None:
         return
     from numba import types
-    from numba.extending import overload, register_jitable
+    from numba.extending import intrinsic, overload, register_jitable
 
     def teach(function: Callable) -> None:
         choices = getattr(function, "for_numba", None)
         if choices is None:  # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7
-            register_jitable(error_model="numpy")(function)
+            register_jitable(error_model="numpy", forceinline=True)(function)
         else:
 
             @overload(function, jit_options={"error_model": "numpy"})
@@ -127,6 +139,14 @@ def teach_numba() -> None:
             if unary:
                 return (lambda *x: scalar(x[0])) if real else (lambda *x: numeric(x[0]))
             return (lambda *x: scalar(x[0], x[1])) if real else (lambda *x: numeric(x[0], x[1]))
+
+    @intrinsic
+    def fma(typing, x, y, z):
+        return types.float64(types.float64, types.float64, types.float64), lambda _, builder, __, a: builder.fma(*a)
+
+    @overload(product_error)
+    def _(x, y):
+        return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
     _teach = teach
     for lifted in (sqrt, sin, cos, exp, atan2):

@@ -22,6 +22,10 @@ def info(store: Path, *, as_json: Json = False) -> int:
     from .text import console
 
     attrs = archive.attributes(store)
+    if "content" in attrs:
+        from .landscape import describe
+
+        return describe(attrs, as_json)
     found = results.info(attrs)
     if as_json:
         print(json.dumps(found, allow_nan=False))
@@ -70,14 +74,19 @@ def check(
 
 
 def plot(store: Path, kind: str = "theta", *, out: Path) -> int:
-    """Draw a store: theta (with the nutational band), normal-force, drift, sphere, energy."""
+    """Draw a store: theta (with the nutational band), normal-force, drift, sphere, energy; band, surface, potential,
+    inversion (a run in its landscape); the stores of `surface` and `potential` draw themselves."""
     from tippetop import archive, chunks, figures
 
     from .run import _check_picture
 
     _check_picture(out)
-    figures.check_kind(kind)
     attrs = archive.attributes(store)
+    if "content" in attrs:
+        from .landscape import picture
+
+        return picture(store, attrs, out)
+    figures.check_kind(kind)
     groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
     figures.draw(kind, groups, attrs, out)
     return 0

@@ -4,8 +4,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import run, stability
+from . import landscape, run, stability
 from .style import save, styled
+
+
+def _in_landscape(name: str) -> Callable:
+    """A figure of a run in its landscape; numba wakes only when it is drawn."""
+
+    def drawn(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
+        from .. import inversion
+
+        tables = (inversion.table(group) for group in (trajectory, events))
+        return getattr(landscape, name)(*getattr(inversion, name)(*tables, attrs))
+
+    return drawn
 
 
 KINDS: dict[str, Callable] = {
@@ -15,10 +27,11 @@ KINDS: dict[str, Callable] = {
     "sphere": run.sphere,
     "energy": run.energy,
     "phase": stability.phase_of_run,
+    **{name: _in_landscape(name) for name in ("band", "surface", "potential", "inversion")},
 }
 
 
-NEEDED = {"sphere": "axis", "phase": "jellett"}
+NEEDED = {"sphere": "axis", **dict.fromkeys(("phase", "band", "surface", "potential", "inversion"), "routh")}
 """The column without which a figure has nothing to show."""
 
 

@@ -1,0 +1,276 @@
+"""How fast F = inf V is, against V itself and against what one would write without it, side by side in one process.
+
+    python bench/bench_landscape.py [--quick] [--big]
+
+Writes bench/results/landscape.json. Repetitions of all contestants are interleaved, medians are quoted, and ratios are
+medians of ratios of neighbouring repetitions: the machine may have other work. --big streams 20,000 x 20,000 points to
+a temporary folder (about 6 GB) in a process of its own and reports its peak memory.
+"""
+
+import argparse
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numba
+import numpy as np
+import scipy.optimize
+
+from tippetop import landscape
+from tippetop.systems import tippe_top
+from tippetop_kernels.jit import kernel
+
+
+FIGURE = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 235 / 625 * 8e-6, "I3": 2 / 5 * 8e-6, "g": 9.82}
+GOLDEN = (np.sqrt(5) - 1) / 2
+STEPS = 42  # of a golden section: z to 2e-9, hence F to rounding where V is smooth on that scale
+
+potential = kernel(tippe_top.potential)
+
+
+@kernel
+def tabulate(f, zs, xs, ys, b, out):
+    """V with another z at every point, rows in lanes."""
+    for i in range(xs.size):
+        for j in range(ys.size):
+            out[i, j] = f(zs[j], xs[i], ys[j], b)
+
+
+@kernel
+def golden(f, xs, ys, b, out):
+    """A golden section at every point, jitted."""
+    for i in range(xs.size):
+        for j in range(ys.size):
+            low, high = -1.0, 1.0
+            z1, z2 = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+            f1, f2 = f(z1, xs[i], ys[j], b), f(z2, xs[i], ys[j], b)
+            for _ in range(STEPS):
+                if f1 < f2:
+                    high, z2, f2 = z2, z1, f1
+                    z1 = high - GOLDEN * (high - low)
+                    f1 = f(z1, xs[i], ys[j], b)
+                else:
+                    low, z1, f1 = z1, z2, f2
+                    z2 = low + GOLDEN * (high - low)
+                    f2 = f(z2, xs[i], ys[j], b)
+            out[i, j] = min(f1, f2)
+
+
+def golden_numpy(xs, ys, b, out):
+    """The same golden section, a whole grid at a time in NumPy, row blocks that stay in the cache."""
+    for i in range(xs.size):
+        x = xs[i]
+        low, high = np.full(ys.size, -1.0), np.full(ys.size, 1.0)
+        z1, z2 = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        f1, f2 = tippe_top.potential(z1, x, ys, b), tippe_top.potential(z2, x, ys, b)
+        for _ in range(STEPS):
+            left = f1 < f2
+            high, low = np.where(left, z2, high), np.where(left, low, z1)
+            new = np.where(left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
+            f_new = tippe_top.potential(new, x, ys, b)
+            z1, z2, f1, f2 = (
+                np.where(left, new, z2),
+                np.where(left, z1, new),
+                np.where(left, f_new, f2),
+                np.where(left, f1, f_new),
+            )
+        out[i] = np.minimum(f1, f2)
+
+
+def scipy_points(xs, ys, b, out):
+    """scipy's bounded minimiser on the jitted V, point by point."""
+    for i, j in np.ndindex(out.shape):
+        found = scipy.optimize.minimize_scalar(
+            lambda z, i=i, j=j: potential(z, xs[i], ys[j], b), bounds=(-1, 1), method="bounded", options={"xatol": 1e-9}
+        )
+        out[i, j] = found.fun
+
+
+def clock(work):
+    """Seconds."""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def grids(n, D, lam):
+    """n x n points of a box."""
+    return np.linspace(-D, D, n), np.linspace(-lam, lam, n)
+
+
+def compete(n, repeats):
+    """Nanoseconds per point of every contestant, by repetition."""
+    t = landscape.top(FIGURE)
+    b, k, r = t.body, landscape.kernels(), t.relief
+    D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
+    box = D, D * FIGURE["R"]
+    out = {}
+
+    def buffers(m):
+        return np.empty((m, m)), np.empty((m, m)), np.empty((m, m), np.int8)
+
+    from tippetop_kernels.grid import on_threads
+
+    xs, ys = grids(n, *box)
+    F, q, status = buffers(n)
+    zs = np.linspace(-0.999, 0.999, n)
+
+    def surface(threads):
+        work = lambda s: k.minima(*k.problem, t.several, xs[s], ys, r, F[s], q[s], status[s])  # noqa: E731
+        return lambda: on_threads(work, n, threads)
+
+    small = {"golden section, jitted": max(50, n // 5), "golden section, NumPy": max(30, n // 10), "scipy": 10}
+    axes = {name: grids(m, *box) for name, m in small.items()}
+    tables = {name: np.empty((m, m)) for name, m in small.items()}
+    contestants = {
+        "V": (n, lambda: tabulate(potential, zs, xs, ys, b, F)),
+        "F, 1 thread": (n, surface(1)),
+        "F, 2 threads": (n, surface(2)),
+    }
+    for name, work in (
+        ("golden section, jitted", lambda *a: golden(potential, *a)),
+        ("golden section, NumPy", golden_numpy),
+        ("scipy", scipy_points),
+    ):
+        contestants[name] = (small[name], lambda w=work, a=axes[name], o=tables[name]: w(*a, b, o))
+    for _, work in contestants.values():
+        work()
+    for _ in range(repeats):
+        for name, (m, work) in contestants.items():
+            out.setdefault(name, []).append(1e9 * clock(work) / m**2)
+    surface(1)()
+    errors = {}
+    for name, table in tables.items():
+        exact = landscape.minimal_surface(FIGURE, *axes[name]).F.values
+        errors[name] = float(np.max(np.abs(table / exact - 1)))
+    looked = count_closer(t, xs, ys)
+    return out, errors, looked
+
+
+def count_closer(t, xs, ys):
+    """The share of points that three steps of Halley do not bring to rest."""
+    from tippetop_kernels import grid
+
+    f = landscape.kernels().formulas
+
+    @kernel
+    def count(lean, guess, slopes, xs, ys, r):
+        n = 0
+        for x in xs:
+            for y in ys:
+                p = lean(x, y, r)
+                q = grid.clipped(guess(p, r))
+                step = 1.0
+                for _ in range(grid.STEPS):
+                    g1, g2, g3 = slopes(q, p, r)
+                    step = grid.factor(g1, g2, g3)
+                    q = grid.clipped(q * step)
+                n += not abs(step - 1) <= grid.AT_REST
+        return n
+
+    return count(f["lean"], f["guess"], f["slopes"], xs, ys, t.relief) / (xs.size * ys.size)
+
+
+def pieces(n, repeats):
+    """Where the time of a point goes [ns]: each loop of a row by itself."""
+    t = landscape.top(FIGURE)
+    f, r = landscape.kernels().formulas, t.relief
+    D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
+    xs, ys = grids(n, D, D * FIGURE["R"])
+    F, q = np.empty(n), np.full(n, 0.7)
+
+    @kernel
+    def guesses(lean, guess, xs, ys, r, q):
+        for x in xs:
+            for j in range(ys.size):
+                q[j] = guess(lean(x, ys[j], r), r)
+
+    @kernel
+    def steps(lean, slopes, xs, ys, r, q, F):
+        for x in xs:
+            for j in range(ys.size):
+                g1, g2, g3 = slopes(q[j], lean(x, ys[j], r), r)
+                F[j] = (2 * g2 * g2 - g1 * g3 - g1 * g2) / (2 * g2 * g2 - g1 * g3 + g1 * g2)
+
+    @kernel
+    def values(lean, value, xs, ys, r, q, F):
+        for x in xs:
+            for j in range(ys.size):
+                F[j] = value(q[j], lean(x, ys[j], r), r)
+
+    loops = {
+        "guess": lambda: guesses(f["lean"], f["guess"], xs, ys, r, q.copy()),
+        "one step of Halley": lambda: steps(f["lean"], f["slopes"], xs, ys, r, q, F),
+        "F in twofold arithmetic": lambda: values(f["lean"], f["value"], xs, ys, r, q, F),
+    }
+    for work in loops.values():
+        work()
+    return {name: statistics.median(1e9 * clock(w) / n**2 for _ in range(repeats)) for name, w in loops.items()}
+
+
+def big(n):
+    """Streams n x n points to disk in a process of its own: seconds, peak memory, size."""
+    code = (
+        "import resource, sys, time, numpy as np\n"
+        "from tippetop import surface_store\n"
+        f"P = {FIGURE!r}\n"
+        "t = time.perf_counter()\n"
+        f"surface_store.write(sys.argv[1], P, np.linspace(-8e-4, 9e-4, {n}), np.linspace(0, 8e-6, {n}))\n"
+        "print(time.perf_counter() - t, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "F.zarr"
+        done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True)
+        seconds, kilobytes = done.stdout.split()
+        size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
+    return {"points": n**2, "seconds": float(seconds), "peak_MiB": int(kilobytes) / 1024, "stored_MB": size / 1e6}
+
+
+def ratio(slow, fast):
+    """Median of the ratios of neighbouring repetitions."""
+    return statistics.median(a / b for a, b in zip(slow, fast, strict=True))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--big", action="store_true")
+    options = parser.parse_args()
+    n, repeats = (400, 3) if options.quick else (2000, 9)
+    times, errors, looked = compete(n, repeats)
+    one, two = times["F, 1 thread"], times["F, 2 threads"]
+    result = {
+        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
+        "load_average": os.getloadavg(),  # above 1 on two processors, two threads have no second one to themselves
+        "versions": {"python": platform.python_version(), "numpy": np.__version__, "numba": numba.__version__},
+        "grid": [n, n],
+        "repeats": repeats,
+        "ns_per_point": {name: statistics.median(v) for name, v in times.items()},
+        "F_in_V": ratio(one, times["V"]),
+        "F_in_V_at_3_ns": statistics.median(one) / 3,
+        "evaluations": "1 guess, 3 slopes, 1 value",
+        "ns_of_the_pieces": pieces(n, repeats),
+        "closer_looks": looked,
+        "scaling_1_to_2_threads": ratio(one, two),
+        "times_faster_than": {
+            name: {"1 thread": ratio(times[name], one), "2 threads": ratio(times[name], two)} for name in errors
+        },
+        "largest_relative_error": errors,
+    }
+    if options.big:
+        result["streamed"] = big(20_000)
+    text = json.dumps(result, indent=2)
+    print(text)
+    folder = Path(__file__).parent / "results"
+    folder.mkdir(exist_ok=True)
+    (folder / "landscape.json").write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

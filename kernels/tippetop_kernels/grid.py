@@ -1,0 +1,149 @@
+"""Minima over a grid of points, row by row on all threads, neighbouring points in the lanes of one instruction."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from .jit import kernel
+from .minimise import AT_REST, Status, clipped, factor, lowest, minimise, settled
+from .roots import crossings, swing
+
+
+STEPS = 3  # of Halley, for every point: all but 1 % of the points of a dense grid are then at rest
+
+
+@kernel
+def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status):
+    """One row of `minima`: short loops without branches, so that the compiler fills the lanes."""
+    n = ys.size
+    last = np.empty(n)
+    for j in range(n):
+        q[j] = clipped(guess(prepare(x, ys[j], r), r))
+    for _ in range(STEPS):
+        for j in range(n):
+            g1, g2, g3 = slopes(q[j], prepare(x, ys[j], r), r)
+            f = factor(g1, g2, g3)
+            q[j] = q[j] * f
+            last[j] = abs(f - 1)
+    for j in range(n):
+        F[j] = value(q[j], prepare(x, ys[j], r), r)
+    for j in range(n):
+        lower, upper = ends(x, ys[j], prepare(x, ys[j], r), r)
+        rest = 0 if last[j] <= AT_REST else 4
+        status[j] = 1 if lower else (2 if upper else rest)
+    for j in range(n):
+        if several or status[j]:
+            closer(prepare, guess, slopes, value, several, x, ys[j], r, F[j : j + 1], q[j : j + 1], status[j : j + 1])
+
+
+@kernel
+def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
+    """A point that needs a closer look; F, q and status are arrays of one."""
+    if not (np.isfinite(x) and np.isfinite(y)):
+        F[0], q[0], status[0] = np.nan, np.nan, Status.UNDEFINED
+        return
+    p = prepare(x, y, r)
+    count = 1
+    if several:
+        q[0], count = lowest(slopes, value, p, r)
+    else:
+        q[0] = settled(slopes, q[0], p, r)
+        if np.isnan(q[0]):
+            q[0] = minimise(slopes, guess, p, r)
+    F[0] = value(q[0], p, r)
+    if not np.isfinite(F[0]):
+        status[0] = Status.UNSETTLED
+        return
+    at_end = (status[0] == Status.AT_LOWER_END and q[0] < 1e-6) or (status[0] == Status.AT_UPPER_END and q[0] > 1e6)
+    if status[0] == Status.UNSETTLED or (several and not at_end):
+        status[0] = Status.LOWER_OF_TWO if count > 1 else Status.ATTAINED
+
+
+@kernel
+def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status):
+    """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
+    for i in range(xs.size):
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i])
+
+
+def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
+    """Calls work(slice of rows) on all threads; kernels release the interpreter's lock.
+
+    Not numba's prange: it does not take records of records, and compiles three times as long.
+    """
+    threads = threads or os.cpu_count() or 1
+    step = max(1, rows // (16 * threads))  # small enough to balance, large enough not to be felt
+    pieces = [slice(i, min(i + step, rows)) for i in range(0, rows, step)]
+    if threads == 1 or len(pieces) == 1:
+        for piece in pieces:
+            work(piece)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in pool.map(work, pieces):
+            pass
+
+
+@kernel
+def gradients(prepare, gradient, xs, ys, r, q, by_x, by_y):
+    """gradient(q, p, r) at every (x, y): fills by_x and by_y, each (xs.size, ys.size)."""
+    for i in range(xs.size):
+        for j in range(ys.size):
+            by_x[i, j], by_y[i, j] = gradient(q[i, j], prepare(xs[i], ys[j], r), r)
+
+
+@kernel
+def potentials(prepare, slopes, value, zs, xs, ys, r, V, V_z, V_zz):
+    """value and, times a constant, its first and second derivative by z, q = (1 - z)/(1 + z), over zs x xs x ys.
+
+    Fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); NaN unless -1 < z < 1.
+    """
+    for i in range(zs.size):
+        z = zs[i] if abs(zs[i]) < 1 else np.nan
+        q, w = (1 - z) / (1 + z), (1 - z) * (1 + z)
+        for j in range(xs.size):
+            for k in range(ys.size):
+                p = prepare(xs[j], ys[k], r)
+                V[i, j, k] = value(q, p, r)
+                g1, g2, _ = slopes(q, p, r)
+                V_z[i, j, k] = -2 * g1 / (q * w)
+                V_zz[i, j, k] = 4 * (g2 - z * g1) / (q * w * w)
+
+
+@kernel
+def turnings(
+    prepare,
+    guess,
+    slopes,
+    value,
+    ends,
+    excess,
+    bend,
+    several,
+    allowance,
+    xs,
+    ys,
+    levels,
+    r,
+    low,
+    high,
+    q,
+    F,
+    bends,
+    status,
+):
+    """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
+    how = np.empty(1, np.int8)
+    for i in range(xs.size):
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys[i : i + 1], r, F[i : i + 1], q[i : i + 1], how)
+        p = prepare(xs[i], ys[i], r)
+        low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
+        bends[i] = bend(q[i], p, r)
+
+
+@kernel
+def periods(prepare, excess, inertia, low, high, xs, ys, levels, r, b, period):
+    """The period of the swing between low and high at each point; fills period (n,)."""
+    for i in range(xs.size):
+        period[i] = swing(excess, inertia, low[i], high[i], levels[i], prepare(xs[i], ys[i], r), r, b)

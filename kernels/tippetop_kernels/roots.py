@@ -1,0 +1,107 @@
+"""Where a function of one positive variable q takes a given level, on both sides of its minimum; the swing between."""
+
+from enum import IntEnum
+
+import numpy as np
+
+from .jit import kernel
+from .minimise import LARGEST, SMALLEST, clipped
+
+
+class Level(IntEnum):
+    """How a level lies to a function with one minimum."""
+
+    ABOVE = 0  # two crossings
+    TOUCHING = 1  # the minimum itself, to the rounding that was allowed for
+    BELOW = 2  # none: NaN
+    UNDEFINED = 3  # an input is not finite, or the minimum is not known: NaN
+
+
+@kernel
+def crossing(excess, inside, outside, level, p, r):
+    """q between `inside`, where excess < 0, and `outside`, where it is > 0 (Chandrupatla 1997)."""
+    a, b = outside, inside
+    fa, fb = excess(a, level, p, r), excess(b, level, p, r)
+    c, fc, t = a, fa, 0.5
+    for _ in range(200):
+        x = a + t * (b - a)
+        fx = excess(x, level, p, r)
+        if (fx > 0) == (fa > 0):
+            c, fc = a, fa
+        else:
+            c, fc, b, fb = b, fb, a, fa
+        a, fa = x, fx
+        best = a if abs(fa) < abs(fb) else b
+        if fa == 0 or abs(b - a) <= 4e-16 * abs(best):
+            return best
+        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
+            t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        else:
+            t = 0.5
+        least = 2e-16 * abs(best) / abs(b - a)
+        t = min(max(t, least), 1 - least)
+    return best
+
+
+@kernel
+def crossings(excess, bend, q, level, allowance, p, r):
+    """The two q around the minimum at q at which excess(q, level, p, r), a function less the level, is 0; and a Level.
+
+    A level less than `allowance` (relative) from the minimum touches it. An end of the range (SMALLEST, LARGEST) stands
+    for a function that stays below the level up to there.
+    """
+    if not (np.isfinite(level) and np.isfinite(q)):
+        return np.nan, np.nan, Level.UNDEFINED
+    depth = -excess(q, level, p, r)
+    if abs(depth) <= allowance * abs(level):
+        return q, q, Level.TOUCHING
+    if depth < 0:
+        return np.nan, np.nan, Level.BELOW
+    width = np.sqrt(2 * depth / max(abs(bend(q, p, r)), 1e-300))  # in ln(q), were the function a parabola
+    low = high = q
+    inner_low, inner_high = q, q
+    step = 1 + min(width, 1.0)
+    while low > SMALLEST:
+        inner_low, low = low, clipped(low / step)
+        if excess(low, level, p, r) > 0:
+            break
+        step *= min(step, 1e8)
+    step = 1 + min(width, 1.0)
+    while high < LARGEST:
+        inner_high, high = high, clipped(high * step)
+        if excess(high, level, p, r) > 0:
+            break
+        step *= min(step, 1e8)
+    if excess(low, level, p, r) > 0:
+        low = crossing(excess, inner_low, low, level, p, r)
+    if excess(high, level, p, r) > 0:
+        high = crossing(excess, inner_high, high, level, p, r)
+    return low, high, Level.ABOVE
+
+
+@kernel
+def swing(excess, inertia, low, high, level, p, r, b):
+    """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/-excess) dtheta.
+
+    With y = q/(1 + q) = y_low cos^2 + y_high sin^2 of beta/2 the integrand is smooth and periodic: the midpoint rule
+    converges geometrically. NaN where 4096 nodes do not settle to 1e-11 (next to a separatrix).
+    """
+    if not low < high:
+        return np.nan
+    y1, y2, c1, c2 = low / (1 + low), high / (1 + high), 1 / (1 + low), 1 / (1 + high)
+    # the difference of y without cancellation
+    across = (high - low) * c1 * c2
+    previous, n = np.inf, 16
+    while n <= 4096:
+        total = 0.0
+        for j in range(n):
+            half = (j + 0.5) * np.pi / (2 * n)
+            s2, k2 = np.sin(half) ** 2, np.cos(half) ** 2
+            y, c = y1 * k2 + y2 * s2, c1 * k2 + c2 * s2
+            total += np.sqrt(inertia(c - y, b) * s2 * k2 / (-y * c * excess(y / c, level, p, r)))
+        total *= 2 * across * np.pi / n
+        if abs(total - previous) <= 1e-11 * total:
+            return total
+        previous, n = total, 2 * n
+    return np.nan

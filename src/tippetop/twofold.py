@@ -1,0 +1,64 @@
+"""Numbers as an unevaluated sum head + tail: twice the digits, where the last ulp of a result counts.
+
+The tail carries what rounding took from the head, to first order; nothing is renormalised but by `tidy`. Plain
+arithmetic: fed with decimals or 50-digit numbers, the formulas give what these give, and the tails are nothing.
+"""
+
+from typing import NamedTuple
+
+from .operand import Operand, formula, product_error, sqrt
+
+
+class Two(NamedTuple):
+    """head + tail, |tail| of the order of the rounding of head."""
+
+    head: Operand
+    tail: Operand
+
+
+def two(x: Operand) -> Two:
+    """The decimal number x as two doubles."""
+    head = float(x)
+    return Two(head, float(x - type(x)(head)))
+
+
+@formula
+def plus(x, y):
+    """x + y (Knuth's two-sum)."""
+    s = x.head + y.head
+    v = s - x.head
+    return Two(s, ((x.head - (s - v)) + (y.head - v)) + (x.tail + y.tail))
+
+
+@formula
+def tidy(x):
+    """The same number with the head rounded from the whole: needed after a cancellation, where heads are used alone."""
+    s = x.head + x.tail
+    return Two(s, x.tail - (s - x.head))
+
+
+@formula
+def times(x, y):
+    """x y."""
+    return Two(x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head))
+
+
+@formula
+def scaled(k, x):
+    """k x for a plain number k."""
+    return Two(k * x.head, product_error(k, x.head) + k * x.tail)
+
+
+@formula
+def over(x, y):
+    """x/y."""
+    per = 1 / y.head
+    c = x.head * per
+    return Two(c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per)
+
+
+@formula
+def root(x):
+    """The square root of x > 0."""
+    s = sqrt(x.head)
+    return Two(s, ((x.head - s * s) - product_error(s, s) + x.tail) / (2 * s))

@@ -1,0 +1,167 @@
+"""The minimiser and its roots on functions whose answers are known, called from other people's numba code."""
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+import pytest
+
+from tippetop_kernels.grid import minima, on_threads
+from tippetop_kernels.minimise import LARGEST, SMALLEST, Status, lowest, minimise
+from tippetop_kernels.roots import Level, crossings
+
+
+class Hill(NamedTuple):
+    """f = cosh(ln q - centre) + tilt ln q: the minimum is at ln q = centre - asinh(tilt)."""
+
+    centre: float
+    tilt: float
+
+
+@numba.njit
+def value(q, p, r):
+    return math.cosh(math.log(q) - p.centre) + p.tilt * math.log(q)
+
+
+@numba.njit
+def slopes(q, p, r):
+    x = math.log(q) - p.centre
+    return math.sinh(x) + p.tilt, math.cosh(x), math.sinh(x)
+
+
+@numba.njit
+def excess(q, level, p, r):
+    return value(q, p, r) - level
+
+
+@numba.njit
+def bend(q, p, r):
+    return math.cosh(math.log(q) - p.centre)
+
+
+@numba.njit
+def bad_guess(p, r):
+    return math.nan
+
+
+@numba.njit
+def theirs(centres, tilt):
+    """Somebody's own compiled loop around our kernel."""
+    found = np.empty(centres.size)
+    for i in range(centres.size):
+        found[i] = minimise(slopes, bad_guess, Hill(centres[i], tilt), 0)
+    return found
+
+
+def test_minimum_is_found_from_a_bad_guess_inside_foreign_code():
+    centres = np.linspace(-60, 60, 101)
+    np.testing.assert_allclose(np.log(theirs(centres, 0.5)), centres - math.asinh(0.5), rtol=1e-14, atol=1e-14)
+
+
+@numba.njit(parallel=True)
+def theirs_in_parallel(centres):
+    found = np.empty(centres.size)
+    for i in numba.prange(centres.size):
+        found[i] = minimise(slopes, bad_guess, Hill(centres[i], 0.0), 0)
+    return found
+
+
+def test_kernels_work_inside_foreign_parallel_loops():
+    centres = np.linspace(-5, 5, 11)
+    np.testing.assert_allclose(np.log(theirs_in_parallel(centres)), centres, atol=1e-15)
+
+
+@pytest.mark.parametrize(("centre", "end"), [(-100.0, SMALLEST), (100.0, LARGEST)])
+def test_minimum_beyond_the_range_is_its_end(centre, end):
+    assert minimise(slopes, bad_guess, Hill(centre, 0.0), 0) == end
+
+
+@numba.njit
+def double_slopes(q, p, r):
+    """f' = x (x^2 - 9) + tilt, two minima near x = -3, 3 for a small tilt."""
+    x = math.log(q)
+    return x * (x * x - 9) + p.tilt, 3 * x * x - 9, 6 * x
+
+
+@numba.njit
+def double_value(q, p, r):
+    x = math.log(q)
+    return x**4 / 4 - 4.5 * x * x + p.tilt * x
+
+
+@pytest.mark.parametrize("tilt", [-1.0, 1.0])
+def test_lowest_of_two_minima(tilt):
+    q, count = lowest(double_slopes, double_value, Hill(0.0, tilt), 0)
+    roots = np.roots([1, 0, -9, tilt]).real
+    best = min(roots, key=lambda x: x**4 / 4 - 4.5 * x * x + tilt * x)
+    assert math.log(q) == pytest.approx(best, rel=1e-13)
+    assert count == 2
+
+
+def test_single_minimum_is_counted_once():
+    assert lowest(slopes, value, Hill(1.0, 0.0), 0)[1] == 1
+
+
+@pytest.mark.parametrize("width", [1e-5, 0.1, 1.0, 20.0])
+def test_crossings_of_a_hanging_chain(width):
+    low, high, level = crossings(excess, bend, math.exp(2.0), math.cosh(width), 1e-15, Hill(2.0, 0.0), 0)
+    assert level == Level.ABOVE
+    rounding = 1e-15 + 3e-16 * math.cosh(width) / math.sinh(width)
+    assert math.log(low) == pytest.approx(2 - width, abs=4 * rounding)
+    assert math.log(high) == pytest.approx(2 + width, abs=4 * rounding + 4e-15)
+
+
+def test_levels_of_a_hanging_chain():
+    assert crossings(excess, bend, 1.0, 1.0, 1e-12, Hill(0.0, 0.0), 0) == (1.0, 1.0, Level.TOUCHING)
+    assert crossings(excess, bend, 1.0, 0.5, 1e-12, Hill(0.0, 0.0), 0)[2] == Level.BELOW
+    assert crossings(excess, bend, 1.0, math.nan, 1e-12, Hill(0.0, 0.0), 0)[2] == Level.UNDEFINED
+    assert crossings(excess, bend, 1.0, math.cosh(100.0), 1e-12, Hill(0.0, 0.0), 0) == (SMALLEST, LARGEST, Level.ABOVE)
+
+
+@numba.njit
+def prepare(x, y, r):
+    return Hill(x, y)
+
+
+@numba.njit
+def own_guess(p, r):
+    return math.exp(p.centre)
+
+
+@numba.njit
+def no_ends(x, y, p, r):
+    return False, False
+
+
+@pytest.mark.parametrize("guess", [own_guess, bad_guess])
+def test_grid_of_minima(guess):
+    """The grid settles every point, from a good guess by its three steps, from a bad one by the bracket."""
+    x, y = np.linspace(-3, 3, 7), np.linspace(-0.9, 0.9, 11)
+    F, q, status = np.empty((7, 11)), np.empty((7, 11)), np.full((7, 11), -1, np.int8)
+    on_threads(
+        lambda s: minima(prepare, guess, slopes, value, no_ends, False, x[s], y, 0, F[s], q[s], status[s]), x.size, 2
+    )
+    at = x[:, None] - np.arcsinh(y)[None, :]
+    np.testing.assert_allclose(np.log(q), at, atol=2e-15)
+    np.testing.assert_allclose(F, np.sqrt(1 + y**2)[None, :] + y * at, atol=4e-15)
+    assert (status == Status.ATTAINED).all()
+
+
+def test_every_row_is_worked_once():
+    for rows, threads in ((1, 2), (7, 2), (100, 1), (1000, 3)):
+        seen = np.zeros(rows, int)
+
+        def work(piece, seen=seen):
+            seen[piece] += 1
+
+        on_threads(work, rows, threads)
+        assert (seen == 1).all()
+
+
+def test_an_error_on_a_thread_reaches_the_caller():
+    def work(piece):
+        raise MemoryError("no room")
+
+    with pytest.raises(MemoryError, match="no room"):
+        on_threads(work, 100, 2)

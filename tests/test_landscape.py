@@ -1,0 +1,372 @@
+"""The landscape against published numbers, laws and 60 digits: potential, surface, turning angles, periods, bands."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+import scipy.optimize
+import xarray as xr
+
+import landscape_oracle as oracle
+from tippetop import landscape
+from tippetop.systems import heavy_top, spinning, tippe_top
+from tippetop_kernels.minimise import Status
+from tippetop_kernels.roots import Level
+
+
+CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 1 / 312500, "g": 9.82}  # section 14
+HEAVY = {"m": 0.1, "l": 0.04, "I1": 1e-4 - 1.6e-4 / 4, "I3": 5e-5, "g": 9.82}
+
+
+# --- the potential --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("z", [-0.7, 0.1, 1 - 1e-6, 1 - 1e-12, 1e-9 - 1, 1e-15 - 1])
+@pytest.mark.parametrize("line", [1, -1, 0])
+def test_potential_keeps_its_digits(z, line):
+    """Near the poles, on and off the marked lines, against the longer form of the source in 60 digits."""
+    b, lam = oracle.body(oracle.FIGURE), 4e-6
+    for away in (0.0, 1e-13, 1e-7, 0.3):
+        D = 2.2e-4 if line == 0 else float(spinning.slope(line, b)) * lam * (1 + away)
+        found = landscape.potential(oracle.FIGURE, z, D, lam)
+        exact = oracle.potential(mp.mpf(z), mp.mpf(D), mp.mpf(lam), b)
+        assert oracle.ulps(found.V.item(), exact) <= 6
+        slope = mp.diff(lambda z, D=D: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), h=mp.mpf(10) ** -25)
+        scale = abs(exact) / (1 - mp.mpf(z) ** 2)
+        assert abs(found.V_z.item() - slope) <= 1e-14 * scale
+
+
+def test_second_derivative_of_the_potential():
+    b = oracle.body(oracle.FIGURE)
+    for z, D, lam in ((0.3, 1e-4, 2e-6), (-0.8, -3e-4, 5e-6), (0.95, 4e-4, 1e-7)):
+        found = landscape.potential(oracle.FIGURE, z, D, lam)
+        exact = mp.diff(lambda z, D=D, lam=lam: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), 2)
+        assert found.V_zz.item() == pytest.approx(float(exact), rel=1e-12)
+
+
+def test_potential_of_the_relief_is_the_formula_of_the_house():
+    z, D, lam = np.linspace(-0.99, 0.99, 41), np.linspace(-4e-4, 5e-4, 7), np.linspace(0, 8e-6, 5)
+    found = landscape.potential(CANONICAL, z, D, lam)
+    body = landscape.top(CANONICAL).body
+    labelled = [xr.DataArray(v, dims=d) for v, d in ((z, "z"), (D, "D"), (lam, "lambda"))]
+    exact = tippe_top.potential(*labelled, body).transpose("z", "D", "lambda")
+    np.testing.assert_allclose(found.V, exact, rtol=1e-12)
+    assert found.V.dims == ("z", "D", "lambda")
+    assert found.V.attrs["units"] == "J"
+
+
+@pytest.mark.parametrize("system", ["heavy-top", "gliding-heavy-top"])
+def test_potential_of_heavy_tops(system):
+    """L3^2/2I3 + (Lz - L3 z)^2/(2 I1* (1 - z^2)) + m g l z. [T 2.38]"""
+    z, L3, Lz = np.array([-0.9, 0.2, 0.9]), np.array([-0.005, 0.01]), np.array([0.004, 0.009])
+    found = landscape.potential(HEAVY, z, L3, Lz, system)
+    tip = HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2
+    Z, A, B = np.meshgrid(z, L3, Lz, indexing="ij")
+    exact = (
+        A**2 / 2 / HEAVY["I3"] + (B - A * Z) ** 2 / (2 * tip * (1 - Z**2)) + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * Z
+    )
+    np.testing.assert_allclose(found.V, exact, rtol=1e-14)
+    assert found.V.dims == ("z", "L3", "Lz")
+    h = 1e-5
+    up, down = (landscape.potential(HEAVY, z + s, L3, Lz, system).V.values for s in (h, -h))
+    np.testing.assert_allclose(found.V_z, (up - down) / (2 * h), rtol=1e-6, atol=1e-6)
+
+
+# --- the minimal surface --------------------------------------------------------------------------------------------
+
+
+def test_critical_function_is_the_slope_of_the_potential():
+    """V_z = N/(gamma I1 R^2 (1 - z^2)^2), and N(-1) <= 0 <= N(1). [section 5]"""
+    b = oracle.body(oracle.FIGURE)
+    for z, D, lam in (
+        (mp.mpf("0.3"), mp.mpf("1e-4"), mp.mpf("2e-6")),
+        (mp.mpf("-0.9"), mp.mpf("-3e-4"), mp.mpf("5e-6")),
+    ):
+        slope = mp.diff(lambda z, D=D, lam=lam: oracle.potential(z, D, lam, b), z)
+        N = spinning.critical(z, D, lam, b)
+        assert abs(N / (b.I1**2 / b.I3 * b.R**2 * (1 - z**2) ** 2) / slope - 1) < 1e-25
+        assert spinning.critical(-1, D, lam, b) <= 0 <= spinning.critical(1, D, lam, b)
+
+
+def test_surface_lies_below_every_potential():
+    z, D, lam = np.cos(np.linspace(0.01, 3.13, 201)), np.linspace(-6e-4, 8e-4, 21), np.linspace(-6e-6, 7e-6, 17)
+    F = landscape.minimal_surface(CANONICAL, D, lam).F
+    V = landscape.potential(CANONICAL, np.sort(z), D, lam).V
+    assert (F <= V).all()
+    assert float((V.min("z") - F).max()) < 5e-3  # and not far below: the spacing of z
+
+
+def test_surface_does_not_know_the_grid():
+    """A point has the same F, to the bit, alone, in a row and on two threads."""
+    D, lam = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
+    one, two = (landscape.minimal_surface(CANONICAL, D, lam, threads=n) for n in (1, 2))
+    xr.testing.assert_identical(one, two)
+    for i, j in ((0, 0), (17, 30), (36, 52)):
+        alone = landscape.minimal_surface(CANONICAL, D[i], lam[j])
+        assert alone.F.item() == one.F[i, j].item()
+        assert alone.z.item() == one.z[i, j].item()
+
+
+def test_reflection_leaves_the_surface():
+    """(D, lambda) -> (-D, -lambda): reflection in a vertical plane. [section 1]"""
+    D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(-3e-6, 7e-6, 23)
+    here = landscape.minimal_surface(CANONICAL, D, lam)
+    there = landscape.minimal_surface(CANONICAL, -D[::-1], -lam[::-1])
+    np.testing.assert_array_equal(here.F, there.F[::-1, ::-1])
+    np.testing.assert_array_equal(here.F_D, -there.F_D[::-1, ::-1])
+
+
+def test_upright_line_lies_on_the_surface():
+    """D = rho_+ lambda: approached at theta = 0, F = V(1), for every lambda. [section 5]"""
+    lam = np.linspace(-8e-6, 8e-6, 41)
+    lines = landscape.marked_lines(CANONICAL, lam)
+    for i, value in enumerate(lam):
+        found = landscape.minimal_surface(CANONICAL, lines.D[0, i].item(), value)
+        assert found.status.item() == Status.AT_LOWER_END
+        assert found.theta.item() == 0
+        assert found.z.item() == 1
+        assert found.F.item() == pytest.approx(lines.E[0, i].item(), rel=2e-15)
+
+
+def test_inverted_line_lies_on_the_surface_from_lambda_pi():
+    """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is attained and strictly lower. (5.1)"""
+    lam_pi = landscape.marked_lines(CANONICAL, 0.0).lambda_pi
+    assert lam_pi == pytest.approx(1.70683e-6, rel=1e-5)  # section 14
+    lam = lam_pi * np.array([0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 3.0, 10.0])
+    lines = landscape.marked_lines(CANONICAL, lam)
+    for i, value in enumerate(lam):
+        found, E = landscape.minimal_surface(CANONICAL, lines.D[1, i].item(), value), lines.E[1, i].item()
+        if value < lam_pi:
+            assert found.status.item() == Status.ATTAINED
+            assert found.F.item() < E * (1 - 1e-9)
+            assert not lines.on_surface[1, i]
+        else:
+            assert found.status.item() == Status.AT_UPPER_END
+            assert found.theta.item() == np.pi
+            assert found.F.item() == pytest.approx(E, rel=2e-15)
+            assert lines.on_surface[1, i]
+
+
+def test_end_values_and_slopes_of_the_potential():
+    """V(+-1), V_z(+-1) on the marked lines are the limits of V, V_z. [section 5]"""
+    b, lam = oracle.body(oracle.FIGURE), mp.mpf("3e-6")
+    for z in (1, -1):
+        D, near = spinning.slope(z, b) * lam, z * (1 - mp.mpf(10) ** -20)
+        assert abs(oracle.potential(near, D, lam, b) / spinning.energy(z, lam, b) - 1) < 1e-18
+        slope = (oracle.potential(near, D, lam, b) - spinning.energy(z, lam, b)) / (near - z)
+        assert abs(slope / spinning.end_slope(z, lam, b) - 1) < 1e-17
+
+
+def test_boundary_values():
+    """[T 4.23-4.28], typed from the source."""
+    p, w0 = CANONICAL, 155.0
+    gamma, sigma, a = p["I1"] / p["I3"], p["m"] * p["R"] ** 2 / p["I3"], p["alpha"]
+    L0, weight = p["I3"] * w0, p["m"] * p["g"] * p["R"]
+    lines = landscape.marked_lines(p, p["R"] * (1 - a) * L0)
+    ratio = (1 - a) / (1 + a)
+    np.testing.assert_allclose(lines.omega3[:, 0], [w0, -ratio * w0], rtol=1e-14)
+    D = [L0 * np.sqrt(gamma + sigma * (1 - a) ** 2), -ratio * L0 * np.sqrt(gamma + sigma * (1 + a) ** 2)]
+    np.testing.assert_allclose(lines.D[:, 0], D, rtol=1e-14)
+    spin = L0**2 / (2 * p["I3"])
+    np.testing.assert_allclose(lines.E[:, 0], [spin + weight * (1 - a), ratio**2 * spin + weight * (1 + a)], rtol=1e-14)
+
+
+def test_nothing_moves_at_rest():
+    """D = lambda = 0: the infimum m g R (1 - alpha) is approached at theta = 0."""
+    found = landscape.minimal_surface(CANONICAL, [-1e-300, 0.0, 1e-30], [-1e-30, 0.0, 1e-300])
+    weight = CANONICAL["m"] * CANONICAL["g"] * CANONICAL["R"] * 0.7
+    np.testing.assert_allclose(found.F, weight, rtol=3e-16)
+    assert found.status[1, 1] == Status.AT_LOWER_END
+    assert not np.isin(found.status, [Status.UNSETTLED, Status.UNDEFINED]).any()
+
+
+@pytest.mark.parametrize(("D", "lam"), [(0.0, 3e-6), (2e-4, 0.0), (-2e-4, 0.0), (0.0, -1e-9)])
+def test_axes_of_the_plane_are_ordinary(D, lam):
+    found = landscape.minimal_surface(oracle.FIGURE, D, lam)
+    q = np.tan(found.theta.item() / 2) ** 2
+    assert oracle.ulps(found.F.item(), oracle.minimum(D, lam, oracle.body(oracle.FIGURE), q)[0]) <= 4
+    assert found.status.item() == Status.ATTAINED
+
+
+def test_what_is_not_finite_is_undefined():
+    found = landscape.minimal_surface(CANONICAL, [1e-4, np.nan, np.inf], [0.0, 1e-6, np.nan])
+    undefined = found.status == Status.UNDEFINED
+    np.testing.assert_array_equal(undefined, [[False, False, True], [True] * 3, [True] * 3])
+    for name in ("F", "z", "theta", "F_D", "F_lambda"):
+        np.testing.assert_array_equal(np.isnan(found[name]), undefined)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: landscape.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6), "Argument `D` must ascend, but does not."),
+        (lambda: landscape.minimal_surface(CANONICAL, [], 1e-6), "Argument `D` must be a number or a one-dimensional"),
+        (
+            lambda: landscape.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
+            "Argument `lambda` must be a number or a one-dim",
+        ),
+        (lambda: landscape.minimal_surface({}, 1e-4, 1e-6), "Argument `parameters` must have 'm'"),
+        (lambda: landscape.top({**CANONICAL, "g": np.nan}), "Argument `parameters.g` must be finite"),
+        (lambda: landscape.top({**CANONICAL, "alpha": 1.5}), "alpha in \\(0, 1\\)"),
+        (lambda: landscape.top({**CANONICAL, "I1": -1.0}), "Argument `parameters.I1` must be positive"),
+        (lambda: landscape.top({**HEAVY, "l": -0.1}, "heavy-top"), "Argument `parameters.l` must be positive"),
+        (lambda: landscape.top(CANONICAL, "cylinder"), "Argument `system` must be one of tippe-top"),
+    ],
+)
+def test_one_clear_sentence(call, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        call()
+
+
+def test_surface_of_a_heavy_top_against_a_bounded_minimiser():
+    L3, Lz = np.array([-0.006, 0.0, 0.01]), np.array([-0.008, 0.003, 0.009])
+    found = landscape.minimal_surface(HEAVY, L3, Lz, "heavy-top")
+    body = landscape.top(HEAVY, "heavy-top").body
+    for i, j in np.ndindex(3, 3):
+        best = scipy.optimize.minimize_scalar(
+            heavy_top.potential,
+            bounds=(-1 + 1e-12, 1 - 1e-12),
+            args=(Lz[j], L3[i], body),
+            method="bounded",
+            options={"xatol": 1e-10},
+        )
+        assert found.F[i, j].item() == pytest.approx(best.fun, rel=1e-12)
+        assert found.z[i, j].item() == pytest.approx(best.x, abs=1e-6)
+
+
+def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
+    """L3 = Lz: theta = 0 is the infimum iff L3^2 >= 4 m g l I1*. [section 8]"""
+    threshold = np.sqrt(4 * HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * (HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2))
+    for factor, status in ((0.9, Status.ATTAINED), (1.1, Status.AT_UPPER_END)):
+        found = landscape.minimal_surface(HEAVY, factor * threshold, factor * threshold, "heavy-top")
+        assert found.status.item() == status
+        assert (found.theta.item() == 0) == (factor > 1)
+
+
+# --- turning angles and periods -------------------------------------------------------------------------------------
+
+
+def test_rolling_top_swings_as_its_reference_run():
+    """Reference case 6: period and band of a rolling tippe top integrated with 200 bits (section 14)."""
+    found = landscape.turning_angles(
+        CANONICAL, 3.176113719312522795797e-4, 1.770830502934459498575855e-6, 1.810356427261974764621e-2
+    )
+    assert found.theta_min.item() == pytest.approx(0.512263136142123, rel=2e-14)
+    assert found.theta_max.item() == pytest.approx(1.0, rel=2e-14)
+    assert found.period.item() == pytest.approx(0.080478798753980198, rel=1e-12)
+    assert found.level.item() == Level.ABOVE
+
+
+def test_heavy_top_swings_as_its_closed_form():
+    """Reference case 7: 2 K(k)/W; cuspidal start at theta = 0.6, L3 = 0.01 (sections 8, 14)."""
+    L3, z0 = 0.01, np.cos(0.6)
+    heavy = {"m": 0.1, "l": 0.04, "I1": 8 / 100000, "I3": 5e-5, "g": 9.82}
+    E = L3**2 / 2 / heavy["I3"] + heavy["m"] * heavy["g"] * heavy["l"] * z0
+    found = landscape.turning_angles(heavy, L3, L3 * z0, E, "heavy-top")
+    assert found.theta_min.item() == pytest.approx(0.6, rel=1e-12)
+    assert found.theta_max.item() == pytest.approx(0.7376469624934865, rel=1e-12)
+    assert found.period.item() == pytest.approx(0.1786029610277087905, rel=1e-11)
+
+
+def test_small_nutations_have_the_period_of_the_second_derivative():
+    D, lam = 3e-4, 4e-6
+    F = landscape.minimal_surface(CANONICAL, D, lam).F.item()
+    found = landscape.turning_angles(CANONICAL, D, lam, F * (1 + np.array([1e-3, 1e-4, 1e-5])))
+    away = np.abs(found.period / found.small_period - 1).values
+    assert away[2] < 1e-5
+    np.testing.assert_allclose(away[:-1] / away[1:], 10, rtol=0.05)  # the square of the amplitude
+
+
+def test_turning_angles_are_where_the_potential_takes_the_energy():
+    rng, b = np.random.default_rng(7), oracle.body(CANONICAL)
+    D, lam = rng.uniform(-5e-4, 5e-4, 15), rng.uniform(1e-7, 7e-6, 15)
+    F = np.array([landscape.minimal_surface(CANONICAL, x, y).F.item() for x, y in zip(D, lam, strict=True)])
+    E = F * (1 + 10 ** rng.uniform(-10, 1, 15))
+    found = landscape.turning_angles(CANONICAL, D, lam, E)
+    assert (found.theta_min < found.theta_star).all()
+    assert (found.theta_star < found.theta_max).all()
+    for i in range(15):
+        for name in ("theta_min", "theta_max"):
+            V = oracle.potential(mp.cos(mp.mpf(found[name][i].item())), mp.mpf(D[i]), mp.mpf(lam[i]), b)
+            slope = mp.diff(
+                lambda t, i=i: oracle.potential(mp.cos(t), mp.mpf(D[i]), mp.mpf(lam[i]), b), found[name][i].item()
+            )
+            assert abs(V - E[i]) <= 4e-16 * abs(slope) * np.pi + 1e-15 * E[i]
+
+
+def test_levels_say_how_the_energy_lies():
+    F = landscape.minimal_surface(CANONICAL, 3e-4, 4e-6).F.item()
+    found = landscape.turning_angles(CANONICAL, 3e-4, 4e-6, [2 * F, F * (1 + 1e-13), 0.5 * F, np.nan])
+    assert found.level.values.tolist() == [Level.ABOVE, Level.TOUCHING, Level.BELOW, Level.UNDEFINED]
+    assert found.theta_min[1] == found.theta_max[1] == found.theta_star[1]
+    np.testing.assert_array_equal(np.isnan(found.theta_min), [False, False, True, True])
+
+
+def test_a_swing_through_the_pole_reaches_it():
+    """At D = lambda = 0 the top swings as a plane pendulum, through theta = 0."""
+    weight = CANONICAL["m"] * CANONICAL["g"] * CANONICAL["R"]
+    found = landscape.turning_angles(CANONICAL, 0.0, 0.0, weight * (1 - 0.3 * np.cos(1.0)))
+    assert found.theta_min.item() < 1e-14
+    assert found.theta_max.item() == pytest.approx(1.0, rel=1e-14)
+
+
+def test_shapes_and_labels_are_kept():
+    D = xr.DataArray(np.full((2, 3), 1e-4), dims=("run", "time"), coords={"time": [0.0, 1.0, 2.0]})
+    found = landscape.turning_angles(CANONICAL, D, 2e-6, 0.05)
+    assert found.theta_max.dims == ("run", "time")
+    assert found.theta_max.attrs["units"] == "rad"
+    assert landscape.turning_angles(CANONICAL, np.full((2, 1), 1e-4), 2e-6, [0.05, 0.06, 0.07]).period.shape == (2, 3)
+
+
+# --- along a run ----------------------------------------------------------------------------------------------------
+
+
+def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
+    from tippetop import inversion
+
+    groups, attrs = inverting_run
+    found, logged, _ = inversion.band(groups["trajectory"], groups["events"], attrs)
+    theta = found.theta.values
+    assert (theta >= found.theta_min.values - 1e-6).all()  # the square root of the rounding of E~, at a touch
+    assert (theta <= found.theta_max.values + 1e-6).all()
+    assert logged.time.size > 300
+    assert np.abs(logged.theta - logged.edge).max() < 2e-5
+    assert np.median(np.abs(logged.theta - logged.edge)) < 1e-7
+
+
+@pytest.fixture(scope="module")
+def inverting_run():
+    import tippetop
+    from tippetop import results
+
+    run = tippetop.run("inverting", until=8)
+    groups = results.datasets(run)
+    return groups, groups["trajectory"].attrs
+
+
+def test_band_of_a_rolling_top_stands_still():
+    """In pure rolling D, lambda and E~ are constant, and theta swings from edge to edge."""
+    import tippetop
+    from tippetop import scenario
+
+    tables = {
+        "system": "rolling-tippe-top",
+        "parameters": CANONICAL,
+        "initial": {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0},
+        "run": {"until": 0.5, "output_step": 0.001},
+    }
+    run = tippetop.datasets(tippetop.integrate(scenario.problem(tables)))
+    found = landscape.band(CANONICAL, run["trajectory"], "rolling-tippe-top")
+    for name in ("theta_min", "theta_max", "period"):
+        assert float(np.ptp(found[name].values)) < 1e-10
+    turnings = run["events"].theta.values[run["events"].kind.values == 0]
+    np.testing.assert_allclose(np.sort(turnings)[:5], found.theta_min[0], atol=1e-12)
+    np.testing.assert_allclose(np.sort(turnings)[-5:], found.theta_max[0], atol=1e-12)
+
+
+def test_figures_of_a_run_in_its_landscape(inverting_run, tmp_path):
+    from tippetop import figures
+
+    groups, attrs = inverting_run
+    for kind in ("band", "surface", "potential", "inversion"):
+        figures.draw(kind, groups, attrs, tmp_path / f"{kind}.png")
+        assert (tmp_path / f"{kind}.png").stat().st_size > 20_000

@@ -1,0 +1,167 @@
+"""F, its minimiser and its gradient against 60 digits: at random, next to the marked lines, for extreme bodies."""
+
+import mpmath as mp
+import numba
+import numpy as np
+import pytest
+
+import landscape_oracle as oracle
+from tippetop import landscape
+from tippetop.systems import spinning
+from tippetop_kernels.minimise import Status
+
+
+EXTREME = {
+    "alpha=0.001, gamma=1-alpha": (0.001, 0.9990000001, 2.5),
+    "alpha=0.001, gamma=1+alpha": (0.001, 1.0009999999, 2.5),
+    "alpha=0.999, gamma=0.501": (0.999, 0.501, 2.5),
+    "alpha=0.999, gamma=1+alpha": (0.999, 1.9989999999, 2.5),
+    "alpha=0.999 inside the ball": (0.999, 1.0, 1000.0),
+    "gamma=1-alpha": (0.3, 0.7000000001, 2.5),
+    "gamma=1+alpha": (0.3, 1.2999999999, 2.5),
+    "heavy sphere": (0.7, 1.0, 45.0),
+    "light sphere": (0.3, 0.94, 0.01),
+}
+
+
+def pointwise(t, D, lam):
+    """F, q, status at points (D[i], lam[i])."""
+    F, q, status = (
+        np.concatenate(a).ravel()
+        for a in zip(*(landscape.minima(t, D[i : i + 1], lam[i : i + 1]) for i in range(D.size)), strict=True)
+    )
+    return F, q, status
+
+
+def worst(parameters, points):
+    """The largest error of F in ulp, and of q relative to its conditioning, over the points."""
+    t, b = landscape.top(parameters), oracle.body(parameters)
+    D, lam = points
+    F, q, status = pointwise(t, D, lam)
+    assert not np.isin(status, [Status.UNSETTLED, Status.UNDEFINED]).any()
+    errors = []
+    for i in range(D.size):
+        exact, q_exact = oracle.minimum(D[i], lam[i], b, q[i])
+        p = landscape.surface.lean(D[i], lam[i], t.relief)
+        # rounding of the slope, some units of F, over its rate of change
+        condition = F[i] / landscape.surface.bend(q[i], p, t.relief)
+        errors.append((oracle.ulps(F[i], exact), float(abs(q[i] / q_exact - 1)) / (2**-52 * max(condition, 1))))
+    return np.max(errors, axis=0)
+
+
+@pytest.mark.parametrize("points", [oracle.boxed, oracle.scattered], ids=["box", "12 decades"])
+def test_surface_at_random_points(points):
+    in_ulp, in_condition = worst(oracle.FIGURE, points(oracle.FIGURE, 500, seed=1))
+    assert in_ulp < 1
+    assert in_condition < 8
+
+
+def test_surface_next_to_the_marked_lines():
+    in_ulp, in_condition = worst(oracle.FIGURE, oracle.marked(oracle.FIGURE, 200, seed=2))
+    assert in_ulp < 1
+    assert in_condition < 8
+
+
+@pytest.mark.parametrize("numbers", EXTREME.values(), ids=EXTREME)
+def test_surface_of_extreme_bodies(numbers):
+    parameters = oracle.parameters(*numbers)
+    for points in (oracle.boxed, oracle.scattered, oracle.marked):
+        in_ulp, in_condition = worst(parameters, points(parameters, 40, seed=3))
+        assert in_ulp < 4
+        assert in_condition < 64
+
+
+def test_gradient_is_that_of_the_exact_surface():
+    D, lam = oracle.boxed(oracle.FIGURE, 60, seed=4)
+    b = oracle.body(oracle.FIGURE)
+    for x, y in zip(D, lam, strict=True):
+        found = landscape.minimal_surface(oracle.FIGURE, x, y)
+        F, q = oracle.minimum(x, y, b, np.tan(found.theta.item() / 2) ** 2)
+        z = oracle.z_of(q)
+        by_D = mp.diff(lambda D, z=z, y=y: oracle.potential(z, D, mp.mpf(y), b), mp.mpf(x))
+        by_lam = mp.diff(lambda lam, z=z, x=x: oracle.potential(z, mp.mpf(x), lam, b), mp.mpf(y))
+        assert abs(found.F_D.item() - by_D) <= 1e-13 * max(abs(by_D), abs(F / x))
+        assert abs(found.F_lambda.item() - by_lam) <= 1e-13 * max(abs(by_lam), abs(F / y))
+
+
+def test_gradient_is_the_slope_of_the_surface():
+    """The envelope theorem itself: a central difference of exact F."""
+    b, h = oracle.body(oracle.FIGURE), mp.mpf("1e-12")
+    for x, y in zip(*oracle.boxed(oracle.FIGURE, 10, seed=5), strict=True):
+        found = landscape.minimal_surface(oracle.FIGURE, x, y)
+        q = np.tan(found.theta.item() / 2) ** 2
+        step = h * abs(mp.mpf(y))
+        up, down = (oracle.minimum(x, mp.mpf(y) + s, b, q)[0] for s in (step, -step))
+        assert abs(found.F_lambda.item() - (up - down) / (2 * step)) <= 1e-10 * abs(found.F.item() / y)
+
+
+def test_two_minima_and_the_lower_of_them():
+    """alpha = 0.3, gamma = 3, sigma = 4: above gamma* [section 5, item 4]."""
+    parameters = oracle.parameters(0.3, 3.0, 4.0)
+    b = oracle.body(parameters)
+    t = landscape.top(parameters)
+    assert t.several
+    lam = 1.02 * float(spinning.lambda_pi(b))
+    D = float(spinning.slope(-1, b)) * lam
+    found = landscape.minimal_surface(parameters, [D * (1 + 1e-4), D, D * (1 - 1e-4)], lam)  # D < 0
+    q = np.geomspace(1e-12, 1e12, 200_001)
+    for x, F, status in zip(found.D.values, found.F.values.ravel(), found.status.values.ravel(), strict=True):
+        V = landscape.surface.value(q, landscape.surface.lean(x, lam, t.relief), t.relief)
+        assert V.min() >= F
+        assert pytest.approx(V.min(), rel=1e-8) == F
+        inner = (V[1:-1] < V[:-2]) & (V[1:-1] < V[2:])
+        if inner.sum() == 2:
+            assert status == Status.LOWER_OF_TWO
+    assert found.theta.values.ravel()[1] == pytest.approx(1.917, abs=1e-3)  # section 5
+    assert (found.status.values == Status.LOWER_OF_TWO).any()
+
+
+def test_two_minima_of_which_the_end_is_the_lower():
+    """Far above lambda_pi the inverted state is the lower of the two, and only approached."""
+    parameters = oracle.parameters(0.3, 3.0, 4.0)
+    for factor, status in ((1.02, Status.LOWER_OF_TWO), (3.0, Status.AT_UPPER_END)):
+        lines = landscape.marked_lines(parameters, factor * float(spinning.lambda_pi(oracle.body(parameters))))
+        found = landscape.minimal_surface(parameters, lines.D[1, 0].item(), lines["lambda"].item())
+        assert found.status.item() == status
+        if status == Status.AT_UPPER_END:
+            assert found.theta.item() == np.pi
+            assert found.F.item() == pytest.approx(lines.E[1, 0].item(), rel=2e-15)
+        else:
+            assert found.F.item() < lines.E[1, 0].item()
+
+
+def test_second_minimum_appears_at_gamma_star():
+    """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
+    assert not landscape.top(oracle.parameters(0.3, 2.1212, 2.5)).several
+    assert landscape.top(oracle.parameters(0.3, 2.1214, 2.5)).several
+
+
+@numba.njit
+def minima_along(lean, slopes, D, lam, r):
+    """The largest number of minima of V found on 400 values of q, e^-40 to e^40, at the points (D, lam)."""
+    worst = 0
+    for i in range(D.size):
+        p, count, before = lean(D[i], lam[i], r), 0, -1.0
+        for j in range(400):
+            g = slopes(np.exp(80 * j / 399 - 40), p, r)[0]
+            count += before < 0 < g
+            before = g
+        worst = max(worst, count)
+    return worst
+
+
+def test_no_second_minimum_below_gamma_star():
+    """1500 bodies in and out of the inverting class, at points around the marked lines: what `several` rests on."""
+    rng, f, found = np.random.default_rng(8), landscape.kernels().formulas, 0
+    for _ in range(1500):
+        alpha, sigma = rng.uniform(0.001, 0.999), 10 ** rng.uniform(-2, 3)
+        gamma = rng.choice([rng.uniform(0.5, 1 + alpha), rng.uniform(1 + alpha, 6)])
+        parameters = oracle.parameters(alpha, gamma, sigma)
+        t, scale = landscape.top(parameters), oracle.scales(parameters)[1]
+        slopes = np.array([spinning.slope(z, t.body) for z in (1, -1)])
+        lam = scale * 10 ** rng.uniform(-1.5, 1.5, 60)
+        D = np.resize(slopes, 60) * lam * (1 + rng.choice([-1, 1], 60) * 10 ** rng.uniform(-8, 0, 60))
+        count = minima_along(f["lean"], f["slopes"], D, lam, t.relief)
+        assert count == 1 or t.several, f"{count} minima for alpha = {alpha}, gamma = {gamma}, sigma = {sigma}"
+        found += count > 1
+    assert found > 50  # the scan does see second minima where they are allowed

@@ -1,0 +1,144 @@
+"""Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write and draw them."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from tippetop import archive, landscape, surface_store
+from tippetop.cli import outcome
+
+
+PARAMETERS = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
+D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
+
+
+def test_store_is_the_surface(tmp_path):
+    seen = []
+    path = surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=lambda *a: seen.append(a))
+    stored, exact = archive.open_group(path, "surface"), landscape.minimal_surface(PARAMETERS, D, LAM)
+    for name in ("F", "z", "status", "D", "lambda"):
+        np.testing.assert_array_equal(stored[name], exact[name])
+    assert stored.F.dims == ("D", "lambda")
+    assert stored.F.attrs["units"] == "J"
+    assert seen == [(i, 12) for i in range(1, 13)]
+    assert [p.name for p in tmp_path.iterdir()] == ["F.zarr"]
+
+
+class Stop(Exception):
+    """The power fails."""
+
+
+def test_interrupted_store_goes_on(tmp_path, monkeypatch):
+    def stop(done, of):
+        if done == 5:
+            raise Stop
+
+    with pytest.raises(Stop):
+        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=stop)
+    assert not (tmp_path / "F.zarr").exists()
+    worked = []
+    minima = landscape.minima
+    monkeypatch.setattr(landscape, "minima", lambda *a: worked.append(1) or minima(*a))
+    surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+    assert len(worked) == 7
+    stored, exact = archive.open_group(tmp_path / "F.zarr", "surface"), landscape.minimal_surface(PARAMETERS, D, LAM)
+    np.testing.assert_array_equal(stored.F, exact.F)
+
+
+def test_chunk_without_its_status_is_done_again(tmp_path):
+    """A kill between F and status leaves no half-done chunk behind."""
+
+    def stop(done, of):
+        raise Stop
+
+    with pytest.raises(Stop):
+        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64, progress=stop)
+    part = tmp_path / ".F.zarr.part" / "surface"
+    (part / "status" / "c" / "0" / "0").unlink()
+    (part / "F" / "c" / "0" / "0").unlink()
+    surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64)
+    assert np.isfinite(archive.open_group(tmp_path / "F.zarr", "surface").F).all()
+
+
+def test_another_surface_does_not_go_on(tmp_path):
+    def stop(done, of):
+        raise Stop
+
+    with pytest.raises(Stop):
+        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, progress=stop)
+    with pytest.raises(archive.StoreError, match="must be the same surface"):
+        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM * 2)
+
+
+def test_existing_store_is_left_alone(tmp_path):
+    (tmp_path / "F.zarr").mkdir()
+    with pytest.raises(archive.StoreError, match="must not exist yet"):
+        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM)
+
+
+def test_surface_command(tmp_path, capsys):
+    out, picture = tmp_path / "F.zarr", tmp_path / "F.png"
+    words = ["--D=-6e-4:8e-4:21", "--lambda", "0:7e-6:31", "--out", str(out), "--figure", str(picture)]
+    assert outcome(["surface", "inverting", *words]) == 0
+    assert archive.open_group(out, "surface").F.shape == (21, 31)
+    assert picture.stat().st_size > 20_000
+    assert outcome(["plot", str(out), "--out", str(tmp_path / "again.png")]) == 0
+    capsys.readouterr()
+    assert outcome(["info", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["content"] == "surface"
+    assert outcome(["surface", "inverting", *words]) == 5  # it exists
+
+
+def test_potential_command(tmp_path, capsys):
+    out = tmp_path / "V.zarr"
+    words = ["--D", "3e-4", "--lambda", "4e-6", "--n", "101", "--out", str(out), "--figure", str(tmp_path / "V.svg")]
+    assert outcome(["potential", "inverting", *words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    V = archive.open_group(out, "potential").V
+    assert V.sizes == {"z": 101}
+    assert found["F"] <= V.min() <= found["F"] * 1.001
+    assert found["status"] == "attained"
+    assert outcome(["plot", str(out), "--out", str(tmp_path / "again.png")]) == 0
+    assert isinstance(V, xr.DataArray)
+
+
+def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
+    calls = []
+
+    def stop(*a):
+        calls.append(1)
+        raise KeyboardInterrupt
+
+    words = ["surface", "inverting", "--D=-6e-4:8e-4:21", "--lambda", "0:7e-6:31", "--out", str(tmp_path / "F.zarr")]
+    with monkeypatch.context() as patched:
+        patched.setattr(surface_store.landscape, "minima", stop)
+        assert outcome(words) == 130
+    assert "the same command goes on" in capsys.readouterr().err
+    assert calls
+    assert outcome(words) == 0
+
+
+def test_numba_sleeps_until_a_kernel_is_wanted():
+    code = "import sys, tippetop.landscape, tippetop.figures, tippetop.cli; assert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["surface", "inverting"], "must be given --out or --figure"),
+        (["surface", "inverting", "--D", "1:0:5", "--figure", "F.png"], "--D must be min:max:n"),
+        (["surface", "inverting", "--D", "0:1", "--figure", "F.png"], "--D must be min:max:n"),
+        (["surface", "inverting", "--D", "0:nan:5", "--figure", "F.png"], "--D must be min:max:n"),
+        (["potential", "inverting", "--D", "nan", "--lambda", "0"], "--D must be finite"),
+        (["potential", "inverting", "--D", "0", "--lambda", "0", "--n", "1"], "--n must be at least 2"),
+    ],
+)
+def test_wrong_words_are_one_sentence(words, sentence, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert outcome(words) == 2
+    assert sentence in capsys.readouterr().err
