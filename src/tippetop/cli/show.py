@@ -50,6 +50,7 @@ def check(
     as_json: Json = False,
 ) -> int:
     """Validate a scenario without running it: resolved parameters, invariants at the start, expected cost."""
+    from rich.markup import escape
     from rich.table import Table
 
     from tippetop import assess
@@ -67,7 +68,7 @@ def check(
     table = Table.grid(padding=(0, 2))
     for name, value in found.items():
         text = ", ".join(f"{k} = {_plain(v)}" for k, v in value.items()) if isinstance(value, dict) else _plain(value)
-        table.add_row(name.replace("_", " "), text)
+        table.add_row(name.replace("_", " "), escape(text))  # units stand in brackets, which are markup to rich
     console().print(table)
     return 0
 

@@ -119,6 +119,12 @@ def energy(s, b):
 
 
 @formula
+def arm2(z, b):
+    """|a|^2 = R^2 + c^2 - 2 c R z, squared distance from the centre of mass to the contact [m^2]."""
+    return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
+
+
+@formula
 def arm_speed2(s, b):
     """|omega x a|^2 [m^2/s^2]: the speed that the centre of mass would have if the body rolled. [section 3.3]"""
     w3, q = s.L3 / b.I3, b.c - b.R * s.z
@@ -129,6 +135,26 @@ def arm_speed2(s, b):
 def modified_energy(s, b):
     """Modified (rolling) energy E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J]. [T 4.15, 5.23]"""
     return b.m * arm_speed2(s, b) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
+
+
+@formula
+def modified_energy_rate(push_u, push_n, s, b):
+    """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
+    turn = (b.c - b.R * s.z) * s.precession + b.R * (s.L3 / b.I3) * s.s2
+    return b.m * ((b.R - b.c * s.z) * (s.z_dot * push_u) + turn * push_n) / s.s2
+
+
+@formula
+def vertical_inertia(z, b):
+    """Half of I1 + m c^2 sin(theta)^2 [kg m^2]: the factor of theta'^2 where the reaction is vertical. [section 3.3]"""
+    return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
+
+
+@formula
+def vertical_potential(z, Lz, L3, b):
+    """E - m|r'|^2/2 - vertical_inertia theta'^2 [J], by L_z and L_3 about the centre of mass: without friction both
+    are constant, and this is the effective potential of the nutation."""
+    return height_energy(z, b) + L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * b.I1 * ((1 - z) * (1 + z)))
 
 
 # --- vector form: regular everywhere --------------------------------------------------------------------------------
