@@ -75,7 +75,8 @@ def reconstruct(
         )
         return found.sol, float(found.t[-1]), found.y[:, -1]
 
-    out, known, mismatch, turnings = np.full(len(times), np.nan), float(times[0]), 0.0, []
+    out, known, mismatch = np.full(len(times), np.nan), float(times[0]), 0.0
+    turnings: list[Any] = []
     here = _series(square, along_z, along_t, float(times[0]), z, REACH * period / 2, fixed=True)
     while True:
         forward, meet, last = outward(here, 1.0, float(times[-1]))
@@ -141,7 +142,7 @@ def _series(
     return _Series(t, reach, c)
 
 
-def _fill(out: np.ndarray, times: np.ndarray, first: float, last: float, z: Callable) -> None:
+def _fill(out: np.ndarray, times: np.ndarray, first: float, last: float, z: Any) -> None:
     inside = (times >= first) & (times <= last)
     if inside.any():
         out[inside] = z(times[inside])

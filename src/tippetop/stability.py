@@ -150,13 +150,14 @@ def branches(b: Body, most: float) -> list[Branch]:
 
     The source's figure 3.3."""
     found = []
-    for kind, z, limit, inside in (("upright", 1.0, lambda_u(b), True), ("inverted", -1.0, lambda_s(b), False)):
-        for ends, stable in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):
+    for kind, pole, limit, inside in (("upright", 1.0, lambda_u(b), True), ("inverted", -1.0, lambda_s(b), False)):
+        for ends, calm in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):
             if ends[0] < ends[1]:
-                found.append(Branch(kind, stable, np.full(2, z), np.array(ends)))
+                found.append(Branch(kind, calm, np.full(2, pole), np.array(ends)))
     low, high = tumbling_limits(b)
     z = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 2001)[1:-1])) / 2
-    lam, stable = tumbling_jellett(z, b), tumbling_is_stable(z, b)
+    lam: Any = tumbling_jellett(z, b)
+    stable: Any = tumbling_is_stable(z, b)
     cuts = [0, *(np.flatnonzero(np.diff(stable)) + 1), len(z)]
     for first, last in itertools.pairwise(cuts):
         piece = slice(first, min(last + 1, len(z)))  # one point on, so that the curve has no gap

@@ -20,7 +20,7 @@ def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, 
     for kind, colour in COLOURS.items():
         axes.plot([], [], color=colour, lw=2.6, label=NAMES[kind])
     for branch in branches:
-        style = {"lw": 2.6, "ls": "-"} if branch.stable else {"lw": 1.3, "ls": (0, (4, 3))}
+        style: dict[str, Any] = {"lw": 2.6, "ls": "-"} if branch.stable else {"lw": 1.3, "ls": (0, (4, 3))}
         axes.plot(branch.lam * 1e6, branch.z, color=COLOURS[branch.kind], **style, clip_on=False)
     for name, value in marks.items():
         axes.axvline(value * 1e6, color=QUIET, lw=0.8, ls=":")

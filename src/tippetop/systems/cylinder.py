@@ -277,7 +277,7 @@ LONG_NAMES = {
     **{name: parameter.long_name for name, parameter in INITIAL.items()},
     "nu_x": "velocity of the contact point of the cylinder",
 }
-COMMON = {
+COMMON: dict[str, Any] = {
     "parameters": PARAMETERS,
     "body": body,
     "body_units": gliding.body_units,

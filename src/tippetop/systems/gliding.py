@@ -445,7 +445,7 @@ INITIAL = {
 }
 
 
-def given_angles(angles: type, data: dict[str, Any], z: Any) -> Any:
+def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
     """The record of angles of what a person gave, the rest zero; psi_dot may stand for omega3."""
     e = angles(*(data.get(name, 0) for name in angles._fields))
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e

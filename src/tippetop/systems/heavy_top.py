@@ -251,7 +251,7 @@ MOMENTA = (
     Quantity("L3", "L_3", ANGULAR_MOMENTUM, "angular momentum about the axis", L3),
     Quantity("Lz", "L_z", ANGULAR_MOMENTUM, "angular momentum about the vertical through the tip", Lz),
 )
-COMMON = {
+COMMON: dict[str, Any] = {
     "parameters": PARAMETERS,
     "body": body,
     "body_units": gliding.body_units,
