@@ -3,8 +3,10 @@
 from typing import Any
 
 from . import stability
+from .nutation import heavy_top_motion
 from .problem import Problem
 from .system import SECOND
+from .systems.heavy_top import tip_inertia
 from .trajectory import View
 
 
@@ -22,8 +24,23 @@ def assessment(problem: Problem) -> dict[str, Any]:
         f"{q.name} [{q.unit.symbol}]": float(values[q.name][0]) * float(problem.scales.of(q.unit))
         for q in problem.system.quantities
     }
-    cost = _cost(problem, view, start)
+    cost = _cost(problem)
     return {"at_start": quantities, **_outlook(problem), **_regularisation(problem, cost), "expected": cost}
+
+
+def remarks(problem: Problem) -> dict[str, Any]:
+    """What a finished run deserves to have said of it: the name of a heavy top's motion, what eps decides."""
+    said = _regularisation(problem, _cost(problem))
+    if problem.system.name == "heavy-top":
+        start, view = problem.start()[None, :], View(problem)
+        units = {q.name: q.unit for q in problem.system.quantities}
+        E, Lz, L3 = (
+            float(view.values(start)[name][0]) * float(problem.scales.of(units[name]))
+            for name in ("energy", "Lz", "L3")
+        )
+        b = problem.body()
+        said["motion"] = heavy_top_motion(E, Lz, L3, tip_inertia(b), b.I3, b.m * b.g * -b.c)
+    return said
 
 
 def _outlook(problem: Problem) -> dict[str, Any]:
@@ -48,7 +65,7 @@ def _regularisation(problem: Problem, cost: dict[str, float]) -> dict[str, Any]:
     return said
 
 
-def _cost(problem: Problem, view: View, start: Any) -> dict[str, float]:
+def _cost(problem: Problem) -> dict[str, float]:
     """Orders of magnitude: a step spans about a radian of the fastest angle."""
     rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
     fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))
