@@ -1,7 +1,5 @@
 """Mutation check: every + - * / and unary minus of a physics file is flipped, one at a time, and the laws must notice.
 
-usage: python tests/mutation.py [FILE ...]        (names as in src/tippetop/systems, or `friction`; default: all)
-
 usage: python tests/mutation.py [FILE ...]     (names as in src/tippetop/systems, or `friction`; default: all)
 """
 
@@ -19,7 +17,8 @@ import laws
 
 
 ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore[arg-type]
-ORDER = ("friction", "systems.gliding", "systems.tippe_top", "systems.rolling", "systems.rolling_tippe_top")
+GLIDING = tuple(f"systems.gliding.{name}" for name in ("body", "vector", "euler", "chart", "names"))
+ORDER = ("friction", *GLIDING, "systems.gliding", "systems.tippe_top", "systems.rolling", "systems.rolling_tippe_top")
 ORDER += ("systems.heavy_top", "systems.gliding_heavy_top", "systems.cylinder", "systems.rolling_cylinder", "systems")
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
@@ -56,13 +55,14 @@ def loaded(name: str, tree: ast.Module, codes: dict[str, CodeType]) -> dict:
     for module in ORDER[ORDER.index(name) :]:
         full = f"tippetop.{module}"
         fresh = ModuleType(full)
-        fresh.__package__ = "tippetop.systems" if module.startswith("systems") else "tippetop"
+        folder = ROOT / module.replace(".", "/")
+        parent, _, own = full.rpartition(".")
+        fresh.__package__ = full if folder.is_dir() else parent
         fresh.__file__ = str(ROOT)
-        if module == "systems":
-            fresh.__path__ = [str(ROOT / "systems")]
+        if folder.is_dir():
+            fresh.__path__ = [str(folder)]
         sys.modules[full] = fresh
-        if module.startswith("systems."):
-            setattr(sys.modules["tippetop.systems"], module.split(".")[1], fresh)
+        setattr(sys.modules[parent], own, fresh)
         exec(compile(tree, full, "exec") if module == name else codes[module], fresh.__dict__)
     return sys.modules["tippetop.systems"].SYSTEMS
 
@@ -70,7 +70,7 @@ def loaded(name: str, tree: ast.Module, codes: dict[str, CodeType]) -> dict:
 def source(module: str) -> str:
     """The text of a module."""
     path = ROOT / (module.replace(".", "/") + ".py")
-    return (path if path.exists() else ROOT / module / "__init__.py").read_text(encoding="utf-8")
+    return (path if path.exists() else path.with_suffix("") / "__init__.py").read_text(encoding="utf-8")
 
 
 def main(names: list[str]) -> int:
