@@ -48,6 +48,32 @@ def test_a_run_released_at_rest_does_not_log_its_start(assignments: list[str]) -
     assert np.all(np.diff(events.theta_dot_sign) != 0), "minima and maxima alternate"
 
 
+def test_a_turning_in_the_first_step_of_a_start_at_rest_is_found() -> None:
+    """The integrator's own detection finds the start twice and misses this one."""
+    sets = ["initial.omega3=31.882596139055472", "initial.theta=2.448384987785755", "friction.mu=0.5"]
+    run = tippetop.run("inverting", [*sets, "initial.phi_dot=-22.071083809249515", "run.output_step=1e-5"], until=0.3)
+    theta = run.columns()["theta"].values
+    moves = np.sign(np.diff(theta))
+    turns = run.times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
+    found = run.events.of("turning").time
+    assert len(found) == len(turns)
+    np.testing.assert_allclose(found, turns, atol=1e-5)
+    assert found[0] < 0.011
+
+
+def test_random_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generator) -> None:
+    for _ in range(20):
+        values = {"omega3": rng.uniform(0, 170), "theta": rng.uniform(0.05, 3.0), "phi_dot": rng.uniform(-30, 30)}
+        sets = [f"initial.{name}={value!r}" for name, value in values.items()]
+        run = tippetop.run("inverting", [*sets, "run.output_step=2e-5"], until=0.4)
+        moves = np.sign(np.diff(run.columns()["theta"].values))
+        turns = run.times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
+        found = run.events.of("turning").time
+        inside = found[found < run.report["t_end"] - 1e-4], turns[turns < run.report["t_end"] - 1e-4]
+        assert len(inside[0]) == len(inside[1]), values
+        np.testing.assert_allclose(*inside, atol=2e-5, err_msg=str(values))
+
+
 def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
     events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).events
     turning = events.of("turning")

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from .engine import Slice
-from .events import KINDS, Confirmation, EventTable
+from .events import KINDS, Confirmation, EventTable, Zero
 from .problem import Problem
 from .system import SECOND
 from .trajectory import View
@@ -25,6 +25,7 @@ class EventLog:
     def __init__(self, problem: Problem, view: View, first: np.ndarray):
         self.view, self.second = view, float(problem.scales.of(SECOND))
         self.formulas = {event.name: event.formula for event in problem.system.events}
+        self.directions = {event.name: event.direction for event in problem.system.events}
         self.sense = {event.name: event.sense for event in problem.system.events}
         self.logged = problem.events
         scalars = view.scalars(first)
@@ -48,7 +49,10 @@ class EventLog:
     def take(self, piece: Slice) -> tuple[EventTable, list[int], np.ndarray]:
         """Rows of a slice, indices of rows (old or new) that are now known to be significant, and the states (internal)
         of the new rows."""
-        zeros = [z for z in piece.zeros if z.time > (1e-6 if z.kind in self.starts_on else 0.0)]
+        zeros = [zero for zero in piece.zeros if zero.time > 0]
+        if self.starts_on and len(piece.times) > 1:
+            zeros = self._first_step(piece, zeros)
+            self.starts_on = set()
         if not zeros:
             return EventTable.empty(), [], np.zeros((0, 0))
         times = np.array([z.time for z in zeros])
@@ -77,6 +81,33 @@ class EventLog:
         marks = self.confirmation.take(first + np.flatnonzero(turning), theta[turning], rising[turning])
         self.tally["rows"] += len(theta)
         return table, self._confirmed(marks), states
+
+    def _first_step(self, piece: Slice, zeros: list[Zero]) -> list[Zero]:
+        """The zeros of the first slice, with those of the first step found anew for events that start on their zero.
+
+        heyoka finds the zero at t = 0 (twice), and then misses another one in the same step.
+        """
+        start, end = (float(t) for t in piece.times[:2])
+        kept = [zero for zero in zeros if zero.kind not in self.starts_on or zero.time > end]
+        grid = np.linspace(start, end, 130)[1:]
+
+        def value(kind: str, times: np.ndarray) -> np.ndarray:
+            wide = np.asarray(times, dtype=piece.ends.dtype)
+            scalars = self.view.scalars(np.array(piece.output(wide), copy=True))
+            return np.broadcast_to(np.asarray(self.formulas[kind](scalars, self.view.body), float), times.shape)
+
+        for kind in self.starts_on:
+            values = value(kind, grid)
+            if np.max(np.abs(values)) < AT_START:
+                continue  # zero all the way, like z' of a top that spins upright
+            for i in np.flatnonzero(values[1:] * values[:-1] < 0):
+                low, high, sign = grid[i], grid[i + 1], int(np.sign(values[i + 1]))
+                while (middle := (low + high) / 2) not in (low, high):
+                    beyond = value(kind, np.array([middle]))[0] * sign > 0
+                    low, high = (low, middle) if beyond else (middle, high)
+                if self.directions[kind] in (0, sign):
+                    kept.append(Zero(piece.ends.dtype.type(high), kind, sign))
+        return sorted(kept, key=lambda zero: zero.time)
 
     def settled(self, last: np.ndarray) -> bool:
         """Whether sliding has died and not returned in the state `last`, (1, variables)."""

@@ -32,8 +32,9 @@ def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
     samples = rate @ np.vander(_NODES, rate.shape[1], increasing=True).T
     found = []
     for sign in (1, -1):
-        worst = int(np.argmin((sign * samples).min(axis=1)))
-        candidates = [(*_least(sign * rate[i]), i) for i in range(max(0, worst - 1), min(len(h), worst + 2))]
+        lowest = (sign * samples).min(axis=1)
+        near = np.flatnonzero(lowest <= lowest.min() + 0.01 * np.ptp(samples))  # a dip between nodes is shallower yet
+        candidates = [(*_least(sign * rate[i]), i) for i in near[np.argsort(lowest[near])][:32]]
         value, tau, i = min(candidates)
         found += [sign * value, times[i] + tau * h[i]]
     return Extremes(*found)
