@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from .jit import kernel
+from .lanes import BLOCK, get, put, width
 from .minimise import AT_REST, Status, clipped, factor, lowest, minimise, settled
 from .roots import crossings, swing
 
@@ -16,21 +17,32 @@ STEPS = 3  # of Halley, for every point: all but 1 % of the points of a dense gr
 
 @kernel
 def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status):
-    """One row of `minima`: short loops without branches, so that the compiler fills the lanes."""
+    """One row of `minima`, block by block."""
+    like = prepare(x, ys[0], r)
+    points, last = np.empty(width(like) * BLOCK), np.empty(BLOCK)
+    for start in range(0, ys.size, BLOCK):
+        s = slice(start, min(start + BLOCK, ys.size))
+        block(prepare, guess, slopes, value, ends, several, x, ys[s], r, F[s], q[s], status[s], points, last, like)
+
+
+@kernel
+def block(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, points, last, like):
+    """Short loops without branches: the compiler fills the lanes, and the processor has several turns in flight."""
     n = ys.size
-    last = np.empty(n)
     for j in range(n):
-        q[j] = clipped(guess(prepare(x, ys[j], r), r))
+        put(points, j, prepare(x, ys[j], r))
+    for j in range(n):
+        q[j] = clipped(guess(get(points, j, like), r))
     for _ in range(STEPS):
         for j in range(n):
-            g1, g2, g3 = slopes(q[j], prepare(x, ys[j], r), r)
+            g1, g2, g3 = slopes(q[j], get(points, j, like), r)
             f = factor(g1, g2, g3)
             q[j] = q[j] * f
             last[j] = abs(f - 1)
     for j in range(n):
-        F[j] = value(q[j], prepare(x, ys[j], r), r)
+        F[j] = value(q[j], get(points, j, like), r)
     for j in range(n):
-        lower, upper = ends(x, ys[j], prepare(x, ys[j], r), r)
+        lower, upper = ends(x, ys[j], get(points, j, like), r)
         rest = 0 if last[j] <= AT_REST else 4
         status[j] = 1 if lower else (2 if upper else rest)
     for j in range(n):

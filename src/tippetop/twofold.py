@@ -31,6 +31,12 @@ def plus(x, y):
 
 
 @formula
+def minus(x, y):
+    """x - y."""
+    return plus(x, Two(-y.head, -y.tail))
+
+
+@formula
 def tidy(x):
     """The same number with the head rounded from the whole: needed after a cancellation, where heads are used alone."""
     s = x.head + x.tail
@@ -55,10 +61,3 @@ def over(x, y):
     per = 1 / y.head
     c = x.head * per
     return Two(c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per)
-
-
-@formula
-def root(x):
-    """The square root of x > 0."""
-    s = sqrt(x.head)
-    return Two(s, ((x.head - s * s) - product_error(s, s) + x.tail) / (2 * s))

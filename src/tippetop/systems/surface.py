@@ -13,8 +13,8 @@ in z. Heavy tops are the case K = 0, d = 1, seen upside down: q = cot(theta/2)^2
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ..operand import Operand, formula, sqrt
-from ..twofold import Two, over, plus, root, scaled, tidy, times, two
+from ..operand import Operand, formula, product_error, sqrt
+from ..twofold import Two, minus, over, plus, scaled, tidy, times, two
 from . import heavy_top, tippe_top
 from .gliding import height_energy
 
@@ -39,7 +39,8 @@ class Relief(NamedTuple):
     b1: Two
     b2: Two
     k: Two  # k second, times psi, is the bow of X [sqrt(J)]
-    spin: Two  # (spin first)^2 is d times the energy of spin [J]
+    spin: Two  # (spin first)^2 - (skid second)^2 is gamma times what V has besides weight and X^2 [J]
+    skid: Two
 
 
 class Lean(NamedTuple):
@@ -49,6 +50,7 @@ class Lean(NamedTuple):
     b: Two
     k: Two
     spin: Two
+    offset: Two  # what gamma V has besides weight and X^2 [J]
 
 
 def tippe_top_relief(b) -> Relief:
@@ -75,6 +77,7 @@ def tippe_top_relief(b) -> Relief:
         b2=d1 / per,
         k=1 / per,
         spin=1 / sqrt(2 * b.I3),
+        skid=sqrt(sigma / (2 * b.I3)) / b.R,
     )
 
 
@@ -100,6 +103,7 @@ def heavy_top_relief(b) -> Relief:
         b2=1 / per,
         k=zero,
         spin=1 / sqrt(2 * b.I3),
+        skid=zero,
     )
 
 
@@ -112,33 +116,29 @@ def rounded(r: Relief) -> Relief:
 @formula
 def lean(first, second, r):
     """The point (D, lambda) in the terms of the relief; exact to one rounding also where a or b nearly cancels."""
+    spin, skid = scaled(first, r.spin), scaled(second, r.skid)
     return Lean(
         tidy(plus(scaled(first, r.a1), scaled(second, r.a2))),
         tidy(plus(scaled(first, r.b1), scaled(second, r.b2))),
         scaled(second, r.k),
-        scaled(first, r.spin),
+        spin,
+        minus(times(spin, spin), times(skid, skid)),
     )
 
 
 @formula
 def potential(q, p, r):
-    """V [J] at q of the point p, twofold: a sum of squares over one denominator. [equal to T 4.12, 2.38]"""
-    h = plus(r.d0, scaled(q, r.d1))  # twice the h of above, times sqrt(q)
+    """V [J] at q of the point p, twofold: weight and (Y^2/q + offset)/gamma. [equal to T 4.12, 2.38]"""
     Kq = scaled(4 * q, r.K)
-    psi = over(Kq, plus(h, root(plus(times(h, h), Kq))))  # twice psi, times sqrt(q)
-    t = plus(Two(1.0, 0.0), Two(q, 0.0))  # 2/(1 + z)
-    tt = times(t, t)
-    Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, psi))
-    arm = plus(scaled(q, r.far), r.near)  # (alpha - z) t
-    roll = plus(times(arm, Y), scaled(2 * q, times(r.root_gamma, p.spin)))
-    squares = plus(
-        times(tt, plus(times(Y, Y), scaled(q, times(p.spin, p.spin)))),
-        times(r.slant, times(roll, roll)),
-    )
-    d = plus(times(r.gamma, tt), times(r.sigma, plus(times(arm, arm), scaled(4 * q, r.gamma))))
-    motion = over(squares, scaled(q, d))
-    weight = plus(r.floor, over(scaled(q, r.rise), t))
-    return plus(weight, motion)
+    h = plus(r.d0, scaled(q, r.d1))  # twice the h of above, times sqrt(q)
+    e = sqrt(h.head * h.head + Kq.head)
+    psi = Kq.head / (h.head + e)  # twice psi, times sqrt(q): the root of psi (psi + 2h) = Kq
+    u = plus(Two(psi, 0.0), scaled(2.0, h))
+    rest = ((Kq.head - psi * u.head) - product_error(psi, u.head)) + (Kq.tail - psi * u.tail)
+    Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, Two(psi, rest * (0.5 / e))))
+    motion = over(plus(times(Y, Y), scaled(q, p.offset)), scaled(q, r.gamma))
+    weight = over(scaled(q, r.rise), plus(Two(1.0, 0.0), Two(q, 0.0)))  # 1 + q = 2/(1 + z)
+    return plus(plus(r.floor, weight), motion)
 
 
 @formula
@@ -180,16 +180,18 @@ def gradient(q, p, r):
 def slopes(q, p, r):
     """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but for a factor."""
     K, d0, d1q = r.K.head, r.d0.head, r.d1.head * q
-    h = (d0 + d1q) / 2
+    h, t = (d0 + d1q) / 2, 1 + q
     e = sqrt(h * h + K * q)
-    psi = 2 * p.k.head * K * q / (h + e)
-    n, s = h / e, (d1q - d0) / (4 * e)
+    he = h + e
+    per_e = 1 / e
+    psi = 2 * p.k.head * K * q / he
+    n, s = h * per_e, (d1q - d0) * (0.25 * per_e)
     turn = n * (0.25 - s * s)  # s'; n' = s (1 - n^2) and psi' = -s psi
     turn2 = s * ((1 - n * n) * (0.25 - s * s) - 2 * n * turn)
     a, bq = p.a.head, p.b.head * q
     Y, Y1 = (a + bq) + psi, (bq - a) / 2 - s * psi
     Y2, Y3 = (a + bq) / 4 + psi * (s * s - turn), (bq - a) / 8 + psi * (s * (3 * turn - s * s) - turn2)
-    c = 1 / (1 + q)
+    c = 1 / t
     y = q * c
     yc = y * c
     weight = r.gamma.head * r.rise.head * q * yc
