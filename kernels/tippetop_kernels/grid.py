@@ -7,47 +7,90 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from .jit import kernel
-from .lanes import BLOCK, get, put, width
+from .lanes import BLOCK, first, get, put, second, third, width
 from .minimise import AT_REST, Status, clipped, factor, lowest, minimise, settled
 from .roots import crossings, swing
 
 
-STEPS = 3  # of Halley, for every point: all but 1 % of the points of a dense grid are then at rest
+STAGED = 8  # doubles that a stage may hand to the next
+STEPS = 2  # of Halley, for every point: almost all points of a dense grid are then at rest
 
 
 @kernel
 def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status):
     """One row of `minima`, block by block."""
     like = prepare(x, ys[0], r)
-    points, last = np.empty(width(like) * BLOCK), np.empty(BLOCK)
+    points, stages, last = np.empty(width(like) * BLOCK), np.empty(STAGED * BLOCK), np.empty(BLOCK)
     for start in range(0, ys.size, BLOCK):
         s = slice(start, min(start + BLOCK, ys.size))
-        block(prepare, guess, slopes, value, ends, several, x, ys[s], r, F[s], q[s], status[s], points, last, like)
+        for j in range(s.stop - s.start):
+            put(points, j, prepare(x, ys[start + j], r))
+        guesses(guess, like, r, q[s], points, stages)
+        steps(slopes, like, r, q[s], last, points, stages)
+        values(value, like, r, q[s], F[s], points, stages)
+        judged(ends, like, x, ys[s], r, last, status[s], points)
+        for j in range(start, s.stop):
+            if several or status[j]:
+                k = slice(j, j + 1)
+                closer(prepare, guess, slopes, value, several, x, ys[j], r, F[k], q[k], status[k])
 
 
 @kernel
-def block(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, points, last, like):
-    """Short loops without branches: the compiler fills the lanes, and the processor has several turns in flight."""
-    n = ys.size
-    for j in range(n):
-        put(points, j, prepare(x, ys[j], r))
-    for j in range(n):
-        q[j] = clipped(guess(get(points, j, like), r))
-    for _ in range(STEPS):
+def guesses(guess, like, r, q, points, stages):
+    """Guesses q of the points of a block."""
+    one = first(guess, like, r)
+    two = second(guess, one, like, r)
+    for j in range(q.size):
+        put(stages, j, first(guess, get(points, j, like), r))
+    for j in range(q.size):
+        put(stages, j, second(guess, get(stages, j, one), get(points, j, like), r))
+    for j in range(q.size):
+        q[j] = clipped(third(guess, get(stages, j, two), get(points, j, like), r))
+
+
+@kernel
+def steps(slopes, like, r, q, last, points, stages):
+    """Steps q of the points of a block until most are at rest; those that are stay, whatever their neighbours do."""
+    n = restless = q.size
+    one = first(slopes, 1.0, like, r)
+    two = second(slopes, one, 1.0, like, r)
+    for step in range(8):
+        if step >= STEPS and 8 * restless <= n:
+            break
         for j in range(n):
-            g1, g2, g3 = slopes(q[j], get(points, j, like), r)
+            put(stages, j, first(slopes, q[j], get(points, j, like), r))
+        for j in range(n):
+            put(stages, j, second(slopes, get(stages, j, one), q[j], get(points, j, like), r))
+        restless = 0
+        for j in range(n):
+            g1, g2, g3 = third(slopes, get(stages, j, two), q[j], get(points, j, like), r)
             f = factor(g1, g2, g3)
-            q[j] = q[j] * f
-            last[j] = abs(f - 1)
-    for j in range(n):
-        F[j] = value(q[j], get(points, j, like), r)
-    for j in range(n):
+            move = step < STEPS or not last[j] <= AT_REST
+            q[j] = q[j] * f if move else q[j]
+            last[j] = abs(f - 1) if move else last[j]
+            restless += not last[j] <= AT_REST
+
+
+@kernel
+def values(value, like, r, q, F, points, stages):
+    """The values at q of the points of a block."""
+    one = first(value, 1.0, like, r)
+    two = second(value, one, 1.0, like, r)
+    for j in range(q.size):
+        put(stages, j, first(value, q[j], get(points, j, like), r))
+    for j in range(q.size):
+        put(stages, j, second(value, get(stages, j, one), q[j], get(points, j, like), r))
+    for j in range(q.size):
+        F[j] = third(value, get(stages, j, two), q[j], get(points, j, like), r)
+
+
+@kernel
+def judged(ends, like, x, ys, r, last, status, points):
+    """Status of the points of a block before the closer look."""
+    for j in range(ys.size):
         lower, upper = ends(x, ys[j], get(points, j, like), r)
         rest = 0 if last[j] <= AT_REST else 4
         status[j] = 1 if lower else (2 if upper else rest)
-    for j in range(n):
-        if several or status[j]:
-            closer(prepare, guess, slopes, value, several, x, ys[j], r, F[j : j + 1], q[j : j + 1], status[j : j + 1])
 
 
 @kernel

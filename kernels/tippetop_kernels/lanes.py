@@ -2,6 +2,9 @@
 
 A record is a number, or a (named) tuple of records. Its leaf number i of point j lies at table[i*BLOCK + j]: distances
 known to the compiler, which need not test at run time whether columns overlap.
+
+A long formula is worked in stages, each a loop of its own: in a long chain of dependent operations the processor waits,
+as it sees only some 200 operations ahead; of a short one it has several turns in flight.
 """
 
 from typing import Any
@@ -9,7 +12,7 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 
 
 BLOCK = 256  # points: ten columns of it and their neighbours stay in the first cache
@@ -70,3 +73,45 @@ def get(typing, table, j, like):
         return record
 
     return like(table, types.intp, like), generate
+
+
+def in_stages(whole: Any, *stages: Any) -> None:
+    """Says that whole(*arguments) is what the last of up to three stages makes: each takes the result of the one before
+    it, and the arguments."""
+    whole.stages = stages
+
+
+def first(whole, *arguments):
+    """The result of the first stage; of the whole, where it has no stages. Inside numba only, as are the next two."""
+    raise NotImplementedError
+
+
+def second(whole, before, *arguments):
+    """The result of the second stage, given that of the first; the same, where it has no second."""
+    raise NotImplementedError
+
+
+def third(whole, before, *arguments):
+    """The result of the third stage, given that of the second; the same, where it has no third."""
+    raise NotImplementedError
+
+
+@overload(first, jit_options={"error_model": "numpy", "forceinline": True})
+def _(whole, *arguments):
+    stage = getattr(whole.dispatcher, "stages", (whole.dispatcher,))[0]
+    return lambda whole, *arguments: stage(*arguments)
+
+
+def _later(number: int) -> Any:
+    def chosen(whole, before, *arguments):
+        stages = getattr(whole.dispatcher, "stages", ())
+        if len(stages) <= number:
+            return lambda whole, before, *arguments: before
+        stage = stages[number]
+        return lambda whole, before, *arguments: stage(before, *arguments)
+
+    return chosen
+
+
+for _number, _name in ((1, second), (2, third)):
+    overload(_name, jit_options={"error_model": "numpy", "forceinline": True})(_later(_number))

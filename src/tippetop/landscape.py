@@ -98,10 +98,13 @@ def kernels() -> Kernels:
     """The kernels of this house; numba is imported here, and only here."""
     from tippetop_kernels import grid
     from tippetop_kernels.jit import inlined, kernel
+    from tippetop_kernels.lanes import in_stages
 
     formulas = {
         name: inlined(getattr(surface, name)) for name in ("lean", "guess", "slopes", "value", "ends", "gradient")
     }
+    for name, stages in surface.STAGES.items():
+        in_stages(formulas[name], *(inlined(stage) for stage in stages))
     # not inlined where it is called from many places: a third of the compilation
     formulas |= {name: kernel(getattr(surface, name)) for name in ("bend", "excess")}
     formulas["inertia"] = inlined(tippe_top.theta_inertia)

@@ -127,18 +127,42 @@ def lean(first, second, r):
 
 
 @formula
-def potential(q, p, r):
-    """V [J] at q of the point p, twofold: weight and (Y^2/q + offset)/gamma. [equal to T 4.12, 2.38]"""
+def bow(q, p, r):
+    """2 psi sqrt(q), twofold: the root of psi (psi + 2h) = 4 K q with h twice that of above, times sqrt(q)."""
     Kq = scaled(4 * q, r.K)
-    h = plus(r.d0, scaled(q, r.d1))  # twice the h of above, times sqrt(q)
+    h = plus(r.d0, scaled(q, r.d1))
     e = sqrt(h.head * h.head + Kq.head)
-    psi = Kq.head / (h.head + e)  # twice psi, times sqrt(q): the root of psi (psi + 2h) = Kq
+    psi = Kq.head / (h.head + e)
     u = plus(Two(psi, 0.0), scaled(2.0, h))
     rest = ((Kq.head - psi * u.head) - product_error(psi, u.head)) + (Kq.tail - psi * u.tail)
-    Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, Two(psi, rest * (0.5 / e))))
-    motion = over(plus(times(Y, Y), scaled(q, p.offset)), scaled(q, r.gamma))
+    return Two(psi, rest * (0.5 / e))
+
+
+@formula
+def squares(psi, q, p, r):
+    """Y^2 + q offset [J], given the bow."""
+    Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, psi))
+    return plus(times(Y, Y), scaled(q, p.offset))
+
+
+@formula
+def total(motion, q, p, r):
+    """Weight and motion [J], given the squares."""
     weight = over(scaled(q, r.rise), plus(Two(1.0, 0.0), Two(q, 0.0)))  # 1 + q = 2/(1 + z)
-    return plus(plus(r.floor, weight), motion)
+    return plus(plus(r.floor, weight), over(motion, scaled(q, r.gamma)))
+
+
+@formula
+def potential(q, p, r):
+    """V [J] at q of the point p, twofold: weight and (Y^2/q + offset)/gamma. [equal to T 4.12, 2.38]"""
+    return total(squares(bow(q, p, r), q, p, r), q, p, r)
+
+
+@formula
+def rounded_total(motion, q, p, r):
+    """Weight and motion [J] in one double, given the squares."""
+    V = total(motion, q, p, r)
+    return V.head + V.tail
 
 
 @formula
@@ -176,30 +200,48 @@ def gradient(q, p, r):
     )
 
 
+class Frame(NamedTuple):
+    """What the slopes at q are made of besides the point."""
+
+    psi: Operand  # the bow of Y [sqrt(J)], and how it bends
+    n: Operand
+    s: Operand
+    c: Operand  # (1 + z)/2
+
+
 @formula
-def slopes(q, p, r):
-    """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but for a factor."""
+def frame(q, p, r):
+    """The first stage of the slopes: all divisions, and the root."""
     K, d0, d1q = r.K.head, r.d0.head, r.d1.head * q
-    h, t = (d0 + d1q) / 2, 1 + q
+    h = (d0 + d1q) / 2
     e = sqrt(h * h + K * q)
-    he = h + e
-    per_e = 1 / e
-    psi = 2 * p.k.head * K * q / he
-    n, s = h * per_e, (d1q - d0) * (0.25 * per_e)
+    per = 1 / e
+    return Frame(2 * p.k.head * K * q / (h + e), h * per, (d1q - d0) * (0.25 * per), 1 / (1 + q))
+
+
+@formula
+def slopes_in(f, q, p, r):
+    """The second stage of the slopes."""
+    psi, n, s = f.psi, f.n, f.s
     turn = n * (0.25 - s * s)  # s'; n' = s (1 - n^2) and psi' = -s psi
     turn2 = s * ((1 - n * n) * (0.25 - s * s) - 2 * n * turn)
     a, bq = p.a.head, p.b.head * q
     Y, Y1 = (a + bq) + psi, (bq - a) / 2 - s * psi
     Y2, Y3 = (a + bq) / 4 + psi * (s * s - turn), (bq - a) / 8 + psi * (s * (3 * turn - s * s) - turn2)
-    c = 1 / t
-    y = q * c
-    yc = y * c
+    y = q * f.c
+    yc = y * f.c
     weight = r.gamma.head * r.rise.head * q * yc
     return (
         weight + 2 * Y * Y1,
-        weight * (c - y) + 2 * (Y1 * Y1 + Y * Y2),
+        weight * (f.c - y) + 2 * (Y1 * Y1 + Y * Y2),
         weight * (1 - 6 * yc) + 6 * Y1 * Y2 + 2 * Y * Y3,
     )
+
+
+@formula
+def slopes(q, p, r):
+    """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but for a factor."""
+    return slopes_in(frame(q, p, r), q, p, r)
 
 
 @formula
@@ -216,13 +258,45 @@ def tilt(p, r):
     return abs(p.a.head + bow * a * a), abs(p.b.head + bow * b * b)
 
 
+class Sketch(NamedTuple):
+    """q of the minimum, roughly, and the a and b that it is sketched with."""
+
+    q: Operand
+    a: Operand
+    b: Operand
+
+
 @formula
-def guess(p, r):
+def rough(p, r):
     """q of the minimum to a factor of about two: the root of q (b + g/(1 + q)) = a, a quadratic."""
     a, b = tilt(p, r)
     t = r.root_rise + b - a
     w = sqrt(t * t + 4 * a * b)
-    return 2 * a / (t + w) if t > 0 else (w - t) / (2 * b)
+    above, below = (2 * a, t + w) if t > 0 else (w - t, 2 * b)
+    return Sketch(above / below, a, b)
+
+
+@formula
+def sharper(k, p, r):
+    """One of Halley's steps in ln(q) towards the minimum for K = 0: the root of (b q)^2 + (g q/(1 + q))^2 = a^2."""
+    c = 1 / (1 + k.q)
+    bq, gq = k.b * k.q, r.root_rise * k.q * c
+    B, G = bq * bq, gq * gq
+    f0, f1, f2 = (B - k.a * k.a) + G, 2 * (B + G * c), 4 * (B + G * c * c) - 2 * G * k.q * c * c
+    n, m = f0 * f1, 2 * f1 * f1 - f0 * f2
+    return Sketch(k.q * ((m - n) / (m + n)), k.a, k.b)
+
+
+@formula
+def sharpest(k, p, r):
+    """The last stage of the guess."""
+    return sharper(k, p, r).q
+
+
+@formula
+def guess(p, r):
+    """q of the minimum to some 1e-3 where K is small."""
+    return sharpest(sharper(rough(p, r), p, r), p, r)
 
 
 @formula
@@ -234,6 +308,14 @@ def ends(first, second, p, r):
         abs(p.a.head) <= little * abs(r.a2.head * second),
         (abs(p.b.head) <= little * abs(r.b2.head * second)) & (a >= r.root_rise),
     )
+
+
+# what may be worked stage by stage: each takes the result of the one before it, then what the whole takes
+STAGES: dict[str, tuple[Callable, ...]] = {
+    "guess": (rough, sharper, sharpest),
+    "slopes": (frame, slopes_in),
+    "value": (bow, squares, rounded_total),
+}
 
 
 class Shape(NamedTuple):
