@@ -23,16 +23,22 @@ def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status):
     points, stages, last = np.empty(width(like) * BLOCK), np.empty(STAGED * BLOCK), np.empty(BLOCK)
     for start in range(0, ys.size, BLOCK):
         s = slice(start, min(start + BLOCK, ys.size))
-        for j in range(s.stop - s.start):
-            put(points, j, prepare(x, ys[start + j], r))
+        prepared(prepare, x, ys[s], r, points)
         guesses(guess, like, r, q[s], points, stages)
         steps(slopes, like, r, q[s], last, points, stages)
         values(value, like, r, q[s], F[s], points, stages)
-        judged(ends, like, x, ys[s], r, last, status[s], points)
-        for j in range(start, s.stop):
-            if several or status[j]:
-                k = slice(j, j + 1)
-                closer(prepare, guess, slopes, value, several, x, ys[j], r, F[k], q[k], status[k])
+        if judged(ends, like, x, ys[s], r, last, status[s], points) or several:
+            for j in range(start, s.stop):
+                if several or status[j]:
+                    k = slice(j, j + 1)
+                    closer(prepare, guess, slopes, value, several, x, ys[j], r, F[k], q[k], status[k])
+
+
+@kernel
+def prepared(prepare, x, ys, r, points):
+    """Prepares the points of a block."""
+    for j in range(ys.size):
+        put(points, j, prepare(x, ys[j], r))
 
 
 @kernel
@@ -86,11 +92,14 @@ def values(value, like, r, q, F, points, stages):
 
 @kernel
 def judged(ends, like, x, ys, r, last, status, points):
-    """Status of the points of a block before the closer look."""
+    """Status of the points of a block before the closer look; how many need one."""
+    special = 0
     for j in range(ys.size):
         lower, upper = ends(x, ys[j], get(points, j, like), r)
         rest = 0 if last[j] <= AT_REST else 4
         status[j] = 1 if lower else (2 if upper else rest)
+        special += status[j] > 0
+    return special
 
 
 @kernel

@@ -56,8 +56,7 @@ def scaled(k, x):
 
 
 @formula
-def over(x, y):
-    """x/y."""
-    per = 1 / y.head
+def quotient(x, y, per):
+    """x/y, given per = 1/y to a few roundings: the quotient is mended by its remainder."""
     c = x.head * per
     return Two(c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per)

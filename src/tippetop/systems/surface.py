@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from ..operand import Operand, formula, product_error, sqrt
-from ..twofold import Two, minus, over, plus, scaled, tidy, times, two
+from ..twofold import Two, minus, plus, quotient, scaled, tidy, times, two
 from . import heavy_top, tippe_top
 from .gliding import height_energy
 
@@ -132,10 +132,12 @@ def bow(q, p, r):
     Kq = scaled(4 * q, r.K)
     h = plus(r.d0, scaled(q, r.d1))
     e = sqrt(h.head * h.head + Kq.head)
-    psi = Kq.head / (h.head + e)
+    he = h.head + e
+    per = 1 / (he * e)
+    psi = Kq.head * (e * per)
     u = plus(Two(psi, 0.0), scaled(2.0, h))
     rest = ((Kq.head - psi * u.head) - product_error(psi, u.head)) + (Kq.tail - psi * u.tail)
-    return Two(psi, rest * (0.5 / e))
+    return Two(psi, rest * (0.5 * he * per))
 
 
 @formula
@@ -148,8 +150,10 @@ def squares(psi, q, p, r):
 @formula
 def total(motion, q, p, r):
     """Weight and motion [J], given the squares."""
-    weight = over(scaled(q, r.rise), plus(Two(1.0, 0.0), Two(q, 0.0)))  # 1 + q = 2/(1 + z)
-    return plus(plus(r.floor, weight), over(motion, scaled(q, r.gamma)))
+    t, gq = plus(Two(1.0, 0.0), Two(q, 0.0)), scaled(q, r.gamma)  # 1 + q = 2/(1 + z)
+    per = 1 / (t.head * gq.head)
+    weight = quotient(scaled(q, r.rise), t, gq.head * per)
+    return plus(plus(r.floor, weight), quotient(motion, gq, t.head * per))
 
 
 @formula
@@ -211,12 +215,14 @@ class Frame(NamedTuple):
 
 @formula
 def frame(q, p, r):
-    """The first stage of the slopes: all divisions, and the root."""
+    """The first stage of the slopes: all divisions, in one, and the root."""
     K, d0, d1q = r.K.head, r.d0.head, r.d1.head * q
     h = (d0 + d1q) / 2
     e = sqrt(h * h + K * q)
-    per = 1 / e
-    return Frame(2 * p.k.head * K * q / (h + e), h * per, (d1q - d0) * (0.25 * per), 1 / (1 + q))
+    he, t = h + e, 1 + q
+    per = 1 / (e * he * t)
+    per_e = he * t * per
+    return Frame(2 * p.k.head * K * q * (e * t * per), h * per_e, (d1q - d0) * (0.25 * per_e), e * he * per)
 
 
 @formula
@@ -279,11 +285,11 @@ def rough(p, r):
 @formula
 def sharper(k, p, r):
     """One of Halley's steps in ln(q) towards the minimum for K = 0: the root of (b q)^2 + (g q/(1 + q))^2 = a^2."""
-    c = 1 / (1 + k.q)
-    bq, gq = k.b * k.q, r.root_rise * k.q * c
+    t = 1 + k.q  # the function times t^2, its derivatives times t^3, t^4
+    bq, gq = k.b * k.q * t, r.root_rise * k.q
     B, G = bq * bq, gq * gq
-    f0, f1, f2 = (B - k.a * k.a) + G, 2 * (B + G * c), 4 * (B + G * c * c) - 2 * G * k.q * c * c
-    n, m = f0 * f1, 2 * f1 * f1 - f0 * f2
+    f0, f1, f2 = (B - (k.a * t) ** 2) + G, 2 * (B * t + G), 4 * (B * t * t + G) - 2 * G * k.q
+    n, m = f0 * f1 * t, 2 * f1 * f1 - f0 * f2
     return Sketch(k.q * ((m - n) / (m + n)), k.a, k.b)
 
 
