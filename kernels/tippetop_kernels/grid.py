@@ -8,7 +8,7 @@ import numpy as np
 
 from .jit import kernel
 from .lanes import BLOCK, first, get, put, second, third, width
-from .minimise import AT_REST, Status, clipped, factor, lowest, minimise, settled
+from .minimise import AT_REST, NEARLY, Status, clipped, factor, lowest, minimise, settled
 from .roots import crossings, swing
 
 
@@ -17,17 +17,17 @@ STEPS = 2  # of Halley, for every point: almost all points of a dense grid are t
 
 
 @kernel
-def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status):
-    """One row of `minima`, block by block."""
+def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough):
+    """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`."""
     like = prepare(x, ys[0], r)
     points, stages, last = np.empty(width(like) * BLOCK), np.empty(STAGED * BLOCK), np.empty(BLOCK)
     for start in range(0, ys.size, BLOCK):
         s = slice(start, min(start + BLOCK, ys.size))
         prepared(prepare, x, ys[s], r, points)
         guesses(guess, like, r, q[s], points, stages)
-        steps(slopes, like, r, q[s], last, points, stages)
+        steps(slopes, like, r, q[s], last, points, stages, count, enough)
         values(value, like, r, q[s], F[s], points, stages)
-        if judged(ends, like, x, ys[s], r, last, status[s], points) or several:
+        if judged(ends, like, x, ys[s], r, last, status[s], points, enough) or several:
             for j in range(start, s.stop):
                 if several or status[j]:
                     k = slice(j, j + 1)
@@ -55,13 +55,13 @@ def guesses(guess, like, r, q, points, stages):
 
 
 @kernel
-def steps(slopes, like, r, q, last, points, stages):
+def steps(slopes, like, r, q, last, points, stages, count, enough):
     """Steps q of the points of a block until most are at rest; those that are stay, whatever their neighbours do."""
     n = restless = q.size
     one = first(slopes, 1.0, like, r)
     two = second(slopes, one, 1.0, like, r)
     for step in range(8):
-        if step >= STEPS and 8 * restless <= n:
+        if step >= count and 8 * restless <= n:
             break
         for j in range(n):
             put(stages, j, first(slopes, q[j], get(points, j, like), r))
@@ -71,10 +71,10 @@ def steps(slopes, like, r, q, last, points, stages):
         for j in range(n):
             g1, g2, g3 = third(slopes, get(stages, j, two), q[j], get(points, j, like), r)
             f = factor(g1, g2, g3)
-            move = step < STEPS or not last[j] <= AT_REST
+            move = step < count or not last[j] <= enough
             q[j] = q[j] * f if move else q[j]
             last[j] = abs(f - 1) if move else last[j]
-            restless += not last[j] <= AT_REST
+            restless += not last[j] <= enough
 
 
 @kernel
@@ -91,12 +91,12 @@ def values(value, like, r, q, F, points, stages):
 
 
 @kernel
-def judged(ends, like, x, ys, r, last, status, points):
+def judged(ends, like, x, ys, r, last, status, points, enough):
     """Status of the points of a block before the closer look; how many need one."""
     special = 0
     for j in range(ys.size):
         lower, upper = ends(x, ys[j], get(points, j, like), r)
-        rest = 0 if last[j] <= AT_REST else 4
+        rest = 0 if last[j] <= enough else 4
         status[j] = 1 if lower else (2 if upper else rest)
         special += status[j] > 0
     return special
@@ -129,7 +129,15 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
 def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status):
     """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
     for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i])
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST)
+
+
+@kernel
+def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
+    """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits."""
+    q = np.empty(ys.size)
+    for i in range(xs.size):
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q, status[i], 1, NEARLY)
 
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
@@ -200,7 +208,8 @@ def turnings(
     """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
     how = np.empty(1, np.int8)
     for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys[i : i + 1], r, F[i : i + 1], q[i : i + 1], how)
+        k = slice(i, i + 1)
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST)
         p = prepare(xs[i], ys[i], r)
         low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
         bends[i] = bend(q[i], p, r)

@@ -309,7 +309,7 @@ def guess(p, r):
 def ends(first, second, p, r):
     """Is the infimum approached at q -> 0, at q -> oo? So it is on the marked lines, to a rounding of D and lambda."""
     little = 4 * 2.220446049250313e-16
-    a = tilt(p, r)[0]
+    a = abs(p.a.head + 2 * p.k.head * r.K.head / r.d1.head)  # that of `tilt` for b = 0
     return (
         abs(p.a.head) <= little * abs(r.a2.head * second),
         (abs(p.b.head) <= little * abs(r.b2.head * second)) & (a >= r.root_rise),
