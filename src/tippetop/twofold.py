@@ -6,7 +6,7 @@ arithmetic: fed with decimals or 50-digit numbers, the formulas give what these 
 
 from typing import NamedTuple
 
-from .operand import Operand, formula, product_error, sqrt
+from .operand import Operand, formula, product_error
 
 
 class Two(NamedTuple):
