@@ -146,7 +146,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
     Not numba's prange: it does not take records of records, and compiles three times as long.
     """
     threads = threads or os.cpu_count() or 1
-    if threads == 1:
+    if threads == 1 or rows == 1:
         work(slice(0, rows))
         return
     step = max(1, rows // (8 * threads))  # small enough to balance; a call takes some 40 us to unpack its records

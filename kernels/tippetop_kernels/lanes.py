@@ -12,7 +12,11 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic as _intrinsic
+from numba.extending import overload
+
+
+intrinsic: Any = _intrinsic
 
 
 BLOCK = 256  # points: ten columns of it and their neighbours stay in the first cache
@@ -81,17 +85,17 @@ def in_stages(whole: Any, *stages: Any) -> None:
     whole.stages = stages
 
 
-def first(whole, *arguments):
+def first(whole, *arguments) -> Any:
     """The result of the first stage; of the whole, where it has no stages. Inside numba only, as are the next two."""
     raise NotImplementedError
 
 
-def second(whole, before, *arguments):
+def second(whole, before, *arguments) -> Any:
     """The result of the second stage, given that of the first; the same, where it has no second."""
     raise NotImplementedError
 
 
-def third(whole, before, *arguments):
+def third(whole, before, *arguments) -> Any:
     """The result of the third stage, given that of the second; the same, where it has no third."""
     raise NotImplementedError
 
