@@ -149,7 +149,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
     if threads == 1 or rows == 1:
         work(slice(0, rows))
         return
-    step = max(1, rows // (8 * threads))  # small enough to balance; a call takes some 40 us to unpack its records
+    step = max(1, rows // (4 * threads))  # small enough to balance; a call takes some 40 us to unpack its records
     pieces = [slice(i, min(i + step, rows)) for i in range(0, rows, step)]
     with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(work, pieces):
