@@ -100,6 +100,12 @@ def test_surface_does_not_know_the_grid():
     D, lam = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
     one, two = (landscape.minimal_surface(CANONICAL, D, lam, threads=n) for n in (1, 2))
     xr.testing.assert_identical(one, two)
+    t = landscape.top(CANONICAL)
+    F, status = landscape.heights(t, D, lam, 1)
+    np.testing.assert_array_equal(F, landscape.heights(t, D, lam, 2)[0])
+    np.testing.assert_array_equal(F[17, 30], landscape.heights(t, D[17:18], lam[30:31])[0])
+    np.testing.assert_allclose(F, one.F, rtol=3e-16)
+    np.testing.assert_array_equal(status, one.status)
     for i, j in ((0, 0), (17, 30), (36, 52)):
         alone = landscape.minimal_surface(CANONICAL, D[i], lam[j])
         assert alone.F.item() == one.F[i, j].item()

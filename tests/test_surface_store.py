@@ -49,6 +49,15 @@ def test_interrupted_store_goes_on(tmp_path, monkeypatch):
     np.testing.assert_array_equal(stored.F, exact.F)
 
 
+def test_surface_has_one_writer(tmp_path):
+    def second(done, of):
+        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+
+    with pytest.raises(archive.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
+        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=second)
+    surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+
+
 def test_chunk_without_its_status_is_done_again(tmp_path):
     """A kill between F and status leaves no half-done chunk behind."""
 

@@ -7,35 +7,99 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from .jit import kernel
-from .minimise import AT_REST, Status, clipped, factor, lowest, minimise, settled
+from .lanes import BLOCK, first, get, put, second, third, width
+from .minimise import AT_REST, NEARLY, Status, clipped, factor, lowest, minimise, settled
 from .roots import crossings, swing
 
 
-STEPS = 3  # of Halley, for every point: all but 1 % of the points of a dense grid are then at rest
+STAGED = 8  # doubles that a stage may hand to the next
+STEPS = 2  # of Halley, for every point: almost all points of a dense grid are then at rest
 
 
 @kernel
-def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status):
-    """One row of `minima`: short loops without branches, so that the compiler fills the lanes."""
-    n = ys.size
-    last = np.empty(n)
-    for j in range(n):
-        q[j] = clipped(guess(prepare(x, ys[j], r), r))
-    for _ in range(STEPS):
+def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough):
+    """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`."""
+    like = prepare(x, ys[0], r)
+    points, stages, last = np.empty(width(like) * BLOCK), np.empty(STAGED * BLOCK), np.empty(BLOCK)
+    for start in range(0, ys.size, BLOCK):
+        s = slice(start, min(start + BLOCK, ys.size))
+        prepared(prepare, x, ys[s], r, points)
+        guesses(guess, like, r, q[s], points, stages)
+        steps(slopes, like, r, q[s], last, points, stages, count, enough)
+        values(value, like, r, q[s], F[s], points, stages)
+        if judged(ends, like, x, ys[s], r, last, status[s], points, enough) or several:
+            for j in range(start, s.stop):
+                if several or status[j]:
+                    k = slice(j, j + 1)
+                    closer(prepare, guess, slopes, value, several, x, ys[j], r, F[k], q[k], status[k])
+
+
+@kernel
+def prepared(prepare, x, ys, r, points):
+    """Prepares the points of a block."""
+    for j in range(ys.size):
+        put(points, j, prepare(x, ys[j], r))
+
+
+@kernel
+def guesses(guess, like, r, q, points, stages):
+    """Guesses q of the points of a block."""
+    one = first(guess, like, r)
+    two = second(guess, one, like, r)
+    for j in range(q.size):
+        put(stages, j, first(guess, get(points, j, like), r))
+    for j in range(q.size):
+        put(stages, j, second(guess, get(stages, j, one), get(points, j, like), r))
+    for j in range(q.size):
+        q[j] = clipped(third(guess, get(stages, j, two), get(points, j, like), r))
+
+
+@kernel
+def steps(slopes, like, r, q, last, points, stages, count, enough):
+    """Steps q of the points of a block until most are at rest; those that are stay, whatever their neighbours do."""
+    n = restless = q.size
+    one = first(slopes, 1.0, like, r)
+    two = second(slopes, one, 1.0, like, r)
+    for step in range(8):
+        if step >= count and 8 * restless <= n:
+            break
         for j in range(n):
-            g1, g2, g3 = slopes(q[j], prepare(x, ys[j], r), r)
+            put(stages, j, first(slopes, q[j], get(points, j, like), r))
+        for j in range(n):
+            put(stages, j, second(slopes, get(stages, j, one), q[j], get(points, j, like), r))
+        restless = 0
+        for j in range(n):
+            g1, g2, g3 = third(slopes, get(stages, j, two), q[j], get(points, j, like), r)
             f = factor(g1, g2, g3)
-            q[j] = q[j] * f
-            last[j] = abs(f - 1)
-    for j in range(n):
-        F[j] = value(q[j], prepare(x, ys[j], r), r)
-    for j in range(n):
-        lower, upper = ends(x, ys[j], prepare(x, ys[j], r), r)
-        rest = 0 if last[j] <= AT_REST else 4
+            move = step < count or not last[j] <= enough
+            q[j] = q[j] * f if move else q[j]
+            last[j] = abs(f - 1) if move else last[j]
+            restless += not last[j] <= enough
+
+
+@kernel
+def values(value, like, r, q, F, points, stages):
+    """The values at q of the points of a block."""
+    one = first(value, 1.0, like, r)
+    two = second(value, one, 1.0, like, r)
+    for j in range(q.size):
+        put(stages, j, first(value, q[j], get(points, j, like), r))
+    for j in range(q.size):
+        put(stages, j, second(value, get(stages, j, one), q[j], get(points, j, like), r))
+    for j in range(q.size):
+        F[j] = third(value, get(stages, j, two), q[j], get(points, j, like), r)
+
+
+@kernel
+def judged(ends, like, x, ys, r, last, status, points, enough):
+    """Status of the points of a block before the closer look; how many need one."""
+    special = 0
+    for j in range(ys.size):
+        lower, upper = ends(x, ys[j], get(points, j, like), r)
+        rest = 0 if last[j] <= enough else 4
         status[j] = 1 if lower else (2 if upper else rest)
-    for j in range(n):
-        if several or status[j]:
-            closer(prepare, guess, slopes, value, several, x, ys[j], r, F[j : j + 1], q[j : j + 1], status[j : j + 1])
+        special += status[j] > 0
+    return special
 
 
 @kernel
@@ -65,7 +129,15 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
 def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status):
     """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
     for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i])
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST)
+
+
+@kernel
+def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
+    """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits."""
+    q = np.empty(ys.size)
+    for i in range(xs.size):
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q, status[i], 1, NEARLY)
 
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
@@ -74,12 +146,11 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
     Not numba's prange: it does not take records of records, and compiles three times as long.
     """
     threads = threads or os.cpu_count() or 1
-    step = max(1, rows // (16 * threads))  # small enough to balance, large enough not to be felt
-    pieces = [slice(i, min(i + step, rows)) for i in range(0, rows, step)]
-    if threads == 1 or len(pieces) == 1:
-        for piece in pieces:
-            work(piece)
+    if threads == 1 or rows == 1:
+        work(slice(0, rows))
         return
+    step = max(1, rows // (4 * threads))  # small enough to balance; a call takes some 40 us to unpack its records
+    pieces = [slice(i, min(i + step, rows)) for i in range(0, rows, step)]
     with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(work, pieces):
             pass
@@ -136,7 +207,8 @@ def turnings(
     """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
     how = np.empty(1, np.int8)
     for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys[i : i + 1], r, F[i : i + 1], q[i : i + 1], how)
+        k = slice(i, i + 1)
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST)
         p = prepare(xs[i], ys[i], r)
         low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
         bends[i] = bend(q[i], p, r)

@@ -19,6 +19,7 @@ from .jit import inlined, kernel
 SMALLEST, LARGEST = 1e-30, 1e30
 
 AT_REST = 1e-5  # a step in ln(q) after which none is needed: the next one would be of the order of its cube
+NEARLY = 1e-3  # one after which the value is at rest: its error is of the order of the cube's square
 
 
 class Status(IntEnum):

@@ -1,6 +1,7 @@
 """Runs and tables of columns <-> zarr stores. A store appears whole or not at all."""
 
 import contextlib
+import fcntl
 import json
 import math
 import os
@@ -23,10 +24,25 @@ if TYPE_CHECKING:
 FORMAT = "tippetop"
 FORMAT_VERSION = 1
 CHECKPOINT = "checkpoint.json"
+LOCK = "run.lock"
 
 
 class StoreError(OSError):
     """The store or the disk: one sentence, exit code 5."""
+
+
+def locked(folder: Path) -> int:
+    """Takes the lock of a store; the system frees it when the process ends, however it ends. Raises StoreError."""
+    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
+        os.close(descriptor)
+        raise StoreError(f"`{folder}` must have one writer, but {holder} is writing it.") from None
+    os.ftruncate(descriptor, 0)
+    os.write(descriptor, f"process {os.getpid()} on {os.uname().nodename}".encode())
+    return descriptor
 
 
 @contextlib.contextmanager

@@ -85,6 +85,7 @@ class Kernels(NamedTuple):
     """The kernels and the formulas that they are given, compiled at first use."""
 
     minima: Any
+    heights: Any
     gradients: Any
     potentials: Any
     turnings: Any
@@ -98,15 +99,19 @@ def kernels() -> Kernels:
     """The kernels of this house; numba is imported here, and only here."""
     from tippetop_kernels import grid
     from tippetop_kernels.jit import inlined, kernel
+    from tippetop_kernels.lanes import in_stages
 
     formulas = {
         name: inlined(getattr(surface, name)) for name in ("lean", "guess", "slopes", "value", "ends", "gradient")
     }
+    for name, stages in surface.STAGES.items():
+        in_stages(formulas[name], *(inlined(stage) for stage in stages))
     # not inlined where it is called from many places: a third of the compilation
     formulas |= {name: kernel(getattr(surface, name)) for name in ("bend", "excess")}
     formulas["inertia"] = inlined(tippe_top.theta_inertia)
     return Kernels(
         grid.minima,
+        grid.heights,
         grid.gradients,
         grid.potentials,
         grid.turnings,
@@ -222,6 +227,15 @@ def minima(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> 
     status = np.empty((x.size, y.size), np.int8)
     on_threads(lambda s: k.minima(*k.problem, t.several, x[s], y, t.relief, F[s], q[s], status[s]), x.size, threads)
     return F, q, status
+
+
+def heights(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """F [J] and Status alone over x x y, in four fifths of the time; F is as good as that of `minima`."""
+    from tippetop_kernels.grid import on_threads
+
+    k, F, status = kernels(), np.empty((x.size, y.size)), np.empty((x.size, y.size), np.int8)
+    on_threads(lambda s: k.heights(*k.problem, t.several, x[s], y, t.relief, F[s], status[s]), x.size, threads)
+    return F, status
 
 
 def minimal_surface(

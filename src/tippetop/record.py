@@ -1,6 +1,5 @@
 """A run becomes a store as it goes: rows and events in whole chunks, a checkpoint that acknowledges them, a lock."""
 
-import fcntl
 import json
 import os
 import signal
@@ -15,7 +14,7 @@ import numpy as np
 import zarr
 
 from . import archive, chunks, results, scenario
-from .archive import CHECKPOINT, StoreError
+from .archive import CHECKPOINT, LOCK, StoreError
 from .chunks import Appender
 from .engine import Status
 from .events import EventTable
@@ -27,7 +26,6 @@ from .trajectory import event_columns
 ROWS_PER_CHUNK = 131_072  # 1 MiB per column: the fewer files, the less time goes into naming them
 EVENTS_PER_CHUNK = 16_384
 COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
-LOCK = "run.lock"
 
 
 class Interrupted(Exception):
@@ -127,7 +125,7 @@ def record(
     with archive.new_store(target, overwrite=overwrite) as scratch:
         course = Course(problem)
         root = zarr.open_group(store=str(scratch), mode="w", zarr_format=3, attributes=_attributes(course))
-        lock = _locked(scratch)
+        lock = archive.locked(scratch)
         empty = course.view.columns(np.zeros(0), course.first[:0])
         trajectory = Appender.created(root, "trajectory", empty, ROWS_PER_CHUNK)
         events = Appender.created(root, "events", event_columns(EventTable.empty()), EVENTS_PER_CHUNK)
@@ -141,7 +139,7 @@ def resume(target: Path, progress: Callable[[Course], None] | None = None) -> tu
     if attrs["status"] != Status.RUNNING.value:
         raise StoreError(f"`{target}` must be unfinished to be resumed, but: {attrs['reason']}.")
     course = Course(scenario.problem(scenario.tables_of(attrs)))
-    lock = _locked(Path(target))
+    lock = archive.locked(Path(target))
     return _run(Path(target), course, lock, progress, resumed=True)
 
 
@@ -188,17 +186,3 @@ def _go_back(target: Path, root: Any, recorder: Recorder) -> None:
 def _attributes(course: Course) -> dict[str, Any]:
     status = course.status or Status.RUNNING
     return archive.finite(results.attributes(course.problem, status, course.reason(), course.last[0], course.report()))
-
-
-def _locked(folder: Path) -> int:
-    """Takes the lock of a store; the system frees it when the process ends, however it ends. Raises StoreError."""
-    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
-        os.close(descriptor)
-        raise StoreError(f"`{folder}` must have one writer, but {holder} is writing it.") from None
-    os.ftruncate(descriptor, 0)
-    os.write(descriptor, f"process {os.getpid()} on {os.uname().nodename}".encode())
-    return descriptor

@@ -7,6 +7,7 @@ body and axes goes on where the first stopped. A chunk is done when its `status`
 import itertools
 import json
 import os
+import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from . import landscape
-from .archive import StoreError, new_store, provenance, sweep
+from .archive import LOCK, StoreError, locked, new_store, provenance, sweep
 from .chunks import Appender
 from .trajectory import Column
 
@@ -46,14 +47,19 @@ def write(
     if path.exists():
         raise StoreError(f"`{path}` must not exist yet, but does.")
     scratch = path.with_name(f".{path.name}.part")
+    lock = -1
     try:
-        group = _opened(scratch, t, x, y, chunk) if scratch.exists() else _created(scratch, t, x, y, chunk)
+        fresh = not scratch.exists()
+        scratch.mkdir(parents=True, exist_ok=True)
+        lock = locked(scratch)
+        group = _created(scratch, t, x, y, chunk) if fresh else _opened(scratch, t, x, y, chunk)
         blocks = list(itertools.product(range(0, x.size, chunk), range(0, y.size, chunk)))
         for done, (i, j) in enumerate(blocks, 1):
             if not (scratch / "surface" / "status" / "c" / str(i // chunk) / str(j // chunk)).exists():
                 _fill(group, t, x, y, slice(i, i + chunk), slice(j, j + chunk), threads)
             if progress is not None:
                 progress(done, len(blocks))
+        (scratch / LOCK).unlink()
         os.replace(scratch, path)
     except OSError as error:
         if isinstance(error, StoreError):
@@ -61,6 +67,9 @@ def write(
         raise StoreError(f"`{path}` must be writable, but: {error.strerror or error}.") from error
     except zarr.errors.BaseZarrError as error:
         raise StoreError(f"`{scratch}` must be readable, but: {error}: remove it.") from error
+    finally:
+        if lock >= 0:
+            os.close(lock)
     return path
 
 
@@ -93,12 +102,17 @@ def _attributes(t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> d
 
 
 def _created(scratch: Path, t: landscape.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> Any:
-    """An empty store: the axes, and arrays without a chunk."""
+    """An empty store: the axes, and arrays without a chunk. All that was there goes, but the lock."""
     import zarr
 
     from tippetop_kernels.minimise import Status
 
-    root = zarr.open_group(store=str(scratch), mode="w", zarr_format=3, attributes=_attributes(t, x, y, chunk))
+    for old in scratch.iterdir():
+        if old.is_dir():
+            shutil.rmtree(old)
+        elif old.name != LOCK:
+            old.unlink()
+    root = zarr.open_group(store=str(scratch), mode="a", zarr_format=3, attributes=_attributes(t, x, y, chunk))
     group = root.create_group("surface")
     for name, values in zip(t.momenta, (x, y), strict=True):
         units, words = landscape.NAMES[name]

@@ -6,7 +6,7 @@ arithmetic: fed with decimals or 50-digit numbers, the formulas give what these 
 
 from typing import NamedTuple
 
-from .operand import Operand, formula, product_error, sqrt
+from .operand import Operand, formula, product_error
 
 
 class Two(NamedTuple):
@@ -31,6 +31,12 @@ def plus(x, y):
 
 
 @formula
+def minus(x, y):
+    """x - y."""
+    return plus(x, Two(-y.head, -y.tail))
+
+
+@formula
 def tidy(x):
     """The same number with the head rounded from the whole: needed after a cancellation, where heads are used alone."""
     s = x.head + x.tail
@@ -50,15 +56,7 @@ def scaled(k, x):
 
 
 @formula
-def over(x, y):
-    """x/y."""
-    per = 1 / y.head
+def quotient(x, y, per):
+    """x/y, given per = 1/y to a few roundings: the quotient is mended by its remainder."""
     c = x.head * per
     return Two(c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per)
-
-
-@formula
-def root(x):
-    """The square root of x > 0."""
-    s = sqrt(x.head)
-    return Two(s, ((x.head - s * s) - product_error(s, s) + x.tail) / (2 * s))

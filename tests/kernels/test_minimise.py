@@ -136,7 +136,7 @@ def no_ends(x, y, p, r):
 
 @pytest.mark.parametrize("guess", [own_guess, bad_guess])
 def test_grid_of_minima(guess):
-    """The grid settles every point, from a good guess by its three steps, from a bad one by the bracket."""
+    """The grid settles every point, from a good guess by its steps, from a bad one by the bracket."""
     x, y = np.linspace(-3, 3, 7), np.linspace(-0.9, 0.9, 11)
     F, q, status = np.empty((7, 11)), np.empty((7, 11)), np.full((7, 11), -1, np.int8)
     on_threads(

@@ -13,8 +13,8 @@ in z. Heavy tops are the case K = 0, d = 1, seen upside down: q = cot(theta/2)^2
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ..operand import Operand, formula, sqrt
-from ..twofold import Two, over, plus, root, scaled, tidy, times, two
+from ..operand import Operand, formula, product_error, sqrt
+from ..twofold import Two, minus, plus, quotient, scaled, tidy, times, two
 from . import heavy_top, tippe_top
 from .gliding import height_energy
 
@@ -39,7 +39,8 @@ class Relief(NamedTuple):
     b1: Two
     b2: Two
     k: Two  # k second, times psi, is the bow of X [sqrt(J)]
-    spin: Two  # (spin first)^2 is d times the energy of spin [J]
+    spin: Two  # (spin first)^2 - (skid second)^2 is gamma times what V has besides weight and X^2 [J]
+    skid: Two
 
 
 class Lean(NamedTuple):
@@ -49,6 +50,7 @@ class Lean(NamedTuple):
     b: Two
     k: Two
     spin: Two
+    offset: Two  # what gamma V has besides weight and X^2 [J]
 
 
 def tippe_top_relief(b) -> Relief:
@@ -75,6 +77,7 @@ def tippe_top_relief(b) -> Relief:
         b2=d1 / per,
         k=1 / per,
         spin=1 / sqrt(2 * b.I3),
+        skid=sqrt(sigma / (2 * b.I3)) / b.R,
     )
 
 
@@ -100,6 +103,7 @@ def heavy_top_relief(b) -> Relief:
         b2=1 / per,
         k=zero,
         spin=1 / sqrt(2 * b.I3),
+        skid=zero,
     )
 
 
@@ -112,33 +116,57 @@ def rounded(r: Relief) -> Relief:
 @formula
 def lean(first, second, r):
     """The point (D, lambda) in the terms of the relief; exact to one rounding also where a or b nearly cancels."""
+    spin, skid = scaled(first, r.spin), scaled(second, r.skid)
     return Lean(
         tidy(plus(scaled(first, r.a1), scaled(second, r.a2))),
         tidy(plus(scaled(first, r.b1), scaled(second, r.b2))),
         scaled(second, r.k),
-        scaled(first, r.spin),
+        spin,
+        minus(times(spin, spin), times(skid, skid)),
     )
 
 
 @formula
-def potential(q, p, r):
-    """V [J] at q of the point p, twofold: a sum of squares over one denominator. [equal to T 4.12, 2.38]"""
-    h = plus(r.d0, scaled(q, r.d1))  # twice the h of above, times sqrt(q)
+def bow(q, p, r):
+    """2 psi sqrt(q), twofold: the root of psi (psi + 2h) = 4 K q with h twice that of above, times sqrt(q)."""
     Kq = scaled(4 * q, r.K)
-    psi = over(Kq, plus(h, root(plus(times(h, h), Kq))))  # twice psi, times sqrt(q)
-    t = plus(Two(1.0, 0.0), Two(q, 0.0))  # 2/(1 + z)
-    tt = times(t, t)
+    h = plus(r.d0, scaled(q, r.d1))
+    e = sqrt(h.head * h.head + Kq.head)
+    he = h.head + e
+    per = 1 / (he * e)
+    psi = Kq.head * (e * per)
+    u = plus(Two(psi, 0.0), scaled(2.0, h))
+    rest = ((Kq.head - psi * u.head) - product_error(psi, u.head)) + (Kq.tail - psi * u.tail)
+    return Two(psi, rest * (0.5 * he * per))
+
+
+@formula
+def squares(psi, q, p, r):
+    """Y^2 + q offset [J], given the bow."""
     Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, psi))
-    arm = plus(scaled(q, r.far), r.near)  # (alpha - z) t
-    roll = plus(times(arm, Y), scaled(2 * q, times(r.root_gamma, p.spin)))
-    squares = plus(
-        times(tt, plus(times(Y, Y), scaled(q, times(p.spin, p.spin)))),
-        times(r.slant, times(roll, roll)),
-    )
-    d = plus(times(r.gamma, tt), times(r.sigma, plus(times(arm, arm), scaled(4 * q, r.gamma))))
-    motion = over(squares, scaled(q, d))
-    weight = plus(r.floor, over(scaled(q, r.rise), t))
-    return plus(weight, motion)
+    return plus(times(Y, Y), scaled(q, p.offset))
+
+
+@formula
+def total(motion, q, p, r):
+    """Weight and motion [J], given the squares."""
+    t, gq = plus(Two(1.0, 0.0), Two(q, 0.0)), scaled(q, r.gamma)  # 1 + q = 2/(1 + z)
+    per = 1 / (t.head * gq.head)
+    weight = quotient(scaled(q, r.rise), t, gq.head * per)
+    return plus(plus(r.floor, weight), quotient(motion, gq, t.head * per))
+
+
+@formula
+def potential(q, p, r):
+    """V [J] at q of the point p, twofold: weight and (Y^2/q + offset)/gamma. [equal to T 4.12, 2.38]"""
+    return total(squares(bow(q, p, r), q, p, r), q, p, r)
+
+
+@formula
+def rounded_total(motion, q, p, r):
+    """Weight and motion [J] in one double, given the squares."""
+    V = total(motion, q, p, r)
+    return V.head + V.tail
 
 
 @formula
@@ -176,28 +204,50 @@ def gradient(q, p, r):
     )
 
 
+class Frame(NamedTuple):
+    """What the slopes at q are made of besides the point."""
+
+    psi: Operand  # the bow of Y [sqrt(J)], and how it bends
+    n: Operand
+    s: Operand
+    c: Operand  # (1 + z)/2
+
+
 @formula
-def slopes(q, p, r):
-    """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but for a factor."""
+def frame(q, p, r):
+    """The first stage of the slopes: all divisions, in one, and the root."""
     K, d0, d1q = r.K.head, r.d0.head, r.d1.head * q
     h = (d0 + d1q) / 2
     e = sqrt(h * h + K * q)
-    psi = 2 * p.k.head * K * q / (h + e)
-    n, s = h / e, (d1q - d0) / (4 * e)
+    he, t = h + e, 1 + q
+    per = 1 / (e * he * t)
+    per_e = he * t * per
+    return Frame(2 * p.k.head * K * q * (e * t * per), h * per_e, (d1q - d0) * (0.25 * per_e), e * he * per)
+
+
+@formula
+def slopes_in(f, q, p, r):
+    """The second stage of the slopes."""
+    psi, n, s = f.psi, f.n, f.s
     turn = n * (0.25 - s * s)  # s'; n' = s (1 - n^2) and psi' = -s psi
     turn2 = s * ((1 - n * n) * (0.25 - s * s) - 2 * n * turn)
     a, bq = p.a.head, p.b.head * q
     Y, Y1 = (a + bq) + psi, (bq - a) / 2 - s * psi
     Y2, Y3 = (a + bq) / 4 + psi * (s * s - turn), (bq - a) / 8 + psi * (s * (3 * turn - s * s) - turn2)
-    c = 1 / (1 + q)
-    y = q * c
-    yc = y * c
+    y = q * f.c
+    yc = y * f.c
     weight = r.gamma.head * r.rise.head * q * yc
     return (
         weight + 2 * Y * Y1,
-        weight * (c - y) + 2 * (Y1 * Y1 + Y * Y2),
+        weight * (f.c - y) + 2 * (Y1 * Y1 + Y * Y2),
         weight * (1 - 6 * yc) + 6 * Y1 * Y2 + 2 * Y * Y3,
     )
+
+
+@formula
+def slopes(q, p, r):
+    """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but for a factor."""
+    return slopes_in(frame(q, p, r), q, p, r)
 
 
 @formula
@@ -214,24 +264,64 @@ def tilt(p, r):
     return abs(p.a.head + bow * a * a), abs(p.b.head + bow * b * b)
 
 
+class Sketch(NamedTuple):
+    """q of the minimum, roughly, and the a and b that it is sketched with."""
+
+    q: Operand
+    a: Operand
+    b: Operand
+
+
 @formula
-def guess(p, r):
+def rough(p, r):
     """q of the minimum to a factor of about two: the root of q (b + g/(1 + q)) = a, a quadratic."""
     a, b = tilt(p, r)
     t = r.root_rise + b - a
     w = sqrt(t * t + 4 * a * b)
-    return 2 * a / (t + w) if t > 0 else (w - t) / (2 * b)
+    above, below = (2 * a, t + w) if t > 0 else (w - t, 2 * b)
+    return Sketch(above / below, a, b)
+
+
+@formula
+def sharper(k, p, r):
+    """One of Halley's steps in ln(q) towards the minimum for K = 0: the root of (b q)^2 + (g q/(1 + q))^2 = a^2."""
+    t = 1 + k.q  # the function times t^2, its derivatives times t^3, t^4
+    bq, gq = k.b * k.q * t, r.root_rise * k.q
+    B, G = bq * bq, gq * gq
+    f0, f1, f2 = (B - (k.a * t) ** 2) + G, 2 * (B * t + G), 4 * (B * t * t + G) - 2 * G * k.q
+    n, m = f0 * f1 * t, 2 * f1 * f1 - f0 * f2
+    return Sketch(k.q * ((m - n) / (m + n)), k.a, k.b)
+
+
+@formula
+def sharpest(k, p, r):
+    """The last stage of the guess."""
+    return sharper(k, p, r).q
+
+
+@formula
+def guess(p, r):
+    """q of the minimum to some 1e-3 where K is small."""
+    return sharpest(sharper(rough(p, r), p, r), p, r)
 
 
 @formula
 def ends(first, second, p, r):
     """Is the infimum approached at q -> 0, at q -> oo? So it is on the marked lines, to a rounding of D and lambda."""
     little = 4 * 2.220446049250313e-16
-    a = tilt(p, r)[0]
+    a = abs(p.a.head + 2 * p.k.head * r.K.head / r.d1.head)  # that of `tilt` for b = 0
     return (
         abs(p.a.head) <= little * abs(r.a2.head * second),
         (abs(p.b.head) <= little * abs(r.b2.head * second)) & (a >= r.root_rise),
     )
+
+
+# what may be worked stage by stage: each takes the result of the one before it, then what the whole takes
+STAGES: dict[str, tuple[Callable, ...]] = {
+    "guess": (rough, sharper, sharpest),
+    "slopes": (frame, slopes_in),
+    "value": (bow, squares, rounded_total),
+}
 
 
 class Shape(NamedTuple):
