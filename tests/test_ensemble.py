@@ -83,8 +83,8 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
         dense = solve(dataclasses.replace(run.problem, times=np.linspace(0, report["t_end"], 40_001)))
         force, weight = dense.columns()["normal_force"].values, report["normal_force"]["weight"]
         least, most = float(top["normal_force_min"]), float(top["normal_force_max"])
-        assert -1e-13 * weight < force.min() - least < 1e-5 * weight
-        assert -1e-13 * weight < most - force.max() < 1e-5 * weight
+        assert -1e-13 * weight < force.min() - least < 1e-4 * weight  # of the scan: 0.1 ms
+        assert -1e-13 * weight < most - force.max() < 1e-4 * weight  # of the scan: 0.1 ms
         assert least - report["normal_force"]["min"] < 1e-13 * weight
         assert report["normal_force"]["max"] - most < 1e-13 * weight
         assert float(top["drift_jellett"]) < 1e-13
