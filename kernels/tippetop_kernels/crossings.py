@@ -8,7 +8,7 @@ from math import comb
 
 import numpy as np
 
-from .jit import kernel
+from .jit import inlined, kernel
 
 
 DEPTH = 20  # an interval is halved so often at most: two zeros within 1e-6 of a step are none
@@ -16,8 +16,11 @@ DEPTH = 20  # an interval is halved so often at most: two zeros within 1e-6 of a
 HALVES = np.array([[comb(j, k) * 0.5**j for k in range(32)] for j in range(32)])
 """Row j: the coefficients of (1/2 + x/2)^j."""
 
+NODES = np.array([[(i / 8) ** k for i in range(9)] for k in range(32)])
+"""Row k: the k-th powers of nine points. A step holds about a radian: no dip can hide between them."""
 
-@kernel
+
+@inlined
 def value(p, x):
     """p(x) by Horner's rule."""
     total = 0.0
@@ -26,7 +29,7 @@ def value(p, x):
     return total
 
 
-@kernel
+@inlined
 def reach(p):
     """How far p strays from p[0] on [0, 1] at most: sum of |p[k]|, k > 0."""
     even, odd = 0.0, 0.0  # two sums: the processor adds them side by side
@@ -36,7 +39,7 @@ def reach(p):
     return even + odd if len(p) % 2 else even + odd + abs(p[-1])
 
 
-@kernel
+@inlined
 def crossings(p, positive, found, work):
     """Sign changes of p on [0, 1), ascending, into `found`; how many there are, and whether p is positive at the end.
 
@@ -76,7 +79,7 @@ def crossings(p, positive, found, work):
             level += 1
 
 
-@kernel
+@inlined
 def _shift(p, middle, radius, work):
     """Coefficients of p(middle + radius x)."""
     n = len(p)
@@ -126,31 +129,51 @@ def _zero(p, rising):
     return x
 
 
-@kernel
-def least(p, sign, below):
-    """Smallest value of sign*p on [0, 1] and where, if it may lie below `below`; else infinity."""
+@inlined
+def extremes(p, low, high, samples):
+    """The smallest value of p on [0, 1] if it may lie below `low`, else `low`; and likewise the greatest.
+
+    `samples` has the size of a row of NODES.
+    """
     radius = reach(p)
-    if sign * p[0] - radius >= below:
-        return np.inf, 0.0
-    best, where = np.inf, 0.0
-    for i in range(9):  # a step holds about a radian: a dip cannot hide between nine points
-        f = sign * value(p, i / 8)
-        if f < best:
-            best, where = f, i / 8
+    if p[0] - radius >= low and p[0] + radius <= high:
+        return low, high
+    nodes = len(samples)
+    for i in range(nodes):
+        samples[i] = 0.0
+    for k in range(len(p)):
+        factor = p[k]
+        for i in range(nodes):
+            samples[i] += factor * NODES[k, i]
+    under, over = 0, 0
+    for i in range(1, nodes):
+        under = i if samples[i] < samples[under] else under
+        over = i if samples[i] > samples[over] else over
     bend = 0.0
     for k in range(2, len(p)):
         bend += k * (k - 1) * abs(p[k])
-    if best - bend / 512 >= below:  # half of (1/16)^2 times the second derivative: no lower than that in between
-        return np.inf, 0.0
-    x = where
-    for _ in range(6):  # Newton on the slope
+    bend /= 8 * (nodes - 1) ** 2  # between two nodes p goes no further beyond them
+    if samples[under] - bend < low:
+        low = min(low, _polished(p, 1.0, under / (nodes - 1), samples[under]))
+    if samples[over] + bend > high:
+        high = max(high, -_polished(p, -1.0, over / (nodes - 1), -samples[over]))
+    return low, high
+
+
+@kernel
+def _polished(p, sign, x, best):
+    """The smallest value of sign*p next to x: Newton on the slope, kept in [0, 1]."""
+    for _ in range(6):
         f, slope, curve = 0.0, 0.0, 0.0
         for k in range(len(p) - 1, -1, -1):
             curve = curve * x + slope
             slope = slope * x + f
             f = f * x + p[k]
+        best = min(best, sign * f)
         if not sign * curve > 0:
-            break
-        x = min(1.0, max(0.0, x - slope / (2 * curve)))
-    f = sign * value(p, x)
-    return (f, x) if f < best else (best, where)
+            return best
+        after = min(1.0, max(0.0, x - slope / (2 * curve)))
+        if after == x:
+            return best
+        x = after
+    return min(best, sign * value(p, x))
