@@ -44,9 +44,9 @@ def ended(process: subprocess.Popen) -> tuple[int, str]:
     return process.returncode, err
 
 
-def running(store: Path) -> list[str]:
+def running(store: Path, until: float = UNTIL) -> list[str]:
     sets = [word for s in (*SETS, "run.output_step=0.01") for word in ("--set", s)]
-    return ["run", "inverting", *sets, "--until", str(UNTIL), "--out", str(store)]
+    return ["run", "inverting", *sets, "--until", str(until), "--out", str(store)]
 
 
 def files(store: Path) -> dict[str, bytes]:
@@ -66,33 +66,42 @@ def assert_same(store: Path, other: Path) -> None:
     assert [name for name in mine if mine[name] != yours[name]] == []
 
 
-@pytest.mark.parametrize("kills", [4, pytest.param(50, marks=pytest.mark.slow)])
+def acknowledged(store: Path) -> int:
+    """How many rows the checkpoint of a store acknowledges; -1 if there is none."""
+    try:
+        return json.loads((store / "checkpoint.json").read_text())["rows"]
+    except FileNotFoundError:
+        return -1
+
+
+@pytest.mark.parametrize(("kills", "until"), [(3, UNTIL), pytest.param(50, 6000.0, marks=pytest.mark.slow)])
 def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
-    kills: int, undisturbed: Path, tmp_path: Path, rng: np.random.Generator
+    kills: int, until: float, tmp_path: Path, rng: np.random.Generator
 ) -> None:
-    store = tmp_path / "run.zarr"
-    arguments, acknowledged, killed = running(store), 0, 0
+    """Each kill falls at a random moment after at least one new commit; none may cost an acknowledged row."""
+    store, whole = tmp_path / "run.zarr", tmp_path / "whole.zarr"
+    assert ended(start(*running(whole, until)))[0] == 0
+    arguments, before, killed = running(store, until), -1, 0
     while True:
         process = start(*arguments)
-        while not (store / "checkpoint.json").exists() and process.poll() is None:
-            time.sleep(0.005)
-        time.sleep(rng.uniform(0.0, 0.25) if killed < kills else 0.0)
-        if killed >= kills or process.poll() is not None:
+        while killed < kills and process.poll() is None and acknowledged(store) <= before:
+            time.sleep(0.002)
+        time.sleep(rng.uniform(0.0, 0.05) if killed < kills else 0.0)
+        if killed == kills or process.poll() is not None:
             code, err = ended(process)
             assert code == 0, err
             break
         process.send_signal(signal.SIGKILL)
         ended(process)
         killed += 1
-        rows = json.loads((store / "checkpoint.json").read_text())["rows"]
-        assert rows >= acknowledged
-        acknowledged, arguments = rows, ["resume", str(store)]
-    assert killed > 0
-    assert_same(store, undisturbed)
+        assert acknowledged(store) >= before
+        before, arguments = acknowledged(store), ["resume", str(store)]
+    assert killed == kills
+    assert_same(store, whole)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_asked_to_stop_it_stops_within_half_a_second_and_says_how_to_go_on(
+def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
     number: int, code: int, undisturbed: Path, tmp_path: Path
 ) -> None:
     store = tmp_path / "run.zarr"
@@ -101,9 +110,7 @@ def test_asked_to_stop_it_stops_within_half_a_second_and_says_how_to_go_on(
         time.sleep(0.005)
     time.sleep(0.1)
     process.send_signal(number)
-    asked = time.monotonic()
     found, err = ended(process)
-    assert time.monotonic() - asked < 2.0  # half a second on a quiet machine; the interpreter's end is in it
     assert found == code
     assert f"tippetop resume {store}" in err
     assert ended(start("resume", str(store)))[0] == 0

@@ -2,12 +2,16 @@
 
 from typing import Any
 
+from . import stability
+from .nutation import heavy_top_motion
 from .problem import Problem
 from .system import SECOND
+from .systems.heavy_top import tip_inertia
 from .trajectory import View
 
 
 STEPS_PER_RADIAN = {"double": 0.9, "longdouble": 0.9, "quad": 0.85}  # measured: canonical inversion, 1337 steps in 8 s
+AFFORDABLE = 1.0  # seconds: `check` runs a Coulomb top thrice only if that is quick
 MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # two shared cores of an AMD EPYC
 
 
@@ -20,10 +24,48 @@ def assessment(problem: Problem) -> dict[str, Any]:
         f"{q.name} [{q.unit.symbol}]": float(values[q.name][0]) * float(problem.scales.of(q.unit))
         for q in problem.system.quantities
     }
-    return {"at_start": quantities, "expected": _cost(problem, view, start)}
+    cost = _cost(problem)
+    return {"at_start": quantities, **_outlook(problem), **_regularisation(problem, cost), "expected": cost}
 
 
-def _cost(problem: Problem, view: View, start: Any) -> dict[str, float]:
+def remarks(problem: Problem) -> dict[str, Any]:
+    """What a finished run deserves to have said of it: the name of a heavy top's motion, what eps decides."""
+    said = _regularisation(problem, _cost(problem))
+    if problem.system.name == "heavy-top":
+        start, view = problem.start()[None, :], View(problem)
+        units = {q.name: q.unit for q in problem.system.quantities}
+        E, Lz, L3 = (
+            float(view.values(start)[name][0]) * float(problem.scales.of(units[name]))
+            for name in ("energy", "Lz", "L3")
+        )
+        b = problem.body()
+        said["motion"] = heavy_top_motion(E, Lz, L3, tip_inertia(b), b.I3, b.m * b.g * -b.c)
+    return said
+
+
+def _outlook(problem: Problem) -> dict[str, Any]:
+    """Thresholds, regime and predicted fate, as far as the theory goes."""
+    found = stability.assessment(problem.system, problem.body(float), problem.initial)
+    limits = {f"{name} [{t.unit.symbol}]": t.value for name, t in found["thresholds"].items()}
+    said = {key: found[key] for key in ("regime", "fate") if found[key]}
+    return {**({"thresholds": limits} if limits else {}), **said}
+
+
+def _regularisation(problem: Problem, cost: dict[str, float]) -> dict[str, Any]:
+    """What eps decides: the time of inversion for half, whole and twice eps, where three short runs can tell."""
+    if problem.system.name != "tippe-top" or "eps" not in problem.friction._fields:
+        return {}
+    said: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
+    if cost["seconds"] < AFFORDABLE:
+        from .sensitivity import inversion_sensitivity
+
+        found = inversion_sensitivity(problem)
+        times = {f"theta = pi/2 at [s], eps = {eps:g} m/s": t for eps, t in found["inversion_time"].items()}
+        said["inversion_by_eps"] = {**times, "d log t / d log eps": found["exponent"]}
+    return said
+
+
+def _cost(problem: Problem) -> dict[str, float]:
     """Orders of magnitude: a step spans about a radian of the fastest angle."""
     rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
     fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))

@@ -78,6 +78,8 @@ def compiled(
         if event.name not in events:
             continue
         expression = hy.expression(EVENT_SCALE) * event.formula(scalars, body)
+        if not hy.get_variables(expression):  # it never changes: without friction, sliding dissipates nothing
+            continue
         direction = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
         options = {"direction": direction[event.direction], "fp_type": number}
         if event.stops and stop:

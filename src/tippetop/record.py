@@ -49,9 +49,9 @@ class Recorder:
         self.asked: int | None = None
         self.committed_at = time.monotonic()
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Takes rows."""
-        self._later(lambda: self.trajectory.append(self.course.view.columns(times, states)))
+        self._later(lambda: self.trajectory.append(self.course.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""

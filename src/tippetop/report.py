@@ -9,8 +9,10 @@ def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list
     if seconds is not None:
         status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
     found = [("status", status)]
-    if "theta_end" in info:
+    if any(info["inversion"].values()) or info.get("system", "tippe-top") == "tippe-top":
         found.append(("inversion", _inversion(info)))
+    else:
+        found.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
     found.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
@@ -23,9 +25,18 @@ def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list
         )
     drift = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items())
     found.append(("drift", f"{drift} (relative, worst of the run)"))
+    if "motion" in info:
+        found.append(("motion", info["motion"]))
+    if "regularisation" in info:
+        by_eps = ", ".join(f"{name} = {_number(value)}" for name, value in info.get("inversion_by_eps", {}).items())
+        found.append(("regularisation", f"{info['regularisation']}: {by_eps}" if by_eps else info["regularisation"]))
     if "certificate" in info:
         found.append(("certificate", _certificate(info["certificate"])))
     return found
+
+
+def _number(value: float | None) -> str:
+    return "never" if value is None else f"{value:.5g}"
 
 
 def _certificate(found: dict[str, Any]) -> str:

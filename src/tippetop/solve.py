@@ -26,8 +26,8 @@ SETTLED_FOR = 200.0  # internal units: how long sliding must have been dead befo
 class Sink(Protocol):
     """Where a run goes as it is made: memory, or a store."""
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Takes rows: times [s] and internal states."""
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Takes rows: times [s], and what gives their internal states; it may be called later, in another thread."""
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes new rows of the event log, and indices of rows that are significant after all."""
@@ -45,10 +45,10 @@ class Memory:
     tables: list[EventTable] = field(default_factory=list)
     marks: list[int] = field(default_factory=list)
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Takes rows."""
         self.times.append(times)
-        self.states.append(states)
+        self.states.append(states())
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
@@ -128,11 +128,15 @@ class Course:
                 self._write(sink, table.time, states)
         if problem.output == "times" and upto > self.filled:
             times = problem.times[self.filled : upto]
-            rows = rows_at(piece, times / self.second, problem) if steps else np.repeat(self.last, len(times), axis=0)
-            self._write(sink, times, rows)
+            self.filled += len(times)
+            last = self.last  # the dense output of the slice is not used again here: another thread may have it
+            sink.rows(
+                times,
+                lambda: rows_at(piece, times / self.second, problem) if steps else np.repeat(last, len(times), axis=0),
+            )
 
     def _write(self, sink: Sink, times: np.ndarray, states: np.ndarray) -> None:
-        sink.rows(times, states)
+        sink.rows(times, lambda: states)
         self.filled += len(times)
 
     def _settled_long(self, piece: Slice) -> bool:

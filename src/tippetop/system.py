@@ -132,7 +132,9 @@ class System:
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
     laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
-    potential: Callable | None = None
+    potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
+    theta_inertia: Callable | None = None
+    momenta: tuple[str, ...] = ()  # the quantities that V takes
 
     @property
     def frictional(self) -> bool:

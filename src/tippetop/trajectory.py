@@ -106,7 +106,7 @@ class View:
                 )
         return columns
 
-    def _split(self, name: str, values: np.ndarray, unit: Unit, long_name: str, *dims: Any, **extra: str) -> dict:
+    def _split(self, name: str, values: np.ndarray, unit: Unit, long_name: str, *dims: Any, **extra: Any) -> dict:
         """A column of doubles; in wider precisions a second one, `name_lo`, to be added to it."""
         high = values.astype(np.float64)
         columns = {name: _column(high, unit, long_name, *dims, **extra)}
@@ -142,7 +142,7 @@ def event_columns(table: EventTable) -> dict[str, Column]:
     }
 
 
-def _column(values: np.ndarray, unit: Unit, long_name: str, dims: tuple[str, ...] = ("time",), **extra: str) -> Column:
+def _column(values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",), **extra: str) -> Column:
     return Column(dims, np.asarray(values, dtype=np.float64), {"units": unit.symbol, "long_name": long_name, **extra})
 
 

@@ -123,14 +123,15 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
 
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:
     """Prints the result; gives the exit code."""
-    from tippetop.results import headline_of, info
+    from tippetop.results import headline_of
 
-    from .text import summary
+    from .text import summary, told
 
+    found = told(attrs)
     if as_json:
-        print(json.dumps(info(attrs), allow_nan=False))
+        print(json.dumps(found, allow_nan=False))
     else:
-        summary(headline_of(attrs), info(attrs), seconds, places)
+        summary(headline_of(attrs), found, seconds, places)
     if attrs["status"] in ("non-finite", "stalled"):
         print(f"tippetop: {attrs['reason']}", file=sys.stderr)
         return 3

@@ -16,17 +16,17 @@ def info(store: Path, *, as_json: Json = False) -> int:
     """Say what is in a store: status, events, inversion, drift of the invariants, provenance."""
     from rich.table import Table
 
-    from tippetop import archive, results
+    from tippetop import archive
     from tippetop.report import lines
 
-    from .text import console
+    from .text import console, told
 
     attrs = archive.attributes(store)
     if "content" in attrs:
         from .landscape import describe
 
         return describe(attrs, as_json)
-    found = results.info(attrs)
+    found = told(attrs)
     if as_json:
         print(json.dumps(found, allow_nan=False))
         return 0
@@ -36,7 +36,8 @@ def info(store: Path, *, as_json: Json = False) -> int:
     for name, text in lines(found):
         table.add_row(name, text)
     for name in ("parameters", "friction", "initial", "run", "versions"):
-        table.add_row(name, ", ".join(f"{k} = {v}" for k, v in found[name].items()))
+        if name in found:
+            table.add_row(name, ", ".join(f"{k} = {v}" for k, v in found[name].items()))
     table.add_row("tolerance", f"{found['tolerance']:.3g}, {found['precision']} precision")
     table.add_row("processor", found["cpu"])
     out.print(table)
@@ -67,7 +68,7 @@ def check(
     table = Table.grid(padding=(0, 2))
     for name, value in found.items():
         text = ", ".join(f"{k} = {_plain(v)}" for k, v in value.items()) if isinstance(value, dict) else _plain(value)
-        table.add_row(name.replace("_", " "), text)
+        table.add_row(name.replace("_", " "), text)  # units stand in brackets, which are markup to rich
     console().print(table)
     return 0
 

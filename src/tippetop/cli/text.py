@@ -15,7 +15,7 @@ from tippetop.report import lines
 
 def console() -> Console:
     """Standard output; no colour when it is not a terminal."""
-    return Console(highlight=False, width=None if sys.stdout.isatty() else 160)
+    return Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 160)
 
 
 class Progress:
@@ -53,6 +53,14 @@ class Progress:
         turnings = report["event_counts"].get("turning", 0)
         note = f"{rate:.3g} s/s, theta {report['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
         self.bar.update(self.task, completed=course.t_end, note=note)
+
+
+def told(attrs: dict[str, Any]) -> dict[str, Any]:
+    """What `run --json` and `info --json` say of a run, from the root attributes of its store."""
+    from tippetop import assess, results, scenario
+    from tippetop.archive import finite
+
+    return results.info(attrs) | finite(assess.remarks(scenario.problem(scenario.tables_of(attrs))))
 
 
 def summary(headline: str, info: dict[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:

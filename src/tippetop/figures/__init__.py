@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import landscape, run
+from . import landscape, run, stability
 from .style import save, styled
 
 
@@ -26,12 +26,21 @@ KINDS: dict[str, Callable] = {
     "drift": run.drift,
     "sphere": run.sphere,
     "energy": run.energy,
+    "phase": stability.phase_of_run,
     **{name: _in_landscape(name) for name in ("band", "surface", "potential", "inversion")},
 }
 
 
+NEEDED = {"sphere": "axis", **dict.fromkeys(("phase", "band", "surface", "potential", "inversion"), "routh")}
+"""The column without which a figure has nothing to show."""
+
+
 def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
     """Draws one kind of figure of a run to a file. groups: trajectory and events, Datasets or columns."""
+    from ..scenario import ScenarioError
+
+    if NEEDED.get(kind, "time") not in groups["trajectory"]:
+        raise ScenarioError([f"the figure `{kind}` must have `{NEEDED[kind]}` to draw, but this system has none."])
     with styled():
         save(KINDS[kind](groups["trajectory"], groups["events"], attrs), path)
 

@@ -30,7 +30,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     ):
         axes.scatter(when, where, s=size, color=color, lw=0, zorder=3, label=words)
     axes.set(ylabel="θ (rad)", title=_title(attrs), xlim=_span(t))
-    if np.max(np.abs(angle)) <= np.pi + 0.01 and np.max(angle) > 0.8:
+    if np.min(angle) >= 0 and np.max(angle) <= np.pi + 0.01 and np.max(angle) > 0.8:
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
         axes.set_ylim(-0.08, min(np.pi + 0.12, max(np.max(angle) * 1.15, 0.9)))
     for when in _of(events, "liftoff")[:1]:

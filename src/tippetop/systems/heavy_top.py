@@ -1,21 +1,19 @@
-"""Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter. [T ch. 2, 5]
+"""Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter; and the one
+whose tip is fixed. [T ch. 2]
 
-Both are bodies with R = 0, c = -l (see gliding.Body): one stands on a plane and glides, the other has its tip fixed.
+They are bodies with R = 0, c = -l (see gliding.Body); the other one glides on a plane: `gliding_heavy_top`.
 L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x 3hat'.
 """
 
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from ..friction import LAWS, slip_coefficient
-from ..operand import Operand, Vector, atan2, cos, cross, dot, formula, plus, sin, sqrt, times
+from ..operand import Operand, atan2, cos, cross, dot, formula, plus, sin, sqrt, times
 from ..system import (
     ANGULAR_MOMENTUM,
     INERTIA,
-    JOULE,
     KILOGRAM,
     METRE,
-    METRE_PER_SECOND,
     METRE_PER_SECOND2,
     NEWTON_SECOND,
     ONE,
@@ -89,38 +87,6 @@ def Lz(s, b):
 
 
 @formula
-def Lz_rate(z_dot, slip_n, s, b):
-    """L_z' of the gliding top, m (zhat x a).(dv_A/dt) [kg m^2/s^2], by its forces; slip_n = k g_n v_n. [T 5.19]"""
-    return -(b.m * b.c**2 / b.I1 * s.L3 * z_dot) - tip_inertia(b) / b.I1 * b.c * slip_n
-
-
-# --- gliding: the vector form about the contact ---------------------------------------------------------------------
-
-
-class ContactState(NamedTuple):
-    """3hat, angular momentum L_A about the contact, contact velocity v_A, place of the centre of mass; then the
-    integrals of friction power and normal force."""
-
-    ux: Operand
-    uy: Operand
-    uz: Operand
-    Lx: Operand
-    Ly: Operand
-    Lz: Operand
-    vx: Operand
-    vy: Operand
-    x: Operand
-    y: Operand
-    work: Operand
-    impulse: Operand
-
-
-CONTACT_UNITS = ContactState._make(
-    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
-)
-
-
-@formula
 def tip_axis_rate(q, b):
     """3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
     return times(1 / tip_inertia(b), cross(gliding.momentum(q), axis(q)))
@@ -130,107 +96,6 @@ def tip_axis_rate(q, b):
 def momentum_about_centre(q, b):
     """L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
     return plus(gliding.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
-
-
-@formula
-def contact_scalars(q, b):
-    """The scalars of a state about the contact."""
-    u, u_dot = axis(q), tip_axis_rate(q, b)
-    s = rolling.free_scalars(u, momentum_about_centre(q, b), u_dot, b)
-    return gliding.Scalars(
-        z=s.z,
-        s2=s.s2,
-        z_dot=s.z_dot,
-        fall=s.fall,
-        precession=s.precession,
-        axis_speed2=s.axis_speed2,
-        L3=s.L3,
-        Lz=s.Lz,
-        v_u=u.x * q.vx + u.y * q.vy,
-        v_n=u.x * q.vy - u.y * q.vx,
-        v2=q.vx**2 + q.vy**2,
-        speed2=(q.vx - b.c * u_dot.x) ** 2 + (q.vy - b.c * u_dot.y) ** 2,
-    )
-
-
-@formula
-def contact_rates(q, b):
-    """3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), v_A' = F/m - g zhat + c 3hat''. [T 5.4]"""
-    u, u_dot, s = axis(q), tip_axis_rate(q, b), contact_scalars(q, b)
-    N = gliding.g_n(s, b)
-    slip = slip_coefficient(s.v2, s.z, b.friction) * N
-    F = Vector(-(slip * q.vx), -(slip * q.vy), N)
-    L = momentum_about_centre(q, b)
-    u_dot2 = times(1 / b.I1, plus(cross(times(b.c, cross(u, F)), u), cross(L, u_dot)))
-    v_dot = Vector(F.x / b.m + b.c * u_dot2.x, F.y / b.m + b.c * u_dot2.y, 0)
-    pull = b.m * b.c
-    return ContactState(
-        u_dot.x,
-        u_dot.y,
-        u_dot.z,
-        pull * (u.y * b.g - u.z * v_dot.y),
-        pull * (u.z * v_dot.x - u.x * b.g),
-        pull * (u.x * v_dot.y - u.y * v_dot.x),
-        v_dot.x,
-        v_dot.y,
-        q.vx - b.c * u_dot.x,
-        q.vy - b.c * u_dot.y,
-        slip * s.v2,
-        N,
-    )
-
-
-@formula
-def contact_of_angles(e, s, z, b):
-    """The state about the contact of an Euler-angle state. [section 1]"""
-    u, L = gliding.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    ex, ey = cos(e.phi), sin(e.phi)
-    return ContactState(
-        u.x,
-        u.y,
-        u.z,
-        L.x,
-        L.y,
-        L.z,
-        e.nu_x * ex - e.nu_y * ey,
-        e.nu_x * ey + e.nu_y * ex,
-        e.x,
-        e.y,
-        e.work,
-        e.impulse,
-    )
-
-
-@formula
-def angles_of_contact(q, b):
-    """The Euler-angle state of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
-    c = contact_scalars(q, b)
-    s = sqrt(c.s2)
-    return gliding.EulerState(
-        atan2(s, c.z),
-        -c.z_dot / s,
-        c.precession / c.s2,
-        c.L3 / b.I3,
-        c.v_u / s,
-        c.v_n / s,
-        atan2(q.uy, q.ux),
-        q.x,
-        q.y,
-        q.work,
-        q.impulse,
-    )
-
-
-CONTACT = Form(
-    "contact",
-    CONTACT_UNITS,
-    contact_rates,
-    contact_scalars,
-    contact_of_angles,
-    angles_of_contact,
-    gliding.QUADRATURES,
-    (gliding.JAMMED,),
-)
 
 
 # --- fixed tip ------------------------------------------------------------------------------------------------------
@@ -253,11 +118,11 @@ VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_
 
 @formula
 def fixed_scalars(q, b):
-    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; r' = l 3hat'."""
+    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| = l |3hat'|."""
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
     s = rolling.free_scalars(u, L, u_dot, b)
     F = rolling.reaction(u, L, u_dot, s, b)
-    return rolling.completed(s, times(-b.c, u_dot), F)
+    return rolling.completed(s, times(b.c, u_dot), F)
 
 
 @formula
@@ -380,13 +245,13 @@ FIXED_EULER = Form(
 )
 
 
-# --- the two systems ------------------------------------------------------------------------------------------------
+# --- the system --------------------------------------------------------------------------------------------------
 
 MOMENTA = (
     Quantity("L3", "L_3", ANGULAR_MOMENTUM, "angular momentum about the axis", L3),
     Quantity("Lz", "L_z", ANGULAR_MOMENTUM, "angular momentum about the vertical through the tip", Lz),
 )
-COMMON = {
+COMMON: dict[str, Any] = {
     "parameters": PARAMETERS,
     "body": body,
     "body_units": gliding.body_units,
@@ -394,24 +259,10 @@ COMMON = {
     "folded": {"m": 1.0, "R": 0.0, "c": -1.0},
     "vectors": gliding.VECTORS,
     "potential": potential,
+    "theta_inertia": theta_inertia,
+    "momenta": ("Lz", "L3"),
 }
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
-
-GLIDING_HEAVY_TOP = System(
-    name="gliding-heavy-top",
-    title="heavy symmetric top whose tip glides on a plane",
-    source=SOURCE + "5",
-    initial=gliding.INITIAL,
-    start=gliding.start,
-    angles=gliding.EULER_UNITS,
-    forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},
-    quantities=(*MOMENTA, *gliding.QUANTITIES),
-    integrals=("L3",),
-    events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
-    long_names=gliding.LONG_NAMES,
-    laws=LAWS,
-    **COMMON,
-)
 
 HEAVY_TOP = System(
     name="heavy-top",

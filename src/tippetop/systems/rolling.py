@@ -42,12 +42,6 @@ class Scalars(NamedTuple):
 
 
 @formula
-def arm2(z, b):
-    """|a|^2 = R^2 + c^2 - 2 c R z [m^2]."""
-    return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
-
-
-@formula
 def swing(s, b):
     """q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z: what v_A = 0 asks of F.3hat beyond z'' [m/s^2]."""
     return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.precession
@@ -58,7 +52,7 @@ def z_dot2(s, b):
     """z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
     h = b.R - b.c * s.z
     drive = b.c * (b.g * s.s2) + h * swing(s, b)
-    return (b.I1 * s.fall + b.m * drive) / (b.I1 + b.m * arm2(s.z, b))
+    return (b.I1 * s.fall + b.m * drive) / (b.I1 + b.m * gliding.arm2(s.z, b))
 
 
 @formula
@@ -231,11 +225,24 @@ def euler_accelerations(e, s, z, b):
             - e.phi_dot * e.omega3 * (b.m * b.R * h + b.I3)
             - b.m * b.c * (b.R * e.theta_dot**2 + b.g)
         )
-        / (b.I1 + b.m * arm2(z, b))
+        / (b.I1 + b.m * gliding.arm2(z, b))
     )
     phi_dot2 = e.theta_dot / s * (e.omega3 * b.I3 * (b.I3 + b.m * b.R * h) / determinant - 2 * e.phi_dot * z)
     omega3_dot = -(b.m * b.R * (e.omega3 * e.theta_dot * s)) * (b.I1 * b.R * z + b.I3 * q) / determinant
     return theta_dot2, phi_dot2, omega3_dot
+
+
+@formula
+def general_accelerations(e, s, z, w_x, w_y, b):
+    """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat: the general system,
+    of which rolling is w = 0. [T 3.36; section 12]"""
+    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
+    h, q, determinant = b.R - b.c * z, b.c - b.R * z, spin_determinant(z, b)
+    return (
+        theta_dot2 - b.m * (h * w_x) / (b.I1 + b.m * gliding.arm2(z, b)),
+        phi_dot2 + b.m * b.I3 * (q * w_y) / (determinant * s),
+        omega3_dot + b.m * b.R * b.I1 * (s * w_y) / determinant,
+    )
 
 
 @formula

@@ -29,4 +29,6 @@ ROLLING_TIPPE_TOP = System(
     vectors=gliding.VECTORS,
     checks=tippe_top.checks,
     potential=tippe_top.potential,
+    theta_inertia=tippe_top.theta_inertia,
+    momenta=("routh", "jellett"),
 )

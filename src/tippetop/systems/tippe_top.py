@@ -75,7 +75,7 @@ def routh_rate(z, push, b):
 @formula
 def theta_inertia(z, b):
     """g(z), the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda) [kg m^2]. [T 4.11]"""
-    return (b.I1 + b.m * (b.R**2 + b.c**2 - 2 * b.c * b.R * z)) / 2
+    return (b.I1 + b.m * gliding.arm2(z, b)) / 2
 
 
 @formula
@@ -123,4 +123,6 @@ TIPPE_TOP = System(
     checks=checks,
     laws=LAWS,
     potential=potential,
+    theta_inertia=theta_inertia,
+    momenta=("routh", "jellett"),
 )

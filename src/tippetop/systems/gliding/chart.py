@@ -1,0 +1,70 @@
+"""The chart between Euler angles and vectors. [T 3.20-3.22; section 3.4 of the derivation]"""
+
+from ...operand import Vector, atan2, cos, formula, sin, sqrt
+from .euler import EulerState, centre_velocity
+from .vector import VectorState, vector_scalars
+
+
+@formula
+def axis_and_momentum(e, s, z, I1, I3):
+    """3hat and the angular momentum of a body with transverse moment I1 and axial moment I3, (3,) each. [section 1]"""
+    ex, ey = cos(e.phi), sin(e.phi)
+    L3, transverse, nodal = I3 * e.omega3, -(I1 * e.phi_dot * s), I1 * e.theta_dot
+    lean = transverse * z + L3 * s  # L along e; 1hat = z e - s zhat
+    return Vector(s * ex, s * ey, z), Vector(lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s)
+
+
+@formula
+def vector_of_angles(e, s, z, b):
+    """The vector state of an Euler-angle state; s, z are its sin(theta), cos(theta), exact at the poles. [section 1]"""
+    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
+    along_e, along_2 = centre_velocity(e, s, z, b)
+    ex, ey = cos(e.phi), sin(e.phi)
+    return VectorState(
+        u.x,
+        u.y,
+        u.z,
+        L.x,
+        L.y,
+        L.z,
+        b.I3 * e.omega3,
+        along_e * ex - along_2 * ey,
+        along_e * ey + along_2 * ex,
+        e.x,
+        e.y,
+        e.work,
+        e.impulse,
+    )
+
+
+@formula
+def angles_of_vector(q, b):
+    """The Euler-angle state of a vector state; 0/0 exactly at a pole, where phi and what is taken along it mean
+    nothing. theta is atan2(sin, cos): no digits are lost near the poles. [section 3.4]"""
+    c = vector_scalars(q, b)
+    s = sqrt(c.s2)
+    return EulerState(
+        atan2(s, c.z),
+        -c.z_dot / s,
+        c.precession / c.s2,
+        c.L3 / b.I3,
+        c.v_u / s,
+        c.v_n / s,
+        atan2(q.uy, q.ux),
+        q.x,
+        q.y,
+        q.work,
+        q.impulse,
+    )
+
+
+@formula
+def euler_of_angles(e, s, z, b):
+    """The Euler form is its own chart."""
+    return e
+
+
+@formula
+def angles_of_euler(e, b):
+    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)

@@ -1,0 +1,456 @@
+"""The laws of mechanics as functions: each yields (what, found, expected) for a case at its random states.
+
+Nothing here reads a formula that it judges: vectors, angular velocity, contact velocity and reaction are built again
+from the axis and the angular momentum, and derivatives along the flow are complex steps, exact to rounding.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tippetop.operand import leaves, refill
+
+
+STEP = 1e-30  # complex step: exact for any step this small
+TOLERANCE = 3e-11  # the states are of order one, the sums a few dozen terms; denominators are kept from zero
+STATES = 60
+
+Pairs = Iterator[tuple[str, Any, Any]]
+
+
+class Motion(NamedTuple):
+    """A state as vectors in the space frame, (3, n) each, and the numbers that go with it."""
+
+    u: np.ndarray  # the axis
+    L: np.ndarray  # angular momentum about the centre of mass
+    omega: np.ndarray
+    arm: np.ndarray  # from the centre of mass to the contact
+    s_dot: np.ndarray  # velocity of the centre of mass
+    v: np.ndarray  # velocity of the contact point
+
+
+@dataclass(frozen=True)
+class Case:
+    """A system in a form with a friction law, a random body and random states of it."""
+
+    system: Any
+    form: Any
+    law: str
+    body: Any
+    angles: Any
+    state: Any = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "state", self.of_angles(self.form, self.angles))
+
+    def of_angles(self, form: Any, e: Any) -> Any:
+        """The state of a form."""
+        return form.of_angles(e, np.sin(e.theta), np.cos(e.theta), self.body)
+
+    def along(self, function: Callable, q: Any = None, rates: Any = None) -> Any:
+        """Derivative of function(q) along the flow."""
+        q = self.state if q is None else q
+        rates = self.form.rates(q, self.body) if rates is None else rates
+        shifted = refill(q, iter([x + 1j * STEP * r for x, r in zip(leaves(q), leaves(rates), strict=True)]))
+        result = function(shifted)
+        if isinstance(result, tuple):
+            return refill(result, iter([np.imag(np.asarray(leaf)) / STEP for leaf in leaves(result)]))
+        return np.imag(result) / STEP
+
+    def quantity(self, name: str, q: Any = None) -> Any:
+        """A quantity of the system."""
+        formula = next(quantity.formula for quantity in self.system.quantities if quantity.name == name)
+        return formula(self.form.scalars(self.state if q is None else q, self.body), self.body)
+
+    def has(self, name: str) -> bool:
+        """Whether the system has a quantity."""
+        return any(quantity.name == name for quantity in self.system.quantities)
+
+    def motion(self, q: Any) -> Motion:
+        """The state as vectors, from first principles."""
+        b = self.body
+        zero = 0 * q[0]
+        vertical = np.array([zero, zero, zero + 1])
+        if hasattr(q, "ux"):
+            u, L = np.array([q.ux, q.uy, q.uz]), np.array([q.Lx, q.Ly, q.Lz])
+            if self.form.name == "contact" or self.system.name == "heavy-top":  # L is about the tip
+                L3 = np.sum(L * u, axis=0)
+                L = L3 * u + (L - L3 * u) * b.I1 / (b.I1 + b.m * b.c**2)
+        else:
+            planar = hasattr(q, "s")
+            s, z = (q.s, q.z) if planar else (np.sin(q.theta), np.cos(q.theta))
+            phi = zero if planar else q.phi
+            phi_dot, omega3 = (zero, zero) if planar else (q.phi_dot, q.omega3)
+            e = np.array([np.cos(phi), np.sin(phi), zero])
+            node = np.array([-np.sin(phi), np.cos(phi), zero])
+            u = s * e + z * vertical
+            w = q.theta_dot * node - phi_dot * s * (z * e - s * vertical) + omega3 * u
+            L = b.I1 * w + (b.I3 - b.I1) * omega3 * u
+        omega = L / b.I1 + (1 / b.I3 - 1 / b.I1) * np.sum(L * u, axis=0) * u
+        arm = b.c * u - b.R * vertical
+        arm_speed = np.cross(omega, arm, axis=0)
+        if self.system.frictional:
+            rates = self.form.rates(q, b)
+            s_dot = np.array([rates.x, getattr(rates, "y", zero), -arm_speed[2]])
+        else:
+            s_dot = -arm_speed
+        return Motion(u, L, omega, arm, s_dot, s_dot + arm_speed)
+
+    def derivative(self) -> Motion:
+        """Derivatives of the vectors along the flow."""
+        return self.along(self.motion)
+
+
+# --- the laws -------------------------------------------------------------------------------------------------------
+
+
+def chart_is_invertible(case: Case) -> Pairs:
+    """Angles of the state of angles are those angles."""
+    back = case.form.to_angles(case.state, case.body)
+    yield from zip(back._fields, back, case.angles, strict=True)
+
+
+def forms_agree(case: Case) -> Pairs:
+    """Scalars of two forms agree through the chart, and the chart commutes with the flow."""
+    reference = next(reversed(case.system.forms.values()))
+    if reference is case.form:
+        return
+    e, b = case.angles, case.body
+    mine, theirs = case.form.scalars(case.state, b), reference.scalars(e, b)
+    for name in mine._fields:
+        yield f"scalar {name}", getattr(mine, name), getattr(theirs, name)
+    pushed = case.along(lambda x: case.of_angles(case.form, x), e, reference.rates(e, b))
+    rates = case.form.rates(case.state, b)
+    for name in rates._fields:
+        yield f"rate of {name}", getattr(rates, name), getattr(pushed, name)
+
+
+def scalars_are_what_they_say(case: Case) -> Pairs:
+    """The scalars, from the vectors."""
+    q, b = case.state, case.body
+    s, m = case.form.scalars(q, b), case.motion(q)
+    u_dot = np.cross(m.omega, m.u, axis=0)
+    yield "z", s.z, m.u[2]
+    yield "s2", s.s2, 1 - m.u[2] ** 2
+    yield "z_dot", s.z_dot, u_dot[2]
+    yield "z_dot along the flow", s.z_dot, case.along(lambda x: case.form.scalars(x, b).z)
+    yield "precession", s.precession, m.u[0] * u_dot[1] - m.u[1] * u_dot[0]
+    yield "axis_speed2", s.axis_speed2, np.sum(u_dot**2, axis=0)
+    yield "L3", s.L3, np.sum(m.L * m.u, axis=0)
+    yield "fall", s.fall, np.cross(m.L, u_dot, axis=0)[2] / b.I1
+    yield "speed2", s.speed2, m.s_dot[0] ** 2 + m.s_dot[1] ** 2
+    if hasattr(s, "Lz"):
+        yield "Lz", s.Lz, m.L[2]
+    if hasattr(s, "v2"):
+        yield "v2", s.v2, np.sum(m.v[:2] ** 2, axis=0)
+        yield "v_u", s.v_u, np.sum(m.v[:2] * m.u[:2], axis=0)
+    if hasattr(s, "v_n"):
+        yield "v_n", s.v_n, m.u[0] * m.v[1] - m.u[1] * m.v[0]
+    if hasattr(q, "nu_x") and not hasattr(q, "s"):
+        yield "|nu|", q.nu_x**2 + q.nu_y**2, np.sum(m.v[:2] ** 2, axis=0)
+    if hasattr(q, "ux"):
+        yield "|3hat| stays 1", case.along(lambda x: x.ux**2 + x.uy**2 + x.uz**2), 0 * q.ux
+
+
+def newton_and_euler(case: Case) -> Pairs:
+    """m s'' = F - m g zhat and L' = a x F with one F, which obeys the law of the contact."""
+    b, q = case.body, case.state
+    m, change = case.motion(q), case.derivative()
+    F = b.m * change.s_dot + np.array([0 * b.m, 0 * b.m, b.m * b.g])
+    torque = np.cross(m.arm, F, axis=0)
+    for i, axis in enumerate("xyz"):
+        yield f"L'_{axis}", change.L[i], torque[i]
+        yield f"3hat'_{axis}", change.u[i], np.cross(m.omega, m.u, axis=0)[i]
+    rates = case.form.rates(q, b)
+    yield "impulse' = F_z", rates.impulse, F[2]
+    yield "normal force", case.quantity("normal_force"), F[2]
+    yield "the contact stays on the plane", m.v[2], 0 * F[2]
+    if case.has("horizontal_force"):
+        yield "horizontal force", case.quantity("horizontal_force"), np.hypot(F[0], F[1])
+    if case.has("friction_needed"):
+        yield "friction needed", case.quantity("friction_needed"), np.hypot(F[0], F[1]) / F[2]
+    if case.system.frictional:
+        expected = contact_law(case, m, change, F[2])
+        yield "F_x", F[0], expected[0]
+        yield "F_y", F[1], expected[1]
+        power = -np.sum(F * m.v, axis=0)
+        yield "work' = -F.v_A", rates.work, power
+        yield "friction power", case.quantity("friction_power"), power
+        yield "E' = -friction power", case.along(lambda x: case.quantity("energy", x)), -power
+    else:
+        for i, axis in enumerate("xy"):
+            yield f"v_A {axis}", m.v[i], 0 * m.v[i]
+            if hasattr(rates, axis):
+                yield f"{axis}'", getattr(rates, axis), m.s_dot[i]
+
+
+def contact_law(case: Case, m: Motion, change: Motion, N: Any) -> np.ndarray:
+    """The horizontal force that the friction law asks for."""
+    law, v, z = case.body.friction, m.v[:2], m.u[2]
+    v2 = np.sum(v**2, axis=0)
+    if case.law == "modified":
+        rolled = np.cross(change.omega, m.arm, axis=0) + np.cross(m.omega, change.arm, axis=0)
+        return -case.body.m * rolled[:2] * law.v_k**2 / (law.v_k**2 + v2) - law.mu * v
+    speed = np.sqrt(v2 + getattr(law, "eps", 0.0) ** 2)
+    slip = {
+        "none": lambda: 0.0,
+        "viscous": lambda: law.mu,
+        "coulomb": lambda: law.mu / speed,
+        "mixed": lambda: law.mu + law.mu_coulomb / speed,
+        "stribeck": lambda: (law.mu_static - (law.mu_static - law.mu) * (1 - np.exp(-v2 / law.v_s**2))) / speed,
+        "latitude": lambda: law.mu * (1 + z) / 2 + law.mu_stem * (1 - z) / 2,
+    }[case.law]()
+    return -slip * N * v
+
+
+def quantities_are_what_they_say(case: Case) -> Pairs:
+    """Energies, Jellett's integral, Routh's function, L_3 and L_z, from the vectors."""
+    b, m = case.body, case.motion(case.state)
+    rotation = np.sum(m.omega * m.L, axis=0) / 2
+    height = b.m * b.g * (b.R - b.c * m.u[2])
+    arm_speed = np.cross(m.omega, m.arm, axis=0)
+    yield "E", case.quantity("energy"), b.m * np.sum(m.s_dot**2, axis=0) / 2 + rotation + height
+    yield "E~", case.quantity("modified_energy"), b.m * np.sum(arm_speed**2, axis=0) / 2 + rotation + height
+    L3 = np.sum(m.L * m.u, axis=0)
+    if case.has("jellett"):
+        yield "lambda", case.quantity("jellett"), -np.sum(m.L * m.arm, axis=0)
+        gamma, sigma, alpha, z = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R, m.u[2]
+        d = gamma + sigma * (alpha - z) ** 2 + sigma * gamma * (1 - z**2)
+        yield "D", case.quantity("routh"), L3 * np.sqrt(d)
+    if case.has("Lz"):
+        about_tip = m.L + b.m * np.cross(m.arm, arm_speed, axis=0)
+        yield "L_z", case.quantity("Lz"), about_tip[2]
+        yield "L_3", case.quantity("L3"), L3
+
+
+def integrals_are_constant(case: Case) -> Pairs:
+    """What is called an integral has rate zero."""
+    for name in case.system.integrals:
+        rate = case.along(lambda x, name=name: case.quantity(name, x))
+        yield f"{name}'", rate, 0 * rate
+
+
+def main_equation(case: Case) -> Pairs:
+    """E~ = inertia theta'^2 + V identically; D', L_z' and E~' by dv_A/dt. [T 4.17, 4.18, 4.22, 5.24, 5.26]"""
+    import importlib
+
+    system, b, q = case.system, case.body, case.state
+    m, change = case.motion(q), case.derivative()
+    arm_speed = np.cross(m.omega, m.arm, axis=0)
+    rate = b.m * np.sum(arm_speed[:2] * change.v[:2], axis=0)
+    yield "E~'", case.along(lambda x: case.quantity("modified_energy", x)), rate
+    s = case.form.scalars(q, b)
+    gliding = importlib.import_module("tippetop.systems.gliding")
+    v_u = np.sum(m.u[:2] * change.v[:2], axis=0)  # (dv_A/dt).3hat
+    v_n = m.u[0] * change.v[1] - m.u[1] * change.v[0]  # (zhat x 3hat).dv_A/dt
+    yield "E~' as a formula", gliding.modified_energy_rate(v_u, v_n, s, b), rate
+    if system.potential is None:
+        return
+    z, s2 = m.u[2], 1 - m.u[2] ** 2
+    V = system.potential(z, *(case.quantity(name) for name in system.momenta), b)
+    if hasattr(s, "Lz"):
+        left = case.quantity("energy") - b.m * s.speed2 / 2 - gliding.vertical_inertia(z, b) * s.z_dot**2 / s2
+        yield "vertical potential", gliding.vertical_potential(z, s.Lz, s.L3, b), left
+    yield "METT", case.quantity("modified_energy"), system.theta_inertia(z, b) * s.z_dot**2 / s2 + V
+    if case.has("routh"):
+        tippe_top = importlib.import_module("tippetop.systems.tippe_top")
+        yield "D'", case.along(lambda x: case.quantity("routh", x)), tippe_top.routh_rate(z, v_n, b)
+    elif case.system.frictional and case.has("Lz"):
+        gliding_heavy_top = importlib.import_module("tippetop.systems.gliding_heavy_top")
+        found = case.along(lambda x: case.quantity("Lz", x))
+        yield "L_z' by dv_A/dt", gliding_heavy_top.Lz_rate(v_n, b), found
+
+
+def general_system(case: Case) -> Pairs:
+    """The rolling equations plus the acceleration of the contact give any motion. [T 3.36; section 12]"""
+    import importlib
+
+    if case.form.name != "euler" or not case.system.frictional:
+        return
+    rolling = importlib.import_module("tippetop.systems.rolling")
+    e, b = case.state, case.body
+    rates = case.form.rates(e, b)
+    w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
+    found = rolling.general_accelerations(e, np.sin(e.theta), np.cos(e.theta), w_x, w_y, b)
+    for name, mine in zip(("theta_dot", "phi_dot", "omega3"), found, strict=True):
+        yield f"{name}'", mine, getattr(rates, name)
+
+
+def mirror(case: Case) -> Pairs:
+    """Reflection in the vertical plane y = 0 maps motions to motions; some quantities change sign."""
+    odd = {"phi", "phi_dot", "omega3", "nu_y", "y"} if not hasattr(case.state, "s") else {"nu_none"}
+
+    def reflected(e: Any) -> Any:
+        return type(e)(*(-value if name in odd else value for name, value in zip(e._fields, e, strict=True)))
+
+    if hasattr(case.state, "s"):
+        odd = {"theta", "theta_dot", "nu_x", "x"}
+    q = case.of_angles(case.form, reflected(case.angles))
+    pseudo = {"jellett", "routh", "L3", "Lz"}
+    for quantity in case.system.quantities:
+        sign = -1 if quantity.name in pseudo else 1
+        yield quantity.name, case.quantity(quantity.name, q), sign * case.quantity(quantity.name)
+    if case.form.name in ("euler", "angle"):
+        signs = {**dict.fromkeys(odd, -1), "s": -1 if "theta" in odd else 1}
+        mine, theirs = case.form.rates(case.state, case.body), case.form.rates(q, case.body)
+        for name in mine._fields:
+            yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
+    else:
+        signs = {"uy": -1, "Lx": -1, "Lz": -1, "L3": -1, "ry_dot": -1, "vy": -1, "y": -1}
+        mine, theirs = case.form.rates(case.state, case.body), case.form.rates(q, case.body)
+        for name in mine._fields:
+            yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
+
+
+class Scale(NamedTuple):
+    """Another system of units."""
+
+    mass: float = 1.7
+    length: float = 0.6
+    time: float = 1.3
+
+    def of(self, unit: Any) -> float:
+        """The factor of a unit."""
+        return self.mass**unit.mass * self.length**unit.length * self.time**unit.time
+
+
+def units(case: Case) -> Pairs:
+    """Every formula keeps its unit: in other units of mass, length and time it gives the same, in those units."""
+    scale = Scale()
+    law = case.system.laws[case.law].units() if case.system.frictional else case.body.friction
+
+    def scaled(record: Any, unit: Any) -> Any:
+        return refill(record, (x * scale.of(u) for x, u in zip(leaves(record), leaves(unit), strict=True)))
+
+    b, q = scaled(case.body, case.system.body_units(law)), scaled(case.state, case.form.units)
+    rates, other = case.form.rates(case.state, case.body), case.form.rates(q, b)
+    for name, unit in case.form.units._asdict().items():
+        yield f"rate of {name}", getattr(other, name), getattr(rates, name) * scale.of(unit) / scale.time
+    s = case.form.scalars(q, b)
+    for quantity in case.system.quantities:
+        found = quantity.formula(s, b)
+        yield quantity.name, found, case.quantity(quantity.name) * scale.of(quantity.unit)
+
+
+def events_are_zero_where_they_should(case: Case) -> Pairs:
+    """turning has the sign of its sense times theta', equator vanishes with z, inverted at pi - 0.1."""
+    s = case.form.scalars(case.state, case.body)
+    z, m = s.z, case.motion(case.state)
+    for event in case.system.events:
+        value = event.formula(s, case.body)
+        if event.name == "turning":
+            u_dot = np.cross(m.omega, m.u, axis=0)
+            speed = case.angles.theta_dot if event.sense > 0 else u_dot[2]
+            yield event.name, value, speed
+        elif event.name == "equator":
+            yield event.name, value, z
+        elif event.name == "inverted":
+            yield event.name, value, z - np.cos(np.pi - 0.1)
+        elif event.name == "liftoff":
+            yield event.name, value, case.quantity("normal_force")
+        elif event.name == "settled" and case.system.name != "gliding-cylinder":
+            yield event.name, value, case.quantity("friction_power") / case.quantity("normal_force")
+        elif event.name == "settled":
+            yield event.name, value, np.sum(m.v[:2] ** 2, axis=0)
+    for event in (e for e in case.system.events if e.name == "settled"):
+        still = case.angles._replace(**{name: 0 * z for name in case.angles._fields if name.startswith("nu_")})
+        s = case.form.scalars(case.of_angles(case.form, still), case.body)
+        yield "settled, in units of 1e-12", 1e12 * event.formula(s, case.body), -1.0
+
+
+def hazards_are_what_they_say(case: Case) -> Pairs:
+    """The jam is the denominator of g_n: upward contact acceleration per unit of force; the pole is sin^2."""
+    s, b, m = case.form.scalars(case.state, case.body), case.body, case.motion(case.state)
+    for hazard in case.form.hazards:
+        value = hazard.formula(s, b)
+        if "jam" not in hazard.meaning:
+            yield "pole", value, 1 - m.u[2] ** 2
+        elif case.law != "modified":
+            N = case.quantity("normal_force")
+            F = contact_law(case, m, m, N) / N
+            push = np.array([F[0], F[1], 1 + 0 * N])
+            torque = np.cross(m.arm, push, axis=0)
+            spin = torque / b.I1 + (1 / b.I3 - 1 / b.I1) * np.sum(torque * m.u, axis=0) * m.u
+            yield "jam", value, 1 + b.m * np.cross(spin, m.arm, axis=0)[2]
+        else:
+            yield "jam", value, 1.0
+
+
+LAWS: tuple[Callable[[Case], Pairs], ...] = (
+    chart_is_invertible,
+    forms_agree,
+    scalars_are_what_they_say,
+    newton_and_euler,
+    quantities_are_what_they_say,
+    integrals_are_constant,
+    main_equation,
+    general_system,
+    mirror,
+    units,
+    events_are_zero_where_they_should,
+    hazards_are_what_they_say,
+)
+
+
+# --- random bodies and states ---------------------------------------------------------------------------------------
+
+
+def cases(systems: dict[str, Any], only: str | None = None) -> Iterator[tuple[str, str, str]]:
+    """Every system x form x friction law, by name."""
+    for name, system in systems.items():
+        for form in system.forms:
+            for law in system.laws or ("none",):
+                if only is None or only == name:
+                    yield name, form, law
+
+
+def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
+    """Random bodies and states of order one, kept from the poles and from a jammed contact."""
+    n = STATES
+    parameters = {name: rng.uniform(0.6, 1.5, n) for name in system.parameters}
+    if "alpha" in parameters:
+        parameters["alpha"] = rng.uniform(0.1, 0.9, n)
+    if "mu" in (record := system.laws[law].record._fields if system.frictional else ()):
+        friction = system.laws[law].record(*(rng.uniform(0.02, 0.2, n) for _ in record))
+        speeds = {name: rng.uniform(0.3, 1.0, n) for name in record if name in ("eps", "v_s", "v_k")}
+        friction = friction._replace(**speeds)
+    else:
+        from tippetop.friction import Frictionless
+
+        friction = Frictionless()
+    ranges = {"theta": (0.2, np.pi - 0.2), "phi": (-3.0, 3.0)}
+    names = type(system.angles)._fields
+    bounds = [ranges.get(name, (-1.5, 1.5)) for name in names]
+    angles = type(system.angles)(*(rng.uniform(low, high, n) for low, high in bounds))
+    return Case(system, system.forms[form], law, system.body(parameters, friction), angles)
+
+
+def broken(pairs: Pairs, law: str, made: Case) -> str | None:
+    """The first pair that does not agree, with the state that failed; None if all do."""
+    for what, found, expected in pairs:
+        found, expected = np.broadcast_arrays(np.asarray(found), np.asarray(expected))
+        size = 1 + np.max(np.abs(expected))
+        error = np.abs(found - expected) / size
+        if not np.all(error < TOLERANCE):
+            i = int(np.argmax(np.where(np.isfinite(error), error, np.inf)))
+            state = refill(made.state, iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.state)]))
+            body = refill(made.body, iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.body)]))
+            return (
+                f"{law}: {what} is {found.flat[i]!r}, must be {expected.flat[i]!r} (error {error.flat[i]:.1e})\n"
+                f"at {state}\nwith {body}"
+            )
+    return None
+
+
+def first_broken(
+    systems: dict[str, Any], rng: Callable[[], np.random.Generator], only: str | None = None
+) -> str | None:
+    """The first law that any system breaks."""
+    for name, form, law in cases(systems, only):
+        made = case(systems[name], form, law, rng())
+        for check in LAWS:
+            if (message := broken(check(made), check.__name__, made)) is not None:
+                return f"{name}, {form}, {law}: {message}"
+    return None

@@ -1,0 +1,119 @@
+"""Every law for every system, form and friction law, at random states."""
+
+from collections.abc import Callable
+
+import heyoka as hy
+import numpy as np
+import pytest
+
+import laws
+from tippetop.engine import variables
+from tippetop.friction import Frictionless
+from tippetop.operand import leaves, refill
+from tippetop.systems import SYSTEMS
+
+
+@pytest.mark.parametrize("law", laws.LAWS, ids=lambda law: law.__name__)
+@pytest.mark.parametrize(("system", "form", "friction"), list(laws.cases(SYSTEMS)))
+def test_law(system: str, form: str, friction: str, law: Callable, rng: np.random.Generator) -> None:
+    case = laws.case(SYSTEMS[system], form, friction, rng)
+    assert (message := laws.broken(law(case), law.__name__, case)) is None, message
+
+
+EVERY_FORM = [(name, form) for name, system in SYSTEMS.items() for form in system.forms]
+
+
+def simplest(system: str) -> str:
+    """A friction law for tests that need only one."""
+    return "viscous" if SYSTEMS[system].frictional else "none"
+
+
+def compiled(system: str, form: str, friction: str, rng: np.random.Generator) -> tuple:
+    """A case, and heyoka's variables for its state and parameters for its body."""
+    case = laws.case(SYSTEMS[system], form, friction, rng)
+    q = refill(case.state, iter(hy.make_vars(*(f"q{i}" for i in range(len(case.state))))))
+    b = refill(case.body, (hy.par[i] for i in range(len(leaves(case.body)))))
+    return case, q, b
+
+
+def evaluated(expressions: list, q: tuple, case: laws.Case) -> np.ndarray:
+    """heyoka's compiled expressions at the states and bodies of a case."""
+    lanes = np.array([np.broadcast_to(x, (laws.STATES,)) for x in leaves(case.state)], dtype=float)
+    bodies = np.array([np.broadcast_to(x, (laws.STATES,)) for x in leaves(case.body)], dtype=float)
+    function = hy.cfunc([e + 0.0 * q[0] for e in expressions], vars=list(q))
+    return function(lanes, pars=bodies[: function.nparams])
+
+
+@pytest.mark.parametrize(("system", "form", "friction"), list(laws.cases(SYSTEMS)))
+def test_formulas_mean_the_same_to_heyoka(system: str, form: str, friction: str, rng: np.random.Generator) -> None:
+    """Rates and quantities compiled by heyoka are those of numpy."""
+    case, q, b = compiled(system, form, friction, rng)
+    used = SYSTEMS[system]
+    scalars, numbers = case.form.scalars(q, b), case.form.scalars(case.state, case.body)
+    symbolic = [*case.form.rates(q, b), *(k.formula(scalars, b) for k in used.quantities)]
+    numeric = [*case.form.rates(case.state, case.body), *(k.formula(numbers, case.body) for k in used.quantities)]
+    found = evaluated(symbolic, q, case)
+    for mine, theirs in zip(found, numeric, strict=True):
+        theirs = np.broadcast_to(theirs, mine.shape)
+        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-13 * (1 + np.max(np.abs(theirs))))
+
+
+@pytest.mark.parametrize(("system", "form"), [(s, f) for s, f in EVERY_FORM if len(SYSTEMS[s].forms) > 1])
+def test_chart_commutes_with_the_flow_by_symbolic_jacobian(system: str, form: str, rng: np.random.Generator) -> None:
+    """J(chart) rates = rates(chart), the Jacobian derived by heyoka."""
+    used = SYSTEMS[system]
+    case, e, b = compiled(system, next(reversed(used.forms)), simplest(system), rng)
+    chart = used.forms[form].of_angles(e, hy.sin(e.theta), hy.cos(e.theta), b)
+    rates = case.form.rates(e, b)
+    pushed = [sum((hy.diff(y, x) * r for x, r in zip(e, rates, strict=True)), hy.expression(0.0)) for y in chart]
+    found = evaluated(pushed, e, case)
+    expected = used.forms[form].rates(case.of_angles(used.forms[form], case.angles), case.body)
+    for mine, theirs in zip(found, expected, strict=True):
+        np.testing.assert_allclose(
+            mine, np.broadcast_to(theirs, mine.shape), rtol=0, atol=1e-12 * (1 + np.max(np.abs(theirs)))
+        )
+
+
+@pytest.mark.parametrize(("system", "form"), EVERY_FORM)
+def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.random.Generator) -> None:
+    """Rates and the first quantity, called from a compiled function, have the bits of numpy."""
+    import numba
+
+    case = laws.case(SYSTEMS[system], form, simplest(system), rng)
+    rates, scalars, quantity = case.form.rates, case.form.scalars, SYSTEMS[system].quantities[0].formula
+
+    @numba.njit(error_model="numpy")
+    def inside(q, b):
+        return rates(q, b), quantity(scalars(q, b), b)
+
+    for i in range(5):
+        q = refill(case.state, iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.state)]))
+        b = refill(case.body, iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.body)]))
+        found, value = inside(q, b)
+        assert tuple(found) == tuple(rates(q, b))
+        assert value == quantity(scalars(q, b), b)
+
+
+DECOMPOSITION = {
+    ("tippe-top", "vector"): 101,
+    ("tippe-top", "euler"): 135,
+    ("rolling-tippe-top", "vector"): 151,
+    ("rolling-tippe-top", "euler"): 89,
+    ("gliding-heavy-top", "vector"): 86,
+    ("gliding-heavy-top", "contact"): 129,
+    ("gliding-heavy-top", "euler"): 124,
+    ("heavy-top", "vector"): 63,
+    ("heavy-top", "euler"): 40,
+    ("gliding-cylinder", "angle"): 60,
+    ("rolling-cylinder", "angle"): 46,
+}
+
+
+@pytest.mark.parametrize(("system", "form"), EVERY_FORM)
+def test_taylor_decomposition_has_not_grown(system: str, form: str) -> None:
+    """The sizes that were reached: a slowdown shows here without a clock."""
+    used = SYSTEMS[system]
+    law = used.laws["viscous"].record if used.frictional else Frictionless
+    _, _, equations = variables(used, used.forms[form], law)
+    integrator = hy.taylor_adaptive(equations, np.ones(len(equations)), tol=1e-3, compact_mode=True)
+    assert len(integrator.decomposition) == DECOMPOSITION[system, form]

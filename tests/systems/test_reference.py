@@ -1,0 +1,77 @@
+"""Every reference trajectory, in every form that can follow it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import tops
+from tippetop.engine import Status
+from tippetop.solve import solve
+
+
+CASES = [  # double precision; the inversion amplifies rounding a thousandfold, the cylinder turns over sixteen times
+    ("case1_inverting", "tippe-top", "vector", 2e-12),
+    ("case3_noninverting_low", "tippe-top", "vector", 1e-14),
+    ("case3_noninverting_low", "tippe-top", "euler", 1e-13),
+    ("case4_gliding_hst", "gliding-heavy-top", "vector", 1e-13),
+    ("case4_gliding_hst", "gliding-heavy-top", "contact", 1e-13),
+    ("case4_gliding_hst", "gliding-heavy-top", "euler", 1e-13),
+    ("case5_cylinder", "gliding-cylinder", "angle", 1e-12),
+    ("case5b_cylinder_round", "gliding-cylinder", "angle", 1e-13),
+    ("case6_rolling", "rolling-tippe-top", "vector", 1e-12),
+    ("case6_rolling", "rolling-tippe-top", "euler", 2e-12),
+    ("case7_hst", "heavy-top", "vector", 1e-13),
+    ("case7_hst", "heavy-top", "euler", 1e-13),
+]
+
+
+@pytest.mark.parametrize(("name", "system", "form", "tolerance"), CASES)
+def test_reference(name: str, system: str, form: str, tolerance: float) -> None:
+    case = tops.reference(name, system, form)
+    made = solve(case.problem)
+    assert made.status is Status.FINISHED
+    found = tops.columns(made)
+    for column in found.keys() & case.values.keys():
+        size = max(1.0, np.abs(case.values[column]).max()) if column in ("theta", "axis", "x") else None
+        size = size or np.abs(case.values[column]).max() or 1.0
+        error = np.abs(found[column] - case.values[column]).max() / size
+        assert error < tolerance, f"{column}: {error:.1e}"
+    turning = made.events.of("turning", significant=True)
+    assert len(turning.time) == len(case.turnings)
+    np.testing.assert_allclose(turning.time, case.turnings, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(turning.theta, case.turning_angles, rtol=0, atol=10 * tolerance)
+    assert np.all(np.diff(turning.theta_dot_sign) != 0)  # minima and maxima alternate: none missed, none twice
+
+
+def test_the_inversion_crosses_the_equator_when_it_should() -> None:
+    """Three crossings of pi/2, and pi - 0.1 at 6.94384761678 s."""
+    case = tops.reference("case1_inverting", "tippe-top", "vector")
+    made = solve(case.problem)
+    expected = [t for level, t in case.crossings if level == "pi/2"]
+    np.testing.assert_allclose(made.events.of("equator").time, expected, rtol=0, atol=1e-10)
+    assert made.report["inversion"]["inverted_at"] == pytest.approx(6.943847616774212, abs=1e-10)
+    assert made.report["normal_force"]["min"] == pytest.approx(0.286874 * 0.1964, rel=1e-5)
+    assert made.report["normal_force"]["max"] == pytest.approx(1.756894 * 0.1964, rel=1e-5)
+
+
+@pytest.mark.parametrize("precision", ["longdouble", "quad"])
+def test_more_digits_agree_with_the_reference(precision: str) -> None:
+    """Half a second of the inversion, to what 80 bits can show."""
+    case = tops.reference("case1_inverting", "tippe-top", "vector", precision)
+    until = 0.5
+    made = solve(dataclasses.replace(case.problem, until=until, times=case.times[case.times <= until]))
+    n = len(made.times)
+    assert np.abs(tops.columns(made)["theta"] - case.values["theta"][:n]).max() < 3e-16
+    t = made.events.of("turning").time
+    np.testing.assert_allclose(t, case.turnings[case.turnings < until], rtol=0, atol=2e-16)
+
+
+@pytest.mark.parametrize(("name", "system", "form", "tolerance"), [c for c in CASES if c[2] == "euler"])
+def test_forms_agree_in_longdouble(name: str, system: str, form: str, tolerance: float) -> None:
+    one = tops.reference(name, system, form, "longdouble").problem
+    other = tops.reference(name, system, "vector", "longdouble").problem
+    short = {"until": 1.0, "times": np.linspace(0, 1, 5)}
+    found = [tops.columns(solve(dataclasses.replace(p, **short))) for p in (one, other)]
+    for column in ("theta", "theta_dot", "phi_dot", "energy", "normal_force"):
+        np.testing.assert_allclose(found[0][column], found[1][column], rtol=1e-14, atol=1e-14)

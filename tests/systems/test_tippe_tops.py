@@ -1,0 +1,197 @@
+"""The rolling and gliding tippe top: what only they have."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import tops
+from tippetop import nutation
+from tippetop.engine import Status
+from tippetop.solve import solve
+from tippetop.systems import SYSTEMS, gliding, tippe_top
+
+
+VISCOUS = ("viscous", {"mu": 0.3})
+FAST = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}  # periods below: computed by quadrature in 30 digits
+
+
+def significant_turnings(made) -> tuple[np.ndarray, np.ndarray]:
+    turning = made.events.of("turning", significant=True)
+    return turning.time, turning.theta
+
+
+def test_period_of_the_rolling_tippe_top() -> None:
+    made = tops.problem("rolling-tippe-top", tops.CANONICAL, FAST, 0.2)
+    b, start = tops.si(made), tops.at_start(made)
+    found = nutation.nutation(
+        lambda z: tippe_top.theta_inertia(z, b),
+        lambda z: tippe_top.potential(z, start["routh"], start["jellett"], b),
+        start["energy"],
+        1.0,
+    )
+    assert found.period == pytest.approx(0.05405845287215864, rel=1e-13)
+    assert found.theta_min == pytest.approx(0.83867185863810919, rel=1e-13)
+    times, angles = significant_turnings(solve(made))
+    assert times[2] - times[0] == pytest.approx(0.05405845287215864, rel=1e-12)
+    assert angles[0] == pytest.approx(0.83867185863810919, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("system", "parameters", "initial", "period", "other"),
+    [
+        ("tippe-top", tops.CANONICAL, FAST, 0.06011604153899423, 0.79505511802680335),
+        (
+            "gliding-heavy-top",
+            {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82},
+            {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0},
+            0.04697105057746059,
+            0.48028100380708158,
+        ),
+    ],
+)
+def test_period_without_friction(system: str, parameters: dict, initial: dict, period: float, other: float) -> None:
+    made = tops.problem(system, parameters, initial, 3.2 * period)
+    b, s, z = tops.si(made), math.sin(initial["theta"]), math.cos(initial["theta"])
+    start = SYSTEMS[system].start(initial, s, z, b)
+    scalars = gliding.euler_scalars(start._replace(theta=initial["theta"]), b)
+    found = nutation.nutation(
+        lambda z: gliding.vertical_inertia(z, b),
+        lambda z: gliding.vertical_potential(z, scalars.Lz, scalars.L3, b),
+        gliding.energy(scalars, b) - b.m * scalars.speed2 / 2,
+        initial["theta"],
+    )
+    assert found.period == pytest.approx(period, rel=1e-12)
+    assert min(abs(found.theta_min - other), abs(found.theta_max - other)) < 1e-13
+    times, angles = significant_turnings(solve(made))
+    assert times[2] - times[0] == pytest.approx(period, rel=1e-12)
+    assert angles[0] == pytest.approx(other, rel=1e-12)
+
+
+@pytest.mark.parametrize("form", ["vector", "euler"])
+@pytest.mark.parametrize("until", [100.0, pytest.param(1e4, marks=pytest.mark.slow)])
+def test_rolling_keeps_its_integrals(form: str, until: float) -> None:
+    """lambda, D and E drift by rounding alone: 2e-16 times the root of the number of steps, times a few."""
+    made = tops.run(
+        "rolling-tippe-top",
+        tops.CANONICAL,
+        {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0},
+        until,
+        form=form,
+        events=(),
+    )
+    bound = 5 * 2.2e-16 * math.sqrt(made.report["steps"])
+    assert made.status is Status.FINISHED
+    assert max(made.report["drift"].values()) < bound
+
+
+def test_rolling_separates() -> None:
+    """E = inertia theta'^2 + V(z, D, lambda) with constant D, lambda all along a run. [T 4.10]"""
+    made = tops.run("rolling-tippe-top", tops.CANONICAL, FAST, 1.0)
+    b, rows = tops.si(made.problem), tops.columns(made)
+    z = np.cos(rows["theta"])
+    V = tippe_top.potential(z, rows["routh"][0], rows["jellett"][0], b)
+    np.testing.assert_allclose(tippe_top.theta_inertia(z, b) * rows["theta_dot"] ** 2 + V, rows["energy"], rtol=1e-13)
+
+
+def test_strong_friction_rolls() -> None:
+    """With mu growing the gliding top tends to the rolling one, as 1/mu."""
+    initial, until = {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0}, 0.05
+    rolling = tops.columns(tops.run("rolling-tippe-top", tops.CANONICAL, initial, until))["theta"]
+    distance = [
+        np.abs(
+            tops.columns(tops.run("tippe-top", tops.CANONICAL, initial, until, ("viscous", {"mu": mu})))["theta"]
+            - rolling
+        ).max()
+        for mu in (100.0, 200.0, 400.0)
+    ]
+    orders = np.log2(np.array(distance[:-1]) / distance[1:])
+    assert np.all(np.abs(orders - 1) < 0.1), (distance, orders)
+
+
+@pytest.mark.parametrize("theta", [0.0, math.pi])
+@pytest.mark.parametrize("system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"])
+def test_exact_start_at_a_pole_stays_there(system: str, theta: float) -> None:
+    """The spinning states are solutions; nothing divides by sin(theta), no digit of theta moves."""
+    heavy = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
+    parameters = heavy if "heavy" in system else tops.CANONICAL
+    friction = VISCOUS if SYSTEMS[system].frictional else ("none", {})
+    made = tops.run(system, parameters, {"theta": theta, "omega3": 100.0}, 1.0, friction)
+    rows = tops.columns(made)
+    assert made.status is Status.FINISHED
+    assert np.all(rows["theta"] == (math.pi if theta else 0.0))
+    assert np.all(np.isnan(rows["phi"]))
+    assert made.report["drift"]["axis_norm"] == 0.0
+
+
+def test_no_friction_keeps_the_energy() -> None:
+    made = tops.run("tippe-top", tops.CANONICAL, {"theta": 0.5, "omega3": 120.0, "nu_x": 0.1}, 5.0)
+    energy = tops.columns(made)["energy"]
+    assert np.abs(energy / energy[0] - 1).max() < 1e-14
+
+
+def test_a_kilogram_and_a_gram_move_alike() -> None:
+    """Another size: lengths times 4, times times 2 and masses times 8 give the same angles."""
+    small = tops.problem("tippe-top", tops.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 2.0, VISCOUS)
+    p = tops.CANONICAL
+    scaled = {
+        "m": 8 * p["m"],
+        "R": 4 * p["R"],
+        "alpha": p["alpha"],
+        "I1": 128 * p["I1"],
+        "I3": 128 * p["I3"],
+        "g": p["g"],
+    }
+    large = tops.problem("tippe-top", scaled, {"theta": 0.3, "omega3": 77.5}, 4.0, ("viscous", {"mu": 0.15}))
+    one, other = tops.columns(solve(small)), tops.columns(solve(large))
+    np.testing.assert_allclose(other["theta"], one["theta"], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(other["energy"], one["energy"] * 32, rtol=1e-12)
+
+
+def test_mirrored_start_gives_the_mirrored_run() -> None:
+    start = {"theta": 0.4, "theta_dot": 1.0, "phi": 0.3, "phi_dot": 3.0, "omega3": 120.0, "nu_x": 0.1, "nu_y": -0.2}
+    odd = ("phi", "phi_dot", "omega3", "nu_y", "jellett", "routh")
+    mirrored = {k: -v if k in odd else v for k, v in start.items()}
+    one = tops.columns(tops.run("tippe-top", tops.CANONICAL, start, 1.0, VISCOUS))
+    other = tops.columns(tops.run("tippe-top", tops.CANONICAL, mirrored, 1.0, VISCOUS))
+    for name in (
+        "theta",
+        "theta_dot",
+        "omega3",
+        "phi_dot",
+        "nu_x",
+        "nu_y",
+        "jellett",
+        "routh",
+        "energy",
+        "normal_force",
+    ):
+        sign = -1 if name in odd else 1
+        size = np.abs(one[name]).max()
+        assert np.abs(other[name] - sign * one[name]).max() < 1e-12 * size, name
+
+
+def test_events_do_not_change_the_bits() -> None:
+    plain = tops.problem("tippe-top", tops.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 3.0, VISCOUS)
+    few = solve(dataclasses.replace(plain, events=(), times=np.array([0.0])))
+    many = solve(dataclasses.replace(plain, times=np.linspace(0, 3, 10_001)))
+    assert few.final.tobytes() == many.final.tobytes()
+    assert few.report["steps"] == many.report["steps"]
+
+
+@pytest.mark.parametrize(
+    ("law", "numbers"),
+    [
+        ("coulomb", {"mu": 0.3, "eps": 0.01}),
+        ("mixed", {"mu": 0.1, "mu_coulomb": 0.2, "eps": 0.01}),
+        ("stribeck", {"mu": 0.2, "mu_static": 0.4, "v_s": 0.1, "eps": 0.01}),
+        ("latitude", {"mu": 0.3, "mu_stem": 0.1}),
+    ],
+)
+def test_every_friction_law_balances_the_energy(law: str, numbers: dict[str, float]) -> None:
+    made = tops.run("tippe-top", tops.CANONICAL, {"theta": 0.3, "omega3": 60.0}, 2.0, (law, numbers))
+    assert made.status is Status.FINISHED
+    assert made.report["drift"]["jellett"] < 1e-13
+    assert made.report["drift"]["energy_balance"] < 1e-12
+    assert np.all(tops.columns(made)["friction_power"] >= 0)

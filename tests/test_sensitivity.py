@@ -1,0 +1,29 @@
+"""With a regularised Coulomb law eps decides when a top inverts."""
+
+import pytest
+
+import tops
+from tippetop.scenario import load
+from tippetop.sensitivity import inversion_sensitivity
+
+
+def test_published_times_of_the_leine_glocker_top() -> None:
+    """90 degrees at 1.05 s for eps = 1e-2 m/s."""
+    found = inversion_sensitivity(load("leine-glocker", until=3.0))
+    times = found["inversion_time"]
+    assert times[0.01] == pytest.approx(1.05, abs=0.005)
+    assert times[0.005] > times[0.01]
+    assert found["exponent"] is None or found["exponent"] < 0
+
+
+@pytest.mark.slow
+def test_published_times_for_smaller_eps() -> None:
+    """2.71 s for eps = 1e-3 m/s."""
+    found = inversion_sensitivity(load("leine-glocker", ["friction.eps=0.001"], until=6.0), factor=10.0)
+    assert found["inversion_time"][0.001] == pytest.approx(2.71, abs=0.01)
+    assert found["inversion_time"][0.01] == pytest.approx(1.05, abs=0.005)
+
+
+def test_viscous_friction_has_no_eps() -> None:
+    made = tops.problem("tippe-top", tops.CANONICAL, {"theta": 0.1}, 1.0, ("viscous", {"mu": 0.3}))
+    assert inversion_sensitivity(made) == {}

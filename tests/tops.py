@@ -1,0 +1,112 @@
+"""Problems for tests: named bodies, reference cases, and a short way to run them."""
+
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tippetop.friction import Frictionless
+from tippetop.problem import Problem
+from tippetop.solve import Run, solve
+from tippetop.systems import SYSTEMS
+from tippetop.trajectory import View
+
+
+CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3.2e-6, "g": 9.82}
+"""S. Rauch-Wojciechowski and N. Rutstam, Regul. Chaotic Dyn. 18 (2013)."""
+
+
+def problem(
+    system: str,
+    parameters: dict[str, float],
+    initial: dict[str, float],
+    until: float,
+    friction: tuple[str, dict[str, float]] = ("none", {}),
+    **options: Any,
+) -> Problem:
+    """A problem without going through the door."""
+    used = SYSTEMS[system]
+    law = used.laws.get(friction[0])
+    record, units = (law.record(**friction[1]), law.units()) if law else (Frictionless(), Frictionless())
+    form = used.forms[options.pop("form", next(iter(used.forms)))]
+    options = {"times": np.linspace(0, until, 101), "events": tuple(e.name for e in used.events), **options}
+    return Problem(used, form, parameters, record, units, initial, until, **options)
+
+
+def run(*arguments: Any, **options: Any) -> Run:
+    """The run of `problem(...)`."""
+    return solve(problem(*arguments, **options))
+
+
+def columns(made: Run) -> dict[str, np.ndarray]:
+    """The columns of a run, by name."""
+    return {name: column.values for name, column in made.columns().items()}
+
+
+def si(made: Problem) -> Any:
+    """The body in SI units, floats."""
+    return made.body(float)
+
+
+def at_start(made: Problem) -> dict[str, float]:
+    """Quantities at t = 0, in SI units."""
+    view = View(made)
+    values = view.values(made.start()[None, :])
+    return {q.name: float(values[q.name][0]) * float(made.scales.of(q.unit)) for q in made.system.quantities}
+
+
+class Case(NamedTuple):
+    """A multi-precision trajectory and the problem that it solves."""
+
+    problem: Problem
+    times: np.ndarray
+    values: dict[str, np.ndarray]
+    turnings: np.ndarray
+    turning_angles: np.ndarray
+    crossings: list[tuple[str, float]]
+
+
+ANGLES = {"thetadot": "theta_dot", "phidot": "phi_dot"}
+COLUMNS = {
+    "theta": "theta",
+    "lambda": "jellett",
+    "D": "routh",
+    "E": "energy",
+    "Etilde": "modified_energy",
+    "g_n": "normal_force",
+    "L3": "L3",
+    "LAz": "Lz",
+    "omega3": "omega3",
+}
+
+
+def reference(name: str, system: str, form: str, precision: str = "double") -> Case:
+    """A reference case as a problem of a system in a form."""
+    stored = json.loads((Path(__file__).parent / "reference" / f"{name}.json").read_text())
+    given = {k: float(v) for k, v in stored["parameters"].items()}
+    given["I"] = given["I1"]
+    initial = {ANGLES.get(k, k): float(Fraction(v)) for k, v in stored["initial_exact"].items()}
+    used = SYSTEMS[system]
+    times = np.array(stored["t"], dtype=float)
+    made = problem(
+        system,
+        {k: given[k] for k in used.parameters},
+        {k: v for k, v in initial.items() if k in used.initial},
+        times[-1],
+        ("viscous", {"mu": given["mu"]}),
+        form=form,
+        times=times,
+        precision=precision,
+    )
+    values = {mine: np.array(stored[his], dtype=float) for his, mine in COLUMNS.items() if his in stored}
+    if "theta_unwrapped" in stored:
+        values["theta"] = np.array(stored["theta_unwrapped"], dtype=float)
+    values["horizontal_force"] = np.hypot(np.array(stored["Fx"], float), np.array(stored["Fy"], float))
+    values["x"] = np.array(stored["r"], dtype=float)[:, 0]
+    values["axis"] = np.array(stored["u"], dtype=float)
+    turnings = [(float(p["t"]), float(p["theta"])) for p in stored["turning_points"] if 0 < float(p["t"]) <= times[-1]]
+    t, theta = np.array(turnings).T if turnings else (np.zeros(0), np.zeros(0))
+    crossings = [(c["level"], float(c["t"])) for c in stored["crossings"]]
+    return Case(made, times, values, t, theta, crossings)
