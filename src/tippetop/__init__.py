@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .api import load as load
     from .api import run as run
     from .archive import open_group as open_group
+    from .ensembles import ensemble as ensemble
     from .friction import LAWS as LAWS
     from .landscape import band as band
     from .landscape import marked_lines as marked_lines
@@ -30,6 +31,7 @@ _PLACES = {
     "load": "api",
     "run": "api",
     "open_group": "archive",
+    "ensemble": "ensembles",
     "LAWS": "friction",
     "band": "landscape",
     "marked_lines": "landscape",

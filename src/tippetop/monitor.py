@@ -15,6 +15,20 @@ from .watch import Extremes
 SAMPLES_PER_SLICE = 256  # step ends at which the invariants are compared: 1 % of the cost of a slice of 4096 steps
 
 
+def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What a run must keep, of all that its states say."""
+    found = {name: values[name] for name in problem.system.integrals}
+    found["energy_balance"] = values["energy"] + values.get("work", 0.0)
+    if problem.form.name == "vector":
+        found["axis_norm"] = np.sqrt(values["ux"] ** 2 + values["uy"] ** 2 + values["uz"] ** 2)
+    return found
+
+
+def size(start: Any) -> Any:
+    """What the drift of an invariant is relative to: its start; an invariant that is zero, to internal units."""
+    return np.where(np.abs(start) > 1e-6, np.abs(start), 1.0)
+
+
 @dataclass
 class Monitor:
     """Follows a run slice by slice. Drifts are relative, and the worst of the run."""
@@ -35,18 +49,12 @@ class Monitor:
         """Takes in step ends (n, variables) of a slice of so many steps."""
         for name, values in self._invariants(rows).items():
             start = self._start[name]
-            size = abs(start) if abs(start) > 1e-6 else 1.0  # an invariant that is zero: in internal units
-            self.drift[name] = max(self.drift[name], float(np.max(np.abs(values - start))) / size)
+            self.drift[name] = max(self.drift[name], float(np.max(np.abs(values - start) / size(start))))
         self.force = self.force.joined(force)
         self.steps += steps
 
     def _invariants(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        values = self.view.values(rows)
-        found = {name: values[name] for name in self.problem.system.integrals}
-        found["energy_balance"] = values["energy"] + values.get("work", 0.0)
-        if self.problem.form.name == "vector":
-            found["axis_norm"] = np.sqrt(values["ux"] ** 2 + values["uy"] ** 2 + values["uz"] ** 2)
-        return found
+        return invariants(self.problem, self.view.values(rows))
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json` that does not concern events."""

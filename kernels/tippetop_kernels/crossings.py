@@ -1,0 +1,179 @@
+"""Where a polynomial on [0, 1] changes sign, and how far it reaches: numbers, no physics.
+
+A Taylor integrator gives every function of a step as such a polynomial (ascending coefficients, time in units of the
+step), so that zeros and extremes are found after the step, and never change it.
+"""
+
+from math import comb
+
+import numpy as np
+
+from .jit import inlined, kernel
+
+
+DEPTH = 20  # an interval is halved so often at most: two zeros within 1e-6 of a step are none
+
+HALVES = np.array([[comb(j, k) * 0.5**j for k in range(32)] for j in range(32)])
+"""Row j: the coefficients of (1/2 + x/2)^j."""
+
+NODES = np.array([[(i / 8) ** k for i in range(9)] for k in range(32)])
+"""Row k: the k-th powers of nine points. A step holds about a radian: no dip can hide between them."""
+
+
+@inlined
+def value(p, x):
+    """p(x) by Horner's rule."""
+    total = 0.0
+    for k in range(len(p) - 1, -1, -1):
+        total = total * x + p[k]
+    return total
+
+
+@inlined
+def reach(p):
+    """How far p strays from p[0] on [0, 1] at most: sum of |p[k]|, k > 0."""
+    even, odd = 0.0, 0.0  # two sums: the processor adds them side by side
+    for k in range(1, len(p) - 1, 2):
+        even += abs(p[k])
+        odd += abs(p[k + 1])
+    return even + odd if len(p) % 2 else even + odd + abs(p[-1])
+
+
+@inlined
+def crossings(p, positive, found, work):
+    """Sign changes of p on [0, 1), ascending, into `found`; how many there are, and whether p is positive at the end.
+
+    `positive` is the sign that the steps before ended with: a zero that rounding puts between two steps counts once.
+    `work` has the size of p.
+    """
+    radius = reach(p)
+    if abs(p[0]) > radius or radius == 0:  # away from zero throughout, or zero throughout
+        now = p[0] > 0 if p[0] != 0 else positive
+        if now != positive:
+            found[0] = 0.0
+            return 1, now
+        return 0, now
+    count, at, level = 0, 0, 0  # the interval [at, at + 1]/2^level
+    while True:
+        radius = 0.5 / 2.0**level
+        _shift(p, (2 * at + 1) * radius, radius, work)
+        rest, bend = 0.0, 0.0
+        for k in range(len(p) - 1, 1, -1):
+            rest += abs(work[k])
+            bend += k * abs(work[k])
+        rest += abs(work[1])
+        if abs(work[0]) > rest or abs(work[1]) > bend or level == DEPTH:
+            now = value(work, 1.0) > 0
+            if now != positive and count < len(found):
+                found[count] = (2 * at + 1 + _zero(work, now)) * radius
+                count += 1
+            positive = now
+            at += 1
+            while at % 2 == 0 and level > 0:  # up to the next interval
+                at //= 2
+                level -= 1
+            if level == 0:
+                return count, positive
+        else:
+            at *= 2
+            level += 1
+
+
+@inlined
+def _shift(p, middle, radius, work):
+    """Coefficients of p(middle + radius x)."""
+    n = len(p)
+    if radius == 0.5 and n <= 32:  # nearly always: as a product with a matrix, three times as fast
+        for k in range(n):
+            work[k] = 0.0
+        for j in range(n):
+            factor = p[j]
+            for k in range(n):
+                work[k] += HALVES[j, k] * factor
+        return
+    for k in range(n):
+        work[k] = p[k]
+    for i in range(n - 1):
+        for k in range(n - 2, i - 1, -1):
+            work[k] += middle * work[k + 1]
+    power = 1.0
+    for k in range(1, n):
+        power *= radius
+        work[k] *= power
+
+
+@kernel
+def _zero(p, rising):
+    """The zero of a monotone p on [-1, 1]: Newton, kept between bounds. An end, if rounding hides the zero there."""
+    low, high = -1.0, 1.0
+    if (value(p, low) > 0) == rising:
+        return low
+    x = min(max(-p[0] / p[1], low), high) if p[1] != 0 else 0.0
+    for _ in range(60):
+        f, slope = 0.0, 0.0
+        for k in range(len(p) - 1, -1, -1):
+            slope = slope * x + f
+            f = f * x + p[k]
+        if f == 0:
+            return x
+        if (f > 0) == rising:
+            high = x
+        else:
+            low = x
+        after = x - f / slope if slope != 0 else 0.5 * (low + high)
+        if not low <= after <= high:
+            after = 0.5 * (low + high)
+        if abs(after - x) <= 2e-16:
+            return after
+        x = after
+    return x
+
+
+@inlined
+def extremes(p, low, high, samples):
+    """The smallest value of p on [0, 1] if it may lie below `low`, else `low`; and likewise the greatest.
+
+    `samples` has the size of a row of NODES.
+    """
+    radius = reach(p)
+    if p[0] - radius >= low and p[0] + radius <= high:
+        return low, high
+    nodes = len(samples)
+    for i in range(nodes):
+        samples[i] = 0.0
+    for k in range(len(p)):
+        factor = p[k]
+        for i in range(nodes):
+            samples[i] += factor * NODES[k, i]
+    under, over = 0, 0
+    for i in range(1, nodes):
+        under = i if samples[i] < samples[under] else under
+        over = i if samples[i] > samples[over] else over
+    bend = 0.0
+    for k in range(2, len(p)):
+        bend += k * (k - 1) * abs(p[k])
+    bend /= 8 * (nodes - 1) ** 2  # between two nodes p goes no further beyond them
+    if samples[under] - bend < low:
+        low = min(low, _polished(p, 1.0, under / (nodes - 1), samples[under]))
+    if samples[over] + bend > high:
+        high = max(high, -_polished(p, -1.0, over / (nodes - 1), -samples[over]))
+    return low, high
+
+
+@kernel
+def _polished(p, sign, x, best):
+    """The smallest value of sign*p next to x: Newton on the slope, kept in [0, 1]."""
+    for _ in range(6):
+        f, slope, curve = 0.0, 0.0, 0.0
+        for k in range(len(p) - 1, -1, -1):
+            curve = curve * x + slope
+            slope = slope * x + f
+            f = f * x + p[k]
+        best = min(best, sign * f)
+        if not sign * curve > 0:
+            return best
+        after = min(1.0, max(0.0, x - slope / (2 * curve)))
+        if after == x:
+            return best
+        x = after
+    return min(best, sign * value(p, x))

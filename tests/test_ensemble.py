@@ -1,0 +1,202 @@
+"""Many tops at once are the same tops one by one, whatever runs beside them."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import tippetop
+from tippetop import batch, ensembles, scenario
+from tippetop.ensembles import CLASSES, STATUSES, measure, tops_of
+from tippetop.operand import leaves
+from tippetop.scenario import ScenarioError
+from tippetop.solve import solve
+from tippetop.tops import Tops
+
+
+def kinds(found: xr.Dataset, name: str = "class") -> np.ndarray:
+    return np.array(found[name].attrs["flag_meanings"].split())[found[name].values]
+
+
+def same(one: xr.Dataset, other: xr.Dataset) -> bool:
+    return all(one[name].values.tobytes() == other[name].values.tobytes() for name in one)
+
+
+@pytest.fixture(scope="module")
+def mixed() -> dict[str, np.ndarray]:
+    """40 tops of other spins, sizes, masses, frictions, tilts and lengths of run: inverting, upright, lifting off."""
+    rng = np.random.default_rng(6)
+    n = 40
+    return {
+        "initial.omega3": rng.uniform(60, 175, n),
+        "initial.theta": rng.uniform(0.02, 0.5, n),
+        "initial.theta_dot": rng.uniform(-1, 1, n),
+        "initial.phi_dot": rng.uniform(-5, 5, n),
+        "parameters.m": rng.uniform(0.01, 0.03, n),
+        "parameters.alpha": rng.uniform(0.25, 0.35, n),
+        "friction.mu": rng.uniform(0.1, 0.6, n),
+        "run.until": rng.uniform(0.5, 5, n),
+    }
+
+
+@pytest.fixture(scope="module")
+def found(mixed: dict[str, np.ndarray]) -> xr.Dataset:
+    return tippetop.ensemble("inverting", mixed, threads=1)
+
+
+def test_tops_are_those_of_single_problems(mixed: dict[str, np.ndarray]) -> None:
+    """Starts, parameters and ends are the same to the bit, at other sizes too (other units inside)."""
+    columns = {**mixed, "parameters.R": np.geomspace(0.002, 0.5, 40)}
+    scale = (columns["parameters.R"] / 0.02) ** 2
+    columns |= {"parameters.I1": 3e-6 * scale, "parameters.I3": 3.2e-6 * scale}
+    tops = Tops(scenario.load("inverting"), columns)
+    for i in range(40):
+        problem = scenario.load("inverting", [f"{key}={column[i]!r}" for key, column in plain(columns).items()])
+        assert problem.start().tobytes() == tops.start[:, i].copy().tobytes()
+        numbers = [float(v) for v in leaves(problem.internal_body)]
+        assert numbers == tops.pars[:, i].tolist()
+        assert problem.until / float(problem.scales.time) == tops.end[i]
+
+
+def plain(columns: dict[str, np.ndarray]) -> dict[str, list[float]]:
+    return {key: column.tolist() for key, column in columns.items()}
+
+
+def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
+    """The scalar integrator, its event detection and its logs share no code with the batch but the formulas."""
+    columns = plain(mixed)
+    for i in range(40):
+        run = solve(scenario.load("inverting", [f"{key}={column[i]!r}" for key, column in columns.items()]))
+        report, top = run.report, found.isel(top=i)
+        assert kinds(found, "status")[i] == run.status.value
+        assert float(top["t_end"]) == pytest.approx(report["t_end"], abs=1e-11)
+        assert float(top["theta_end"]) == pytest.approx(report["theta_end"], abs=1e-11)
+        assert int(top["turnings"]) == report["event_counts"].get("turning_significant", 0)
+        for name in ("first_equator", "last_equator", "inverted_at"):
+            expected = report["inversion"][name]
+            assert float(top[name]) == pytest.approx(np.nan if expected is None else expected, abs=1e-11, nan_ok=True)
+        for name in ("theta_min", "theta_max"):
+            expected = report["nutational_band"][name]
+            assert float(top[name]) == pytest.approx(np.nan if expected is None else expected, abs=1e-11, nan_ok=True)
+        dense = solve(dataclasses.replace(run.problem, times=np.linspace(0, report["t_end"], 40_001)))
+        force, weight = dense.columns()["normal_force"].values, report["normal_force"]["weight"]
+        least, most = float(top["normal_force_min"]), float(top["normal_force_max"])
+        assert -1e-13 * weight < force.min() - least < 1e-4 * weight  # of the scan: 0.1 ms
+        assert -1e-13 * weight < most - force.max() < 1e-4 * weight  # of the scan: 0.1 ms
+        assert least - report["normal_force"]["min"] < 1e-13 * weight
+        assert report["normal_force"]["max"] - most < 1e-13 * weight
+        assert float(top["drift_jellett"]) < 1e-13
+        assert float(top["drift_energy_balance"]) < 1e-12
+    assert {"finished", "liftoff"} <= set(kinds(found, "status"))
+
+
+def test_a_turning_right_after_a_start_at_rest_is_found() -> None:
+    """The start is a zero of theta' and is not logged; the next zero lies in the same step. A dense scan tells."""
+    data = {"initial.omega3": 65.94886167813415, "initial.theta": 0.022550316141261836, "friction.mu": 0.25}
+    data |= {"initial.phi_dot": -3.450667221634134, "run.until": 1.0}
+    top = tippetop.ensemble("inverting", {key: np.array([value]) for key, value in data.items()})
+    problem = scenario.load("inverting", [f"{key}={value!r}" for key, value in data.items()])
+    dense = solve(dataclasses.replace(problem, times=np.linspace(0, 1, 100_001))).columns()["theta"].values
+    moves = np.sign(np.diff(dense))
+    assert int(top["turnings"][0]) == np.sum(moves[1:] != moves[:-1])
+
+
+@pytest.mark.parametrize(("threads", "longest"), [(2, 192), (1, 31)])
+def test_neither_threads_nor_slices_nor_order_change_a_bit(
+    mixed: dict[str, np.ndarray], found: xr.Dataset, threads: int, longest: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(batch, "LONGEST", longest)
+    order = np.random.default_rng(threads).permutation(40)
+    shuffled = {key: column[order] for key, column in mixed.items()}
+    again = tippetop.ensemble("inverting", shuffled, threads=threads)
+    assert same(again, found.isel(top=order))
+
+
+@pytest.mark.parametrize("lanes", [4, 8])
+def test_the_number_of_lanes_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset, lanes: int) -> None:
+    measured = measure(tops_of("inverting", mixed, None)[0], threads=1, lanes=lanes)
+    assert same(ensembles.dataset(measured, []), found)
+
+
+def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
+    """Every third top's parameters are spoilt past the door: the others do not notice."""
+    tops, _ = tops_of("inverting", mixed, None)
+    spoilt = np.arange(40) % 3 == 1
+    tops.pars[3, spoilt] = np.where(np.arange(spoilt.sum()) % 2, np.nan, 1e-280)
+    other = ensembles.dataset(measure(tops, threads=1), [])
+    status = kinds(other, "status")
+    assert set(status[spoilt]) <= {"non-finite", "stalled", "liftoff"}
+    assert "non-finite" in status[spoilt]
+    assert same(other.isel(top=~spoilt), found.isel(top=~spoilt))
+
+
+def test_absurd_tops_are_named_and_the_others_run() -> None:
+    spins = np.array([155.0, np.nan, 160.0, 1e300])
+    moments = np.array([3.2e-6, 3.2e-6, 7e-6, 3.2e-6])
+    found = tippetop.ensemble("inverting", {"initial.omega3": spins, "parameters.I3": moments}, until=0.5)
+    assert kinds(found, "status").tolist() == ["finished", "invalid", "invalid", "invalid"]
+    assert kinds(found).tolist() == ["upright", "none", "none", "none"]
+    assert [fault.split(":")[0] for fault in found.attrs["faults"]] == ["top 1", "top 2", "top 3"]
+    assert "omega3" in found.attrs["faults"][0]
+    assert "2*I1" in found.attrs["faults"][1]
+
+
+def test_the_liftoff_border_of_the_canonical_top() -> None:
+    """Near omega3 = 165.25 rad/s, which single runs found by bisection."""
+    spins = np.linspace(165, 165.5, 33)
+    found = tippetop.ensemble("inverting", {"initial.omega3": spins}, until=8.0)
+    lifted = kinds(found) == "lifted-off"
+    assert np.all(np.diff(lifted.astype(int)) >= 0)
+    assert spins[lifted][0] == pytest.approx(165.25, abs=0.05)
+    assert np.all(found["normal_force_min"].values[~lifted] > 0)
+
+
+def test_a_fast_top_without_contact_ends_at_the_start() -> None:
+    found = tippetop.ensemble(
+        "inverting", {"initial.theta": np.full(3, 2.0), "initial.theta_dot": [1.0, 100.0, 2.0]}, until=0.2
+    )
+    assert kinds(found, "status")[1] == "liftoff"
+    assert float(found["t_end"][1]) == float(found["lifted_at"][1]) == 0.0
+    assert np.isfinite(found["theta_end"].values).all()
+
+
+def test_a_settled_top_stops_and_leaves_its_lane(tmp_path: Path) -> None:
+    text = scenario.presets()["inverting"].replace("until = 10.0", 'until = 1000.0\nstop_when = "settled"')
+    path = tmp_path / "settling.toml"
+    path.write_text(text)
+    found = tippetop.ensemble(str(path), {"initial.omega3": np.array([100.0, 130.0, 155.0])})
+    assert kinds(found, "status").tolist() == ["settled"] * 3
+    assert kinds(found).tolist() == ["inverted"] * 3
+    wait = found["t_end"].values - found["settled_at"].values
+    assert np.all((wait > 200 / 16) & (wait < 200 / 16 + 0.3))  # an internal unit is 1/16 s
+    assert np.all(found["t_end"] < 500)
+
+
+@pytest.mark.parametrize(
+    ("variations", "word"),
+    [
+        ({}, "vary something"),
+        ({"initial.spin": [1.0]}, "initial.spin"),
+        ({"initial.omega3": [1.0], "friction.mu": [1.0, 2.0]}, "one length"),
+        ({"initial.omega3": [1.0], "initial.psi_dot": [1.0]}, "alone"),
+        ({"friction.eps": [1.0]}, "friction.eps"),
+    ],
+)
+def test_what_cannot_vary_is_said_in_a_sentence(variations: dict, word: str) -> None:
+    with pytest.raises(ScenarioError, match=word):
+        tippetop.ensemble("inverting", variations)
+
+
+def test_progress_tells_every_top() -> None:
+    seen: list[tuple[int, int]] = []
+    tippetop.ensemble(
+        "inverting", {"initial.omega3": np.linspace(100, 150, 40)}, until=0.1, progress=lambda *at: seen.append(at)
+    )
+    assert seen == [(i + 1, 40) for i in range(40)]
+
+
+def test_names_of_ends() -> None:
+    assert len(set(STATUSES)) == len(STATUSES)
+    assert set(CLASSES) >= {"upright", "tumbling", "inverted", "lifted-off"}
