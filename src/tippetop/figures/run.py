@@ -35,11 +35,15 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         axes.set_ylim(-0.08, min(np.pi + 0.12, max(np.max(angle) * 1.15, 0.9)))
     for when in _of(events, "liftoff")[:1]:
         axes.axvline(when, color=ALARM, lw=1.0, ls="--", label=f"liftoff at {when:.4g} s")
-    axes.legend(loc="upper left", markerscale=2.5)
+    made.legend(loc="outside upper right", ncols=4, markerscale=2.5, fontsize=9)
     turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
     swing = events["amplitude"].values[turning]
     if len(swing):
-        below.semilogy(events["time"].values[turning], swing, color=UPPER, lw=0.9, marker=".", ms=2)
+        below.plot(events["time"].values[turning], swing, color=UPPER, lw=0.9, marker=".", ms=2)
+        if swing.max() > 10 * swing.min():
+            below.set_yscale("log")
+        else:
+            below.set_ylim(0, 1.25 * swing.max())
     below.set(xlabel="t (s)", ylabel="swing of θ (rad)")
     return made
 
