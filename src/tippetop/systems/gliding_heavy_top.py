@@ -6,7 +6,7 @@ It is the body of `gliding` with R = 0, c = -l; here is what only it has: the fo
 from typing import NamedTuple
 
 from ..friction import LAWS, slip_coefficient
-from ..operand import Operand, Vector, atan2, cos, cross, formula, plus, sin, sqrt, times
+from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
 from ..system import (
     ANGULAR_MOMENTUM,
     JOULE,
@@ -125,21 +125,7 @@ def contact_of_angles(e, s, z, b):
 @formula
 def angles_of_contact(q, b):
     """The Euler-angle state of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
-    c = contact_scalars(q, b)
-    s = sqrt(c.s2)
-    return gliding.EulerState(
-        atan2(s, c.z),
-        -c.z_dot / s,
-        c.precession / c.s2,
-        c.L3 / b.I3,
-        c.v_u / s,
-        c.v_n / s,
-        atan2(q.uy, q.ux),
-        q.x,
-        q.y,
-        q.work,
-        q.impulse,
-    )
+    return gliding.gliding_angles(contact_scalars(q, b), axis(q), q, b)
 
 
 CONTACT = Form(

@@ -8,7 +8,7 @@ L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x 3h
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from ..operand import Operand, atan2, cos, cross, dot, formula, plus, sin, sqrt, times
+from ..operand import Operand, cos, cross, formula, plus, sin, times
 from ..system import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -206,17 +206,9 @@ def vector_of_angles(e, s, z, b):
 @formula
 def angles_of_vector(q, b):
     """The Euler-angle state of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
-    u, u_dot = axis(q), tip_axis_rate(q, b)
-    s2 = u.x * u.x + u.y * u.y
-    s = sqrt(s2)
-    return EulerState(
-        atan2(s, u.z),
-        -u_dot.z / s,
-        (u.x * u_dot.y - u.y * u_dot.x) / s2,
-        dot(gliding.momentum(q), u) / b.I3,
-        atan2(u.y, u.x),
-        q.impulse,
-    )
+    c = fixed_scalars(q, b)
+    theta, theta_dot, phi_dot, phi = gliding.axis_angles(c, axis(q))
+    return EulerState(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, q.impulse)
 
 
 @formula

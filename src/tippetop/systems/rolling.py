@@ -6,7 +6,7 @@ contact follows from the motion, and is not vertical. Every formula takes its pa
 
 from typing import Any, NamedTuple
 
-from ..operand import Operand, Vector, atan2, cos, cross, dot, formula, plus, sin, sqrt, times
+from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, sqrt, times
 from ..system import (
     ANGULAR_MOMENTUM,
     METRE,
@@ -305,19 +305,9 @@ def vector_of_angles(e, s, z, b):
 @formula
 def angles_of_vector(q, b):
     """The Euler-angle state of a vector state; 0/0 exactly at a pole, where phi means nothing. [section 3.4]"""
-    u, u_dot = axis(q), axis_rate(q, b)
-    s2 = u.x * u.x + u.y * u.y
-    s = sqrt(s2)
-    return EulerState(
-        atan2(s, u.z),
-        -u_dot.z / s,
-        (u.x * u_dot.y - u.y * u_dot.x) / s2,
-        dot(momentum(q), u) / b.I3,
-        atan2(u.y, u.x),
-        q.x,
-        q.y,
-        q.impulse,
-    )
+    c = vector_scalars(q, b)
+    theta, theta_dot, phi_dot, phi = gliding.axis_angles(c, axis(q))
+    return EulerState(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, q.x, q.y, q.impulse)
 
 
 @formula

@@ -26,7 +26,9 @@ from .body import yielding as yielding
 from .chart import angles_of_euler as angles_of_euler
 from .chart import angles_of_vector as angles_of_vector
 from .chart import axis_and_momentum as axis_and_momentum
+from .chart import axis_angles as axis_angles
 from .chart import euler_of_angles as euler_of_angles
+from .chart import gliding_angles as gliding_angles
 from .chart import vector_of_angles as vector_of_angles
 from .euler import EULER_UNITS as EULER_UNITS
 from .euler import EulerState as EulerState

@@ -2,7 +2,7 @@
 
 from ...operand import Vector, atan2, cos, formula, sin, sqrt
 from .euler import EulerState, centre_velocity
-from .vector import VectorState, vector_scalars
+from .vector import VectorState, axis, vector_scalars
 
 
 @formula
@@ -38,24 +38,26 @@ def vector_of_angles(e, s, z, b):
 
 
 @formula
-def angles_of_vector(q, b):
-    """The Euler-angle state of a vector state; 0/0 exactly at a pole, where phi and what is taken along it mean
-    nothing. theta is atan2(sin, cos): no digits are lost near the poles. [section 3.4]"""
-    c = vector_scalars(q, b)
+def axis_angles(c, u):
+    """theta, theta', phi', phi of the axis u with the scalars c; 0/0 exactly at a pole, where phi and what is taken
+    along it mean nothing. theta is atan2(sin, cos): no digits are lost near the poles. [section 3.4]"""
     s = sqrt(c.s2)
-    return EulerState(
-        atan2(s, c.z),
-        -c.z_dot / s,
-        c.precession / c.s2,
-        c.L3 / b.I3,
-        c.v_u / s,
-        c.v_n / s,
-        atan2(q.uy, q.ux),
-        q.x,
-        q.y,
-        q.work,
-        q.impulse,
-    )
+    return atan2(s, c.z), -c.z_dot / s, c.precession / c.s2, atan2(u.y, u.x)
+
+
+@formula
+def gliding_angles(c, u, q, b):
+    """The Euler-angle state of a gliding body's state q, with the axis u and the scalars c."""
+    theta, theta_dot, phi_dot, phi = axis_angles(c, u)
+    s = sqrt(c.s2)
+    omega3, nu_x, nu_y = c.L3 / b.I3, c.v_u / s, c.v_n / s
+    return EulerState(theta, theta_dot, phi_dot, omega3, nu_x, nu_y, phi, q.x, q.y, q.work, q.impulse)
+
+
+@formula
+def angles_of_vector(q, b):
+    """The Euler-angle state of a vector state."""
+    return gliding_angles(vector_scalars(q, b), axis(q), q, b)
 
 
 @formula
