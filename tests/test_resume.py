@@ -268,3 +268,12 @@ def test_a_settled_run_can_stop_early(tmp_path: Path) -> None:
     assert attrs["status"] == "settled"
     assert 36 < course.t_end < 1000
     shutil.rmtree(tmp_path / "run.zarr")
+
+
+def test_a_run_killed_after_its_last_word_is_tidied_up(undisturbed: Path, tmp_path: Path) -> None:
+    """The root attributes say finished, but the checkpoint is still there: resume takes it away, and says so."""
+    store = tmp_path / "run.zarr"
+    shutil.copytree(undisturbed, store)
+    (store / "checkpoint.json").write_text("{}")
+    assert outcome(["resume", str(store)]) == 5
+    assert_same(store, undisturbed)

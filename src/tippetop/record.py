@@ -137,6 +137,8 @@ def resume(target: Path, progress: Callable[[Course], None] | None = None) -> tu
     """Continues an interrupted run. Raises StoreError, Interrupted, ScenarioError."""
     attrs = archive.attributes(target)
     if attrs["status"] != Status.RUNNING.value:
+        for left in (CHECKPOINT, LOCK):  # killed after its last word, before it could tidy up
+            (Path(target) / left).unlink(missing_ok=True)
         raise StoreError(f"`{target}` must be unfinished to be resumed, but: {attrs['reason']}.")
     course = Course(scenario.problem(scenario.tables_of(attrs)))
     lock = archive.locked(Path(target))
@@ -147,10 +149,10 @@ def _run(
     target: Path, course: Course, lock: int, progress: Callable[[Course], None] | None, *, resumed: bool = False
 ) -> tuple[Course, dict[str, Any]]:
     try:
-        zarr.config.set({"array.write_empty_chunks": True})  # a chunk of zeros is data too: its absence is damage
-        root = zarr.open_group(store=str(target), mode="r+", zarr_format=3)
-        trajectory = Appender(root["trajectory"], ROWS_PER_CHUNK)
-        events = Appender(root["events"], EVENTS_PER_CHUNK)
+        with zarr.config.set({"array.write_empty_chunks": True}):  # a chunk of zeros is data too: its absence is damage
+            root = zarr.open_group(store=str(target), mode="r+", zarr_format=3)
+            trajectory = Appender(root["trajectory"], ROWS_PER_CHUNK)
+            events = Appender(root["events"], EVENTS_PER_CHUNK)
         with Recorder(target, course, trajectory, events, lock) as recorder:
             if resumed:
                 _go_back(target, root, recorder)

@@ -229,10 +229,10 @@ class Run:
         return "\n".join([self.problem.system.title, *(f"{name:16}{text}" for name, text in said)])
 
 
-def solve(problem: Problem) -> Run:
-    """Integrates a problem to its end, gathering rows and events in memory."""
+def solve(problem: Problem, progress: Callable[[Course], None] | None = None) -> Run:
+    """Integrates a problem to its end, gathering rows and events in memory. `progress` is called after every slice."""
     course, memory = Course(problem), Memory()
-    course.run(memory)
+    course.run(memory, progress)
     assert course.status is not None
     return Run(
         problem,

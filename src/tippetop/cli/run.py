@@ -58,7 +58,8 @@ def run(
     if out is None:
         from tippetop.solve import solve
 
-        done = solve(problem)
+        with Progress(problem.until) as progress:
+            done = solve(problem, progress.update)
         attrs = archive.finite(results.attributes(problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
