@@ -39,13 +39,49 @@ def reach(p):
     return even + odd if len(p) % 2 else even + odd + abs(p[-1])
 
 
+@kernel
+def ranges(c, shift, factors, low, high, monotone, work):
+    """Bounds of many polynomials on [0, 1], (lanes,): coefficients c[k + shift]*factors[k], arrays (size, lanes).
+
+    A monotone polynomial (1 in `monotone`) lies between its ends, another between the Bernstein coefficients of its
+    cubic part, give or take the sum of the others. Lanes are the inner loop, for the processor's vectors; `work` is
+    (3, lanes), of sums that begin with the fourth power.
+    """
+    rest, end, bend = work[0], work[1], work[2]
+    lanes = len(low)
+    for lane in range(lanes):
+        rest[lane] = end[lane] = bend[lane] = 0.0
+    for k in range(4, len(factors) - shift):
+        for lane in range(lanes):
+            a = c[k + shift, lane] * factors[k, lane]
+            end[lane] += a
+            rest[lane] += abs(a)
+            bend[lane] += k * abs(a)
+    for lane in range(lanes):
+        p0, p1 = c[shift, lane], c[1 + shift, lane] * factors[1, lane]
+        p2, p3 = c[2 + shift, lane] * factors[2, lane], c[3 + shift, lane] * factors[3, lane]
+        b1, b2, b3 = p0 + p1 / 3, p0 + (2 * p1 + p2) / 3, p0 + p1 + p2 + p3
+        last = b3 + end[lane]
+        steady = abs(p1) > 2 * abs(p2) + 3 * abs(p3) + bend[lane]
+        monotone[lane] = 1.0 if steady else 0.0
+        under, over = min(min(p0, b1), min(b2, b3)) - rest[lane], max(max(p0, b1), max(b2, b3)) + rest[lane]
+        low[lane] = min(p0, last) if steady else under
+        high[lane] = max(p0, last) if steady else over
+
+
 @inlined
-def crossings(p, positive, found, work):
+def crossings(p, positive, found, work, monotone):
     """Sign changes of p on [0, 1), ascending, into `found`; how many there are, and whether p is positive at the end.
 
     `positive` is the sign that the steps before ended with: a zero that rounding puts between two steps counts once.
-    `work` has the size of p.
+    `work` has the size of p. `monotone`: p is known to be.
     """
+    if monotone:
+        now = value(p, 1.0) > 0
+        if now == positive:
+            return 0, now
+        found[0] = _zero(p, 0.0, 1.0, now)
+        return 1, now
     radius = reach(p)
     if abs(p[0]) > radius or radius == 0:  # away from zero throughout, or zero throughout
         now = p[0] > 0 if p[0] != 0 else positive
@@ -65,7 +101,7 @@ def crossings(p, positive, found, work):
         if abs(work[0]) > rest or abs(work[1]) > bend or level == DEPTH:
             now = value(work, 1.0) > 0
             if now != positive and count < len(found):
-                found[count] = (2 * at + 1 + _zero(work, now)) * radius
+                found[count] = (2 * at + 1 + _zero(work, -1.0, 1.0, now)) * radius
                 count += 1
             positive = now
             at += 1
@@ -103,17 +139,13 @@ def _shift(p, middle, radius, work):
 
 
 @kernel
-def _zero(p, rising):
-    """The zero of a monotone p on [-1, 1]: Newton, kept between bounds. An end, if rounding hides the zero there."""
-    low, high = -1.0, 1.0
+def _zero(p, low, high, rising):
+    """The zero of a monotone p on [low, high]: Newton, kept between bounds. An end, if rounding hides it there."""
     if (value(p, low) > 0) == rising:
         return low
-    x = min(max(-p[0] / p[1], low), high) if p[1] != 0 else 0.0
+    x = min(max(-p[0] / p[1], low), high) if p[1] != 0 else 0.5 * (low + high)
     for _ in range(60):
-        f, slope = 0.0, 0.0
-        for k in range(len(p) - 1, -1, -1):
-            slope = slope * x + f
-            f = f * x + p[k]
+        f, slope, _ = jet(p, x)
         if f == 0:
             return x
         if (f > 0) == rising:
@@ -130,14 +162,33 @@ def _zero(p, rising):
 
 
 @inlined
-def extremes(p, low, high, samples):
+def jet(p, x):
+    """p(x), p'(x) and p''(x)/2: even and odd powers apart, so that the processor has chains to do side by side."""
+    y = x * x
+    even, even1, even2, odd, odd1, odd2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # in powers of y
+    for k in range((len(p) - 1) // 2, -1, -1):
+        even2 = even2 * y + even1
+        even1 = even1 * y + even
+        even = even * y + p[2 * k]
+        odd2 = odd2 * y + odd1
+        odd1 = odd1 * y + odd
+        odd = odd * y + (p[2 * k + 1] if 2 * k + 1 < len(p) else 0.0)
+    return (
+        even + x * odd,
+        2 * x * even1 + odd + 2 * y * odd1,
+        even1 + 4 * y * even2 + x * (3 * odd1 + 4 * y * odd2),
+    )
+
+
+@inlined
+def extremes(p, low, high, samples, monotone):
     """The smallest value of p on [0, 1] if it may lie below `low`, else `low`; and likewise the greatest.
 
-    `samples` has the size of a row of NODES.
+    `samples` has the size of a row of NODES. `monotone`: p is known to be.
     """
-    radius = reach(p)
-    if p[0] - radius >= low and p[0] + radius <= high:
-        return low, high
+    if monotone:
+        end = value(p, 1.0)
+        return min(low, p[0], end), max(high, p[0], end)
     nodes = len(samples)
     for i in range(nodes):
         samples[i] = 0.0
@@ -164,16 +215,12 @@ def extremes(p, low, high, samples):
 def _polished(p, sign, x, best):
     """The smallest value of sign*p next to x: Newton on the slope, kept in [0, 1]."""
     for _ in range(6):
-        f, slope, curve = 0.0, 0.0, 0.0
-        for k in range(len(p) - 1, -1, -1):
-            curve = curve * x + slope
-            slope = slope * x + f
-            f = f * x + p[k]
+        f, slope, curve = jet(p, x)
         best = min(best, sign * f)
         if not sign * curve > 0:
             return best
         after = min(1.0, max(0.0, x - slope / (2 * curve)))
-        if after == x:
+        if abs(after - x) <= 1e-9:  # where the value is flat to 1e-18
             return best
         x = after
     return min(best, sign * value(p, x))

@@ -14,7 +14,7 @@ import numpy as np
 from . import ledger
 from .engine import Status
 from .events import KINDS
-from .ledger import GOING, LIFTED, SETTLED, STALLED, Places, Rules
+from .ledger import GOING, LIFTED, SETTLED, STALLED, Rules, Sources
 from .operand import leaves
 from .problem import QUADRATURE_SCALE, Problem
 from .solve import SETTLED_FOR
@@ -25,35 +25,46 @@ from .tops import Tops
 
 LANES = 16  # two vectors of eight doubles; 8 and 32 take a tenth longer a top
 LONGEST, SHORTEST = 64, 8  # steps of a slice: overhead against idle lanes, and coefficients that stay in the cache
+AT_ONCE = 32  # slices between two looks at the invariants: a look takes 0.2 ms whatever its length
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 ENDS = {GOING: Status.FINISHED, LIFTED: Status.LIFTOFF, STALLED: Status.STALLED, SETTLED: Status.SETTLED}
 
 
 class Machine(NamedTuple):
-    """A compiled batch integrator, and where the variables that the books need stand among its variables."""
+    """A compiled batch integrator, and what the books read of its Taylor coefficients."""
 
     integrator: Any
-    names: tuple[str, ...]
-    places: Places
+    rows: np.ndarray  # which variables' coefficients are kept
+    sources: Sources  # where the event functions stand among them
 
 
 @lru_cache(maxsize=32)
 def compiled(name: str, form_name: str, friction: Any, tolerance: float, lanes: int) -> Machine:
     """The batch integrator of a system in a form with a friction law.
 
-    Beside the equations of motion it integrates the event functions, scaled not to control the step: their Taylor
-    coefficients are the functions themselves on every step. heyoka's own detection takes three times the integration.
+    Taylor coefficients of an event function are those of a variable, or of a rate; if it is neither, its integral is
+    integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
     """
     system = SYSTEMS[name]
     form = system.forms[form_name]
     record, body, equations = variables(system, form, friction)
     scalars = form.scalars(record, body)
-    names = list(form.units._fields)
+    found = {}
     for event in system.events:
-        rate = hy.expression(QUADRATURE_SCALE) * event.formula(scalars, body)
-        equations.append((hy.make_vars(f"integral_{event.name}"), rate))
-        names.append(f"integral_{event.name}")
-    places = [names.index(v) if v in names else -1 for v in (*(f"integral_{k}" for k in KINDS), "ux", "uy", "uz")]
+        function = event.formula(scalars, body)
+        source = _source(function, equations)
+        found[event.name] = source or (len(equations), 1, QUADRATURE_SCALE)
+        if not source:
+            equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(QUADRATURE_SCALE) * function))
+    axis = [form.units._fields.index(v) for v in ("ux", "uy", "uz")]
+    rows = np.unique([*axis, *(index for index, _, _ in found.values())])
+    at = [found.get(kind, (-1, 0, 1.0)) for kind in KINDS]
+    sources = Sources(
+        np.array([np.searchsorted(rows, index) if index >= 0 else -1 for index, _, _ in at]),
+        np.array([shift for _, shift, _ in at]),
+        np.array([scale for _, _, scale in at]),
+        np.searchsorted(rows, axis),
+    )
     integrator = hy.taylor_adaptive_batch(
         equations,
         np.zeros((len(equations), lanes)),
@@ -61,7 +72,18 @@ def compiled(name: str, form_name: str, friction: Any, tolerance: float, lanes: 
         tol=tolerance,
         high_accuracy=True,
     )
-    return Machine(integrator, tuple(names), Places(*places))
+    return Machine(integrator, rows, sources)
+
+
+def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float] | None:
+    """Index of the variable that an expression is (shift 0), or is the rate of (shift 1), and its scale."""
+    for index, (variable, rate) in enumerate(equations):
+        if function == variable:
+            return index, 0, 1.0
+        for scale in (1.0, QUADRATURE_SCALE):
+            if hy.expression(scale) * function == rate:
+                return index, 1, scale
+    return None
 
 
 class Tally:
@@ -76,20 +98,21 @@ class Lanes:
     def __init__(self, tops: Tops, lanes: int = LANES):
         base = tops.base
         machine = compiled(base.system.name, base.form.name, base.friction.__class__, base.tolerance, lanes)
-        self.tops, self.lanes, self.places = tops, lanes, machine.places
-        self.integrator = copy.deepcopy(machine.integrator)
+        self.tops, self.lanes, self.machine = tops, lanes, machine
+        integrator = self.integrator = copy.deepcopy(machine.integrator)
         self.rules = rules(base)
         self.books = ledger.blank(lanes)
         self.top = np.full(lanes, -1)  # which top is in a lane; -1: none
         self.end = np.zeros(lanes)
-        self.final = np.zeros((lanes, len(machine.names)))
-        self.worst: dict[str, np.ndarray] = {}
-        self.samples = np.empty((len(machine.names), (LONGEST // ledger.EVERY + 1) * lanes))
-        self.owners = np.empty(self.samples.shape[1], np.int64)
-        self.tcs, self.kept = np.empty((LONGEST, *self.integrator.tc.shape)), 0
+        self.final = np.zeros((lanes, len(integrator.state)))
+        self.samples = np.empty((2, (LONGEST // ledger.EVERY + 1) * lanes), np.int64)
+        self.seen: list[tuple[np.ndarray, np.ndarray]] = []  # sampled states, and their tops, to be looked at together
+        # views of the integrator's own memory, and what is kept of it after every step
+        self.now, self.state, self.tc, self.kept = integrator.time, integrator.state, integrator.tc, 0
         self.times = np.empty((LONGEST + 1, lanes))
+        self.states = np.empty((LONGEST + 1, *self.state.shape))
+        self.tcs = np.empty((LONGEST, len(machine.rows), *self.tc.shape[1:]))
         self.tally = Tally()
-        integrator = self.integrator
         integrator.pars[:] = tops.pars[:, tops.valid][:, :1]  # lanes without a top hold a sound one, at its end
         self._put(slice(None), tops.start[:, tops.valid][:, :1])
 
@@ -117,10 +140,10 @@ class Lanes:
 
     def _length(self) -> int:
         """Steps until the first lane is likely to end."""
-        going = (self.top >= 0) & (self.books.steps > 0)
+        going = (self.top >= 0) & (self.books["steps"] > 0)
         if not going.any():
             return SHORTEST
-        left = (self.end - self.books.t)[going] * self.books.steps[going] / self.books.t[going]
+        left = (self.end - self.books["t"])[going] * self.books["steps"][going] / self.books["t"][going]
         return int(np.clip(1.01 * left.min() + 1, SHORTEST, LONGEST))
 
     def run(self, queue: Iterator[int], ready: Callable, done: Callable) -> None:
@@ -132,6 +155,7 @@ class Lanes:
             self.advance(done)
             for lane in np.flatnonzero(self.top == -2).tolist():
                 self._next(lane, queue, ready)
+        self._look()
 
     def _next(self, lane: int, queue: Iterator[int], ready: Callable) -> None:
         top = next(queue, None)
@@ -143,67 +167,69 @@ class Lanes:
     def advance(self, done: Callable) -> None:
         """A slice; lanes whose top has ended are told of and left empty (-2)."""
         ta, books = self.integrator, self.books
-        state, dtime = ta.state.copy(), tuple(np.array(part) for part in ta.dtime)
-        self.times[0], self.kept = ta.time, 0
-        # heyoka's dense output costs 0.7 ms a call (it compiles) and fresh memory; its callback 4 us a step
+        dtime = tuple(np.array(part) for part in ta.dtime)
+        self.times[0], self.states[0], self.kept = self.now, self.state, 0
+        # heyoka's dense output costs 0.7 ms a call (it compiles) and fresh memory; its callback 1 us a step
         ta.propagate_until(self.end, max_steps=self._length(), write_tc=True, callback=self._keep)
-        times, tcs = self.times[: self.kept + 1], self.tcs[: self.kept]
         outcomes = [result[0] for result in ta.propagate_res]
-        broken = [lane for lane in range(self.lanes) if outcomes[lane] == hy.taylor_outcome.err_nf_state]
-        if broken:  # heyoka stopped all lanes, in a step that nobody saw: the slice is made again without
-            for lane in broken:
-                self.final[lane] = state[:, lane]
-                if self.kept:  # the steps that were good
-                    alone = np.zeros(times.shape)
-                    alone[:, lane] = times[:, lane]
-                    self._follow(alone, tcs)
-                    if books.code[lane] == GOING:
-                        h = alone[-1, lane] - alone[-2, lane]
-                        self.final[lane] = np.polynomial.polynomial.polyval(h, tcs[-1, :, :, lane].T)
-                done(lane, Status.NON_FINITE if books.code[lane] == GOING else ENDS[int(books.code[lane])])
-            ta.state[:] = state
+        broken = np.array([outcome == hy.taylor_outcome.err_nf_state for outcome in outcomes])
+        if broken.any():  # heyoka stopped all lanes, in a step that nobody saw: the slice is made again without
+            self.times[: self.kept + 1, ~broken] = self.times[0, ~broken]  # steps that lead nowhere are not followed
+        before = int(books["steps"].sum())
+        self._follow()
+        if broken.any():
+            ta.state[:] = self.states[0]
             ta.set_dtime(*dtime)
-            for lane in broken:
+        else:
+            self.tally.made += int(books["steps"].sum()) - before
+            self.tally.possible += self.lanes * self.kept
+        over = np.array([outcome == hy.taylor_outcome.time_limit for outcome in outcomes]) & ~broken.any()
+        for lane in np.flatnonzero((self.top >= 0) & (over | broken | (books["code"] != GOING))).tolist():
+            code = int(books["code"][lane])
+            if code != GOING:
+                self.final[lane] = self._state_at_end(lane)
+            else:
+                self.final[lane] = self.states[self.kept, :, lane]
+            done(lane, Status.NON_FINITE if broken[lane] and code == GOING else ENDS[code])
+            self.end[lane] = self.now[lane]
+            if broken[lane]:
                 self.park(lane)
-                self.top[lane] = -2
-            return
-        before = int(books.steps.sum())
-        self._follow(times, tcs)
-        self.tally.made += int(books.steps.sum()) - before
-        self.tally.possible += self.lanes * self.kept
-        for lane in np.flatnonzero(self.top >= 0).tolist():
-            code = int(books.code[lane])
-            if code == GOING and outcomes[lane] != hy.taylor_outcome.time_limit:
-                continue
-            if code == GOING:
-                self.final[lane] = ta.state[:, lane]
-            done(lane, ENDS[code])
-            self.top[lane], self.end[lane] = -2, ta.time[lane]
+            self.top[lane] = -2
 
     def _keep(self, integrator: Any) -> bool:
         """heyoka calls this after every step."""
-        self.tcs[self.kept] = integrator.tc
-        self.kept += 1
-        self.times[self.kept] = integrator.time
+        k = self.kept
+        np.take(self.tc, self.machine.rows, 0, self.tcs[k], "clip")
+        self.kept = k = k + 1
+        self.states[k], self.times[k] = self.state, self.now
         return True
 
-    def _follow(self, times: np.ndarray, tcs: np.ndarray) -> None:
-        kept = ledger.follow(
-            times,
-            tcs,
-            self.places,
-            self.rules,
-            self.books,
-            1 / QUADRATURE_SCALE,
-            self.final,
-            self.samples,
-            self.owners,
-        )
+    def _follow(self) -> None:
+        times, tcs = self.times[: self.kept + 1], self.tcs[: self.kept]
+        kept = ledger.follow(times, tcs, self.machine.sources, self.rules, self.books, self.samples)
         if kept:
-            self.look(self.samples[:, :kept], self.owners[:kept])
+            steps, lanes = self.samples[:, :kept]
+            self.seen.append((self.states[steps + 1, :, lanes].T, self.top[lanes]))
+            if len(self.seen) >= AT_ONCE:
+                self._look()
 
-    def look(self, states: np.ndarray, lanes: np.ndarray) -> None:
-        """Told of sampled states; replaced by who wants to compare invariants."""
+    def _look(self) -> None:
+        seen, self.seen = self.seen, []
+        if seen:
+            self.look(*(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True)))
+
+    def _state_at_end(self, lane: int) -> np.ndarray:
+        """The state in which a rule ended a top: if in the midst of a step, that step is made again up to there."""
+        step, upto = int(self.books["step"][lane]), float(self.books["upto"][lane])
+        if upto == 1.0:
+            return self.states[step + 1, :, lane]
+        again = copy.deepcopy(self.machine.integrator)
+        again.pars[:], again.state[:] = self.integrator.pars[:, [lane]], self.states[step, :, [lane]].T
+        again.propagate_until(np.full(self.lanes, upto * (self.times[step + 1, lane] - self.times[step, lane])))
+        return again.state[:, 0]
+
+    def look(self, states: np.ndarray, tops: np.ndarray) -> None:
+        """Told of sampled states (variables, k) and whose they are; replaced by who wants to compare invariants."""
 
 
 def rules(base: Problem) -> Rules:

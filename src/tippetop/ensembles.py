@@ -99,9 +99,8 @@ class _Worker(Lanes):
         """Signs of the event functions of a top at its start."""
         return self.signs[0][top], self.signs[1][top]
 
-    def look(self, states: np.ndarray, lanes: np.ndarray) -> None:
+    def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         """Compares invariants with the start."""
-        tops = self.top[lanes]
         values = invariants(self.tops.base, self.tops.values(states[: self.variables], tops))
         for name, found in values.items():
             start = self.starts[name][tops]
@@ -109,22 +108,22 @@ class _Worker(Lanes):
 
     def done(self, lane: int, status: Status) -> None:
         """Writes the line of a top that has ended."""
-        measured, top, books = self.measured, self.top[lane], self.books
+        measured, top, book = self.measured, self.top[lane], self.books[lane]
         measured.status[top] = STATUSES.index(status.value)
         measured.final[:, top] = self.final[lane, : self.variables]
         columns = measured.columns
-        columns["t_end"][top] = self.end[lane] if status is Status.FINISHED else books.t[lane]
-        columns["turnings"][top] = books.significant[lane]
+        columns["t_end"][top] = self.end[lane] if status is Status.FINISHED else book["t"]
+        columns["turnings"][top] = book["significant"]
         for name in (*TIMES, "equators", "theta_min", "theta_max", "steps"):
-            columns[name][top] = getattr(books, name)[lane]
-        columns["normal_force_min"][top] = books.force_min[lane]
-        columns["normal_force_max"][top] = books.force_max[lane]
-        measured.settled[top] = not books.positive[lane, KINDS.index("settled")]
+            columns[name][top] = book[name]
+        columns["normal_force_min"][top] = book["force_min"]
+        columns["normal_force_max"][top] = book["force_max"]
+        measured.settled[top] = not book["positive"][KINDS.index("settled")]
 
     def finish_turning(self, lane: int) -> None:
         """The end may confirm the turning that waits."""
-        x, y, z = (self.final[lane, v] for v in self.places[-3:])
-        ledger.confirm(self.books, lane, float(np.arctan2(np.sqrt(x * x + y * y), z)))
+        x, y, z = self.final[lane, self.machine.rows[self.machine.sources.axis]]
+        ledger.confirm(self.books[lane], float(np.arctan2(np.sqrt(x * x + y * y), z)))
 
 
 def measure(

@@ -8,29 +8,30 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop_kernels.crossings import crossings, extremes
+from tippetop_kernels.crossings import crossings, extremes, ranges
 from tippetop_kernels.jit import inlined, kernel
 
-from .events import NOISE_FLOOR
+from .events import KINDS, NOISE_FLOOR
 
 
 GOING, LIFTED, STALLED, SETTLED = range(4)
 EVERY = 32  # steps between two looks at the invariants
 TINY = 1e-10  # internal time: a step that leads nowhere
 PATIENCE = 64  # tiny steps in a row that are a stall
+KIND_COUNT = len(KINDS)
+ORDER = (1, 0, 2, 3, 4)  # liftoff first: it ends the step for the others
 
 
-class Places(NamedTuple):
-    """Where the integrals of the event functions stand among the integrated variables (-1: nowhere), and the axis."""
+class Sources(NamedTuple):
+    """Where the event functions stand among the Taylor coefficients that are kept, by number of kind, and the axis.
 
-    turning: int
-    liftoff: int
-    equator: int
-    inverted: int
-    settled: int
-    ux: int
-    uy: int
-    uz: int
+    A function is a variable (shift 0) or the rate of one (shift 1), over `scale`; row -1: the system has none.
+    """
+
+    row: np.ndarray  # (kinds,)
+    shift: np.ndarray  # (kinds,)
+    scale: np.ndarray  # (kinds,)
+    axis: np.ndarray  # (3,) rows of 3hat
 
 
 class Rules(NamedTuple):
@@ -45,6 +46,8 @@ _BLANK: dict[str, Any] = {
     "code": 0,
     "t": 0.0,  # internal time reached
     "steps": 0,
+    "step": 0,  # of the slice, the last one made
+    "upto": 1.0,  # how far of it
     "tiny": 0,  # steps in a row that led nowhere
     "positive": np.zeros(5, np.int8),  # present sign of the event functions, as in Places
     "on_zero": np.zeros(5, np.int8),  # the run starts on a zero, which is not logged
@@ -61,166 +64,194 @@ _BLANK: dict[str, Any] = {
 """What a page starts with; times are internal, NaN: did not happen."""
 
 
-def blank(lanes: int) -> np.recarray:
+def blank(lanes: int) -> np.ndarray:
     """Books of so many lanes: one array of records, because numba counts references to each array that it passes."""
-    fields = [(name, np.array(value).dtype, np.shape(value)) for name, value in _BLANK.items()]
-    books = np.recarray(lanes, dtype=fields)
+    books = np.empty(lanes, [(name, np.array(value).dtype, np.shape(value)) for name, value in _BLANK.items()])
     for name, value in _BLANK.items():
         books[name] = value
     return books
 
 
-def open_page(books: np.recarray, lane: int, positive: np.ndarray, on_zero: np.ndarray) -> None:
+def open_page(books: np.ndarray, lane: int, positive: np.ndarray, on_zero: np.ndarray) -> None:
     """A new top in a lane: event functions are positive or not at its start, or on their zero."""
-    books[lane] = blank(1)[0]
-    books.positive[lane], books.on_zero[lane] = positive, on_zero
+    books[lane] = _PAGE
+    books["positive"][lane], books["on_zero"][lane] = positive, on_zero
+
+
+_PAGE = blank(1)[0]
 
 
 @kernel
-def follow(times, tcs, places, rules, books, scale, final, samples, owners):
-    """Takes in the steps of a slice: times (n + 1, lanes), Taylor coefficients tcs (n, variables, order + 1, lanes).
+def follow(times, tcs, sources, rules, books, samples):
+    """Takes in the steps of a slice: times (n + 1, lanes), Taylor coefficients tcs (n, rows, order + 1, lanes).
 
-    Fills `final` (lanes, variables) of lanes that ended by a rule, and `samples` (variables, k) with every 32nd state
-    of a lane, `owners` (k,) with its lane. Gives how many samples there are.
+    The book of a lane that ended by a rule says in which step and where in it. Fills `samples` (2, k) with step and
+    lane of every 32nd step of a lane; gives how many there are.
     """
-    steps, variables, size, lanes = tcs.shape
-    p, work, found = np.empty(size - 1), np.empty(size - 1), np.empty(size)
-    powers, nodes = np.empty(size - 1), np.empty(9)
+    steps, _, size, lanes = tcs.shape
+    p, work, found, nodes = np.empty(size), np.empty(size), np.empty(size), np.empty(9)
+    factors, sums = np.empty((2, size, lanes)), np.empty((3, lanes))
+    low, high, steady = np.empty((KIND_COUNT, lanes)), np.empty((KIND_COUNT, lanes)), np.empty((KIND_COUNT, lanes))
+    known, quiet = np.empty((KIND_COUNT + 2, lanes)), np.empty(lanes)
+    for lane in range(lanes):
+        _recall(books[lane], sources, known, lane)
     kept = 0
     for i in range(steps):
+        _factors(times[i], times[i + 1], factors)
+        for e in range(KIND_COUNT):
+            if sources.row[e] >= 0:
+                shift = sources.shift[e]
+                ranges(tcs[i, sources.row[e]], shift, factors[shift], low[e], high[e], steady[e], sums)
+        _silence(low, high, known, sources, quiet)
         for lane in range(lanes):
-            h = times[i + 1, lane] - times[i, lane]
-            if books[lane].code != GOING or not h > 0:
+            t, h = times[i, lane], times[i + 1, lane] - times[i, lane]
+            book = books[lane]
+            if not h > 0 or book.code != GOING:
                 continue
-            t, upto = times[i, lane], 1.0
-            power = scale
-            for k in range(size - 1):
-                powers[k] = (k + 1) * power
-                power *= h
-            if places.liftoff >= 0:
-                _rate(tcs, i, places.liftoff, lane, powers, p)
-                upto = _force(p, t, h, lane, rules, books, found, work, nodes)
-            _turnings(tcs, i, t, h, lane, upto, powers, places, books, p, found, work)
-            _passages(tcs, i, t, h, lane, upto, powers, places, books, p, found, work)
-            books[lane].steps += 1
-            books[lane].t = t + upto * h if upto < 1.0 else times[i + 1, lane]
-            books[lane].tiny = books[lane].tiny + 1 if h < TINY else 0
-            if books[lane].code == GOING:
-                if books[lane].steps >= rules.most_steps or books[lane].tiny >= PATIENCE:
-                    books[lane].code = STALLED
-                elif t + h - books[lane].settled_at > rules.settled_for and not books[lane].positive[4]:
-                    books[lane].code = SETTLED
-            if books[lane].code != GOING:
-                for v in range(variables):
-                    final[lane, v] = _at(tcs, i, v, lane, h, upto)
-            if books[lane].steps % EVERY == 0:
-                for v in range(variables):
-                    samples[v, kept] = _at(tcs, i, v, lane, h, upto)
-                owners[kept] = lane
+            upto = 1.0
+            if not quiet[lane] >= 0:
+                for e in ORDER:
+                    if sources.row[e] < 0 or (e != 1 and (low[e, lane] if known[e, lane] > 0 else -high[e, lane]) > 0):
+                        continue
+                    shift, unit, monotone = sources.shift[e], 1.0 / sources.scale[e], steady[e, lane] > 0
+                    p[size - 1] = 0.0
+                    for k in range(size - shift):
+                        p[k] = tcs[i, sources.row[e], k + shift, lane] * factors[shift, k, lane] * unit
+                    if e == 1:
+                        upto = _force(p, t, h, book, rules, found, work, nodes, monotone)
+                        continue
+                    count, _ = crossings(p, book.positive[e] != 0, found, work, monotone)
+                    if e == 0:
+                        _turnings(tcs, i, t, h, lane, upto, sources, book, found, count)
+                    else:
+                        _passages(e, t, h, upto, book, found, count)
+                _recall(book, sources, known, lane)
+            book.steps += 1
+            book.tiny = book.tiny + 1 if h < TINY else 0
+            if book.code == GOING:
+                if book.steps >= rules.most_steps or book.tiny >= PATIENCE:
+                    book.code = STALLED
+                elif not book.positive[4] and t + h - book.settled_at > rules.settled_for:
+                    book.code = SETTLED
+            book.t = t + upto * h if upto < 1.0 else times[i + 1, lane]
+            book.step, book.upto = i, upto
+            if upto == 1.0 and book.steps % EVERY == 0:
+                samples[0, kept], samples[1, kept] = i, lane
                 kept += 1
     return kept
 
 
 @inlined
-def _rate(tcs, i, v, lane, powers, p):
-    """The rate of a variable over a step, as a polynomial in time over h; powers of h come with k and units."""
-    for k in range(len(p)):
-        p[k] = tcs[i, v, k + 1, lane] * powers[k]
-
-
-@inlined
-def _at(tcs, i, v, lane, h, tau):
-    """A variable at the time tau h of a step."""
-    total, x = 0.0, tau * h
-    for k in range(tcs.shape[2] - 1, -1, -1):
-        total = total * x + tcs[i, v, k, lane]
-    return total
+def _recall(book, sources, known, lane):
+    """What decides whether a step of a lane says anything new: signs, and extremes of the force in the row's units."""
+    for e in range(KIND_COUNT):
+        known[e, lane] = 1.0 if book.positive[e] else -1.0
+    known[KIND_COUNT, lane] = book.force_min * sources.scale[1]
+    known[KIND_COUNT + 1, lane] = book.force_max * sources.scale[1]
 
 
 @kernel
-def _theta(tcs, i, h, lane, tau, places):
-    x, y, z = (
-        _at(tcs, i, places.ux, lane, h, tau),
-        _at(tcs, i, places.uy, lane, h, tau),
-        _at(tcs, i, places.uz, lane, h, tau),
-    )
-    return np.arctan2(np.sqrt(x * x + y * y), z)
+def _silence(low, high, known, sources, quiet):
+    """Not negative for lanes in whose step no function changes sign and the force stays within its extremes."""
+    lanes = len(quiet)
+    for lane in range(lanes):
+        quiet[lane] = 1.0
+    for e in range(KIND_COUNT):
+        if sources.row[e] >= 0:
+            for lane in range(lanes):
+                quiet[lane] = quiet[lane] if (low[e, lane] if known[e, lane] > 0 else -high[e, lane]) > 0 else -1.0
+    if sources.row[1] >= 0:
+        for lane in range(lanes):
+            inside = low[1, lane] >= known[KIND_COUNT, lane] and high[1, lane] <= known[KIND_COUNT + 1, lane]
+            quiet[lane] = quiet[lane] if inside else -1.0
+
+
+@kernel
+def _factors(start, end, factors):
+    """What turns Taylor coefficients in time into those in time over h: of variables, and of rates."""
+    for lane in range(len(start)):
+        factors[0, 0, lane] = factors[1, 0, lane] = 1.0
+    for k in range(1, factors.shape[1]):
+        for lane in range(len(start)):
+            factors[0, k, lane] = factors[0, k - 1, lane] * (end[lane] - start[lane])
+            factors[1, k, lane] = (k + 1) * factors[0, k, lane]
+
+
+@kernel
+def _theta(tcs, i, x, lane, axis):
+    """theta at the time x of step i."""
+    a, b, c = 0.0, 0.0, 0.0
+    for k in range(tcs.shape[2] - 1, -1, -1):
+        a = a * x + tcs[i, axis[0], k, lane]
+        b = b * x + tcs[i, axis[1], k, lane]
+        c = c * x + tcs[i, axis[2], k, lane]
+    return np.arctan2(np.sqrt(a * a + b * b), c)
 
 
 @inlined
-def _force(p, t, h, lane, rules, books, found, work, nodes):
+def _force(p, t, h, book, rules, found, work, nodes, monotone):
     """Liftoff, and extremes of the normal force up to it; gives where in the step the top ends, 1 if it does not."""
     upto = 1.0
-    count, positive = crossings(p, books[lane].positive[1] != 0, found, work)
-    books[lane].positive[1] = positive
+    count, positive = crossings(p, book.positive[1] != 0, found, work, monotone)
+    book.positive[1] = positive
     for k in range(count):
         falling = positive != ((count - k) % 2 == 1)
-        if falling and np.isnan(books[lane].lifted_at):
-            books[lane].lifted_at = t + found[k] * h
+        if falling and np.isnan(book.lifted_at):
+            book.lifted_at = t + found[k] * h
             if rules.stop_at_liftoff:
-                books[lane].code, upto = LIFTED, found[k]
+                book.code, upto = LIFTED, found[k]
                 power = 1.0
                 for j in range(len(p)):
                     p[j] *= power
                     power *= upto
-    low, high = books[lane].force_min, books[lane].force_max
-    books[lane].force_min, books[lane].force_max = extremes(p, low, high, nodes)
+    book.force_min, book.force_max = extremes(p, book.force_min, book.force_max, nodes, monotone)
     return upto
 
 
 @inlined
-def _turnings(tcs, i, t, h, lane, upto, powers, places, books, p, found, work):
+def _turnings(tcs, i, t, h, lane, upto, sources, book, found, count):
     """Turning angles: how many, how many more than rounding (as `events.Confirmation` tells), and their band."""
-    if places.turning < 0:
-        return
-    _rate(tcs, i, places.turning, lane, powers, p)
-    count, _ = crossings(p, books[lane].positive[0] != 0, found, work)
     for k in range(count):
         if found[k] > upto:
             break
-        books[lane].positive[0] = 1 - books[lane].positive[0]
-        if books[lane].on_zero[0] and t + found[k] * h <= 1e-6:
+        book.positive[0] = 1 - book.positive[0]
+        if book.on_zero[0] and t + found[k] * h <= 1e-6:
             continue
-        books[lane].turnings += 1
-        theta, sign = _theta(tcs, i, h, lane, found[k], places), -1 if books[lane].positive[0] else 1
-        confirm(books, lane, theta)
-        if books[lane].waiting == 0 or (sign == books[lane].waiting and sign * (theta - books[lane].waits_at) < 0):
-            books[lane].waiting, books[lane].waits_at = sign, theta
+        book.turnings += 1
+        theta, sign = _theta(tcs, i, found[k] * h, lane, sources.axis), -1 if book.positive[0] else 1
+        confirm(book, theta)
+        if book.waiting == 0 or (sign == book.waiting and sign * (theta - book.waits_at) < 0):
+            book.waiting, book.waits_at = sign, theta
 
 
 @kernel
-def confirm(books, lane, theta):
+def confirm(book, theta):
     """The waiting turning counts once theta has come back from it by the floor."""
-    if books[lane].waiting != 0 and books[lane].waiting * (theta - books[lane].waits_at) >= NOISE_FLOOR:
-        at = books[lane].waits_at
-        books[lane].significant += 1
-        books[lane].theta_min = at if np.isnan(books[lane].theta_min) else min(at, books[lane].theta_min)
-        books[lane].theta_max = at if np.isnan(books[lane].theta_max) else max(at, books[lane].theta_max)
-        books[lane].waiting = 0
+    if book.waiting != 0 and book.waiting * (theta - book.waits_at) >= NOISE_FLOOR:
+        at = book.waits_at
+        book.significant += 1
+        book.theta_min = at if np.isnan(book.theta_min) else min(at, book.theta_min)
+        book.theta_max = at if np.isnan(book.theta_max) else max(at, book.theta_max)
+        book.waiting = 0
 
 
 @inlined
-def _passages(tcs, i, t, h, lane, upto, powers, places, books, p, found, work):
+def _passages(e, t, h, upto, book, found, count):
     """First and last passages of the equator, the first beyond pi - 0.1, and the last moment when sliding died."""
-    for e, v in ((2, places.equator), (3, places.inverted), (4, places.settled)):
-        if v < 0:
+    for k in range(count):
+        when = t + found[k] * h
+        if found[k] > upto:
+            break
+        book.positive[e] = 1 - book.positive[e]
+        falling = not book.positive[e]
+        if book.on_zero[e] and when <= 1e-6:
             continue
-        _rate(tcs, i, v, lane, powers, p)
-        count, _ = crossings(p, books[lane].positive[e] != 0, found, work)
-        for k in range(count):
-            when = t + found[k] * h
-            if found[k] > upto:
-                break
-            books[lane].positive[e] = 1 - books[lane].positive[e]
-            falling = not books[lane].positive[e]
-            if books[lane].on_zero[e] and when <= 1e-6:
-                continue
-            if e == 2:
-                books[lane].equators += 1
-                books[lane].last_equator = when
-                if np.isnan(books[lane].first_equator):
-                    books[lane].first_equator = when
-            elif e == 3 and falling and np.isnan(books[lane].inverted_at):
-                books[lane].inverted_at = when
-            elif e == 4 and falling:
-                books[lane].settled_at = when
+        if e == 2:
+            book.equators += 1
+            book.last_equator = when
+            if np.isnan(book.first_equator):
+                book.first_equator = when
+        elif e == 3 and falling and np.isnan(book.inverted_at):
+            book.inverted_at = when
+        elif e == 4 and falling:
+            book.settled_at = when
