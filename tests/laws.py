@@ -79,6 +79,8 @@ class Case:
                 L3 = np.sum(L * u, axis=0)
                 L = L3 * u + (L - L3 * u) * b.I1 / (b.I1 + b.m * b.c**2)
         else:
+            if hasattr(q, "lam"):
+                q = angles_of_integrals(q, b)
             planar = hasattr(q, "s")
             s, z = (q.s, q.z) if planar else (np.sin(q.theta), np.cos(q.theta))
             phi = zero if planar else q.phi
@@ -101,6 +103,26 @@ class Case:
     def derivative(self) -> Motion:
         """Derivatives of the vectors along the flow."""
         return self.along(self.motion)
+
+
+class Angles(NamedTuple):
+    """What `motion` reads of Euler angles."""
+
+    theta: Any
+    theta_dot: Any
+    phi: Any
+    phi_dot: Any
+    omega3: Any
+
+
+def angles_of_integrals(q: Any, b: Any) -> Angles:
+    """Euler angles of z, z', D, lambda: L_3 from D = L_3 sqrt(d), L_z from lambda = R L_z - c L_3."""
+    s = np.sqrt(1 - q.z**2)
+    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
+    L3 = q.D / np.sqrt(gamma + sigma * (alpha - q.z) ** 2 + sigma * gamma * s**2)
+    Lz = q.lam / b.R + alpha * L3
+    theta = np.pi / 2 - np.arcsin(q.z)  # complex steps go through arcsin
+    return Angles(theta, -q.z_dot / s, q.phi, (Lz - L3 * q.z) / (b.I1 * s**2), L3 / b.I3)
 
 
 # --- the laws -------------------------------------------------------------------------------------------------------
@@ -298,7 +320,7 @@ def mirror(case: Case) -> Pairs:
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
     else:
-        signs = {"uy": -1, "Lx": -1, "Lz": -1, "L3": -1, "ry_dot": -1, "vy": -1, "y": -1}
+        signs = dict.fromkeys(("uy", "Lx", "Lz", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1)
         mine, theirs = case.form.rates(case.state, case.body), case.form.rates(q, case.body)
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)

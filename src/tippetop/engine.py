@@ -26,6 +26,7 @@ from .watch import Extremes, falls_below_zero, rate_extremes
 hy.set_logger_level_critical()  # heyoka warns on stdout, which is ours; every outcome it warns of has a status here
 
 STEPS_PER_SLICE = 4096  # about 10 ms of work and 6 MB of dense output: prompt to interrupt, cheap to keep
+LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of compilation pay
 EVENT_SCALE = 2.0**-24  # events must not control the step either: with and without them, a run has the same bits
 
 
@@ -64,10 +65,18 @@ class Log:
 
 @lru_cache(maxsize=32)
 def compiled(
-    name: str, form_name: str, friction: Any, precision: str, tolerance: float, events: tuple[str, ...], stop: bool
+    name: str,
+    form_name: str,
+    friction: Any,
+    precision: str,
+    tolerance: float,
+    events: tuple[str, ...],
+    stop: bool,
+    compact: bool,
 ) -> Compiled:
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
-    heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`."""
+    heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`. `compact` code compiles at once, and
+    runs a third slower."""
     system = SYSTEMS[name]
     form = system.forms[form_name]
     record, body, equations = variables(system, form, friction)
@@ -95,7 +104,7 @@ def compiled(
         high_accuracy=True,
         nt_events=passing,
         t_events=terminal,
-        compact_mode=precision != "double",  # otherwise 6 s (longdouble) and 25 s (quad) of compilation
+        compact_mode=compact,
         fp_type=number,
     )
     return Compiled(integrator, tuple(kinds))
@@ -126,6 +135,7 @@ def integrator_of(problem: Problem) -> Any:
             problem.tolerance,
             detected,
             problem.on_liftoff == "stop",
+            problem.precision != "double" and float(problem.internal_time(problem.until)) < LONG,
         ).integrator
     )
     integrator.pars[:] = [problem.number(leaf) for leaf in leaves(problem.internal_body)]

@@ -17,6 +17,7 @@ from .operand import leaves
 from .problem import PRECISIONS, Problem
 from .system import Parameter, System
 from .systems import SYSTEMS
+from .systems.gliding import POLE
 from .times import Given, Grid
 from .trajectory import View
 
@@ -237,8 +238,9 @@ def _initial_faults(system: System, form: str, initial: dict[str, Any]) -> list[
         faults.append("`initial.psi_dot` must stand alone, but `initial.omega3` is given too.")
     if initial.get("centre_at_rest") and ("nu_x" in initial or "nu_y" in initial):
         faults.append("`initial.centre_at_rest` must stand alone, but `initial.nu_x` or `initial.nu_y` is given too.")
-    if form == "euler" and initial.get("theta", 0.0) in (0.0, math.pi):
-        faults.append('`initial.theta` must not be 0 or pi where form = "euler" is singular; form = "vector" can.')
+    singular = form in system.forms and POLE in system.forms[form].hazards
+    if singular and initial.get("theta", 0.0) in (0.0, math.pi):
+        faults.append(f'`initial.theta` must not be 0 or pi where form = "{form}" is singular; form = "vector" can.')
     return faults
 
 

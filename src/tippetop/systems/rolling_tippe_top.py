@@ -2,6 +2,7 @@
 
 from ..system import ANGULAR_MOMENTUM, Quantity, System
 from . import gliding, rolling, tippe_top
+from .reduced import REDUCED
 
 
 ROLLING_TIPPE_TOP = System(
@@ -16,7 +17,7 @@ ROLLING_TIPPE_TOP = System(
     initial=rolling.INITIAL,
     start=rolling.start,
     angles=rolling.EULER_UNITS,
-    forms=rolling.FORMS,
+    forms={"vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
     quantities=(
         gliding.JELLETT_QUANTITY,
         Quantity("routh", "D", ANGULAR_MOMENTUM, "Routh's function", tippe_top.routh),

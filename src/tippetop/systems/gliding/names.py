@@ -60,7 +60,7 @@ def away_from_pole(s, b):
 
 
 JAMMED = Hazard(yielding, "the friction jams the contact (denominator of g_n not positive): no solution of the model")
-POLE = Hazard(away_from_pole, 'the Euler-angle form is singular where sin(theta) = 0: use form = "vector"')
+POLE = Hazard(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
 
 VECTOR = Form(
     "vector", VECTOR_UNITS, vector_rates, vector_scalars, vector_of_angles, angles_of_vector, QUADRATURES, (JAMMED,)

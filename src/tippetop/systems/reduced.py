@@ -1,0 +1,104 @@
+"""The rolling tippe top reduced by its integrals: z = cos(theta) moves, Routh's D and Jellett's lambda are numbers.
+
+Singular at the poles, like Euler angles. Rounding reaches the energy through z and z' alone: over very long runs it
+drifts less than in vector form, in which every component of L is rounded at every step.
+"""
+
+from typing import NamedTuple
+
+from ..operand import Operand, atan2, cos, formula, sin, sqrt
+from ..system import ANGULAR_MOMENTUM, JELLETT, METRE, NEWTON_SECOND, ONE, PER_SECOND, RADIAN, Form
+from . import gliding, rolling, tippe_top
+from .gliding import POLE
+
+
+class ReducedState(NamedTuple):
+    """z = cos(theta), z', Routh's function D, Jellett's integral lambda; then what the equations do not read."""
+
+    z: Operand
+    z_dot: Operand
+    D: Operand
+    lam: Operand
+    phi: Operand
+    x: Operand
+    y: Operand
+    impulse: Operand
+
+
+REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT, RADIAN, METRE, METRE, NEWTON_SECOND)
+
+
+@formula
+def spin_momentum(z, D, b):
+    """L_3 = D/sqrt(d(z)) [kg m^2/s]. [T 4.7]"""
+    return D / sqrt(tippe_top.d(z, b))
+
+
+@formula
+def free_scalars(q, b):
+    """The scalars of a reduced state, without speed2 and grip2."""
+    z, s2 = q.z, (1 - q.z) * (1 + q.z)
+    L3 = spin_momentum(z, q.D, b)
+    Lz = (q.lam + b.c * L3) / b.R
+    precession = (Lz - L3 * z) / b.I1
+    axis_speed2 = (q.z_dot * q.z_dot + precession * precession) / s2
+    fall = L3 / b.I1 * precession - z * axis_speed2
+    return rolling.Scalars(z, s2, q.z_dot, fall, precession, axis_speed2, L3, Lz, 0, 0)
+
+
+@formula
+def reduced_scalars(q, b):
+    """The scalars of a reduced state; the horizontal reaction by its parts along and across the lean of the axis."""
+    s = free_scalars(q, b)
+    along, across = rolling.push_along(s, b), b.I3 * rolling.spin_rate(s, b) / b.R
+    speed2 = gliding.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
+    grip2 = (along**2 + across**2) / s.s2
+    return rolling.Scalars(s.z, s.s2, s.z_dot, s.fall, s.precession, s.axis_speed2, s.L3, s.Lz, speed2, grip2)
+
+
+@formula
+def reduced_rates(q, b):
+    """z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
+    s = free_scalars(q, b)
+    sine = sqrt(s.s2)
+    along_e = -(q.z_dot * (b.R - b.c * q.z)) / sine
+    along_2 = -(sine * (b.R * (s.L3 / b.I3))) - (b.c - b.R * q.z) * s.precession / sine
+    ex, ey = cos(q.phi), sin(q.phi)
+    return ReducedState(
+        q.z_dot,
+        rolling.z_dot2(s, b),
+        0 * q.D,
+        0 * q.lam,
+        s.precession / s.s2,
+        along_e * ex - along_2 * ey,
+        along_e * ey + along_2 * ex,
+        rolling.normal_force(s, b),
+    )
+
+
+@formula
+def reduced_of_angles(e, s, z, b):
+    """The reduced state of an Euler-angle state."""
+    c = rolling.euler_scalars(e, b)
+    return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), gliding.jellett(c, b), e.phi, e.x, e.y, e.impulse)
+
+
+@formula
+def angles_of_reduced(q, b):
+    """The Euler-angle state of a reduced state, phi in (-pi, pi]."""
+    c = free_scalars(q, b)
+    s = sqrt(c.s2)
+    phi = atan2(sin(q.phi), cos(q.phi))
+    return rolling.EulerState(atan2(s, q.z), -(q.z_dot / s), c.precession / c.s2, c.L3 / b.I3, phi, q.x, q.y, q.impulse)
+
+
+REDUCED = Form(
+    "reduced",
+    REDUCED_UNITS,
+    reduced_rates,
+    reduced_scalars,
+    reduced_of_angles,
+    angles_of_reduced,
+    ("phi", "x", "y", "impulse"),
+    (POLE,),
+)
