@@ -11,8 +11,9 @@ from typing import Any
 
 
 PACKAGES = (
-    "tippetop heyoka numpy numba llvmlite scipy numbalsoda diffrax jax CyRK jitcode scikit-sundae xarray zarr".split()
-)
+    "tippetop", "heyoka", "numpy", "numba", "llvmlite", "scipy", "numbalsoda", "diffrax", "jax", "CyRK", "jitcode",
+    "scikit-sundae", "xarray", "zarr",
+)  # fmt: skip
 
 
 def interleaved(works: Mapping[Hashable, Callable[[], float]], rounds: int) -> dict[Hashable, list[float]]:

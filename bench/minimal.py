@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.problem import QUADRATURE_SCALE, Problem
+from tippetop.problem import Problem
 from tippetop.trajectory import View
 
 
@@ -57,8 +57,10 @@ class Minimal:
         return rows[:, [fields.index(name) for name in self.names]]
 
     def theta(self, states: np.ndarray) -> np.ndarray:
-        """theta [rad] of minimal states (k, n)."""
+        """theta [rad] of minimal states (k, n); where it is a quadrature itself (cylinders), without its turns."""
         fields = self.problem.form.units._fields
+        if "theta" not in self.names and "s" in self.names:
+            return np.arctan2(*(states[:, self.names.index(name)] for name in "sz"))
         rows = np.zeros((len(states), len(fields)), dtype=states.dtype)
         rows[:, [fields.index(name) for name in self.names]] = states
         return theta_of(self.problem, rows)
@@ -131,6 +133,13 @@ def theta_of(problem: Problem, rows: np.ndarray) -> np.ndarray:
     columns = View(problem).columns(np.zeros(len(rows)), rows)
     low = columns["theta_lo"].values.astype(np.longdouble) if "theta_lo" in columns else 0.0
     return columns["theta"].values + low
+
+
+def apart(theta: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """|theta - exact| [rad], whatever the turns."""
+    difference = theta - exact
+    turn = 2 * np.longdouble(np.pi)
+    return np.abs(difference - turn * np.round(difference / turn)).astype(float)
 
 
 class Lines:
@@ -211,6 +220,3 @@ class Symbol:
     def sqrt(self) -> "Symbol":
         """numpy asks its operands for it."""
         return self.lines.new(f"std::sqrt({self.name})")
-
-
-assert QUADRATURE_SCALE  # quadratures are scaled in the engine; here they are absent

@@ -12,7 +12,7 @@ from tippetop.solve import solve
 
 from . import ours
 from .measure import interleaved, timed
-from .minimal import Minimal, theta_of
+from .minimal import Minimal, apart, theta_of
 from .peers import CALLING, FIELD, Peer
 
 
@@ -70,12 +70,12 @@ def compare(course: Course, quick: bool) -> dict[str, Any]:
 
 def entered(entry: dict, works: dict, peer: Peer, minimal: Minimal, exact: np.ndarray, quick: bool) -> None:
     """A contestant's errors, and its work among the works."""
-    tolerances = peer.tolerances[1::2] if quick and len(peer.tolerances) > 3 else peer.tolerances
+    tolerances = peer.tolerances[::-2][::-1] if quick else peer.tolerances
     solver = peer.prepare(minimal)
     entry["points"] = []
     for tolerance in tolerances:
         made = solver(tolerance)
-        wrong = np.abs(made.theta() - exact).astype(float)
+        wrong = apart(made.theta(), exact)
         if not np.all(np.isfinite(wrong)):
             raise ArithmeticError(f"theta is not finite at the tolerance {tolerance:g}")
         works[peer.name, len(entry["points"])] = partial(once, made)
@@ -89,8 +89,8 @@ def once(solver: Any) -> float:
 
 
 def reference(course: Course, samples: np.ndarray) -> np.ndarray:
-    """theta at the samples [rad], by the engine in wider numbers (which is held against an independent integration in
-    `check_reference` and in the tests)."""
+    """theta at the samples [rad], by the engine in wider numbers; the tests hold the engine against an independent
+    multi-precision integration."""
     wide = scenario.load(course.preset, [*course.assignments, f"run.precision={course.wide}"], float(samples[-1]))
     wide = replace(wide, times=samples)
     return theta_of(wide, solve(wide).rows)
