@@ -10,8 +10,8 @@ from .precision import Course
 
 COURSES = {
     "inversion": Course("The canonical inversion", "inverting", 10.0, 10.0, "quad", True),
-    "rolling": Course("A long rolling run, 400 s", "rolling", 400.0, 50.0, "longdouble", False),
-    "heavy-top": Course("A heavy top with a fixed tip, 100 s", "heavy-top", 100.0, 10.0, "longdouble", True),
+    "rolling": Course("A long rolling run", "rolling", 400.0, 50.0, "longdouble", False),
+    "heavy-top": Course("A heavy top with a fixed tip", "heavy-top", 100.0, 10.0, "longdouble", True),
     "cylinder": Course("An eccentric cylinder that glides", "gliding-cylinder", 4.0, 4.0, "longdouble", True),
 }
 CASES: dict[str, Callable[[bool], dict[str, Any]]] = {

@@ -49,12 +49,14 @@ def common(wanted: float, *entries: dict[str, Any]) -> float:
     return max(wanted, *(least(entry) for entry in entries))
 
 
-def best_peer(contestants: dict[str, Any], error: float) -> str:
-    """The fastest compiled peer at an error; where none reaches it, the one that comes nearest."""
+def best_peer(contestants: dict[str, Any], ours: dict[str, Any], wanted: float) -> str:
+    """The compiled peer that fares best against ours at an error, or as near to it as both come.
+
+    Those that stop a digit above what another peer reaches do not count.
+    """
     peers = [name for name, entry in contestants.items() if entry["kind"] == "compiled" and points(entry)]
     if not peers:
-        raise LookupError("no compiled peer has taken part")
-    reach = [name for name in peers if least(contestants[name]) <= error]
-    if reach:
-        return min(reach, key=lambda name: seconds(contestants[name], error))
-    return min(peers, key=lambda name: least(contestants[name]))
+        raise LookupError("no compiled peer took part")
+    near = 10 * max(wanted, min(least(contestants[name]) for name in peers))
+    exact = [name for name in peers if least(contestants[name]) <= near]
+    return min(exact, key=lambda name: ratio(contestants[name], ours, common(wanted, contestants[name], ours)))

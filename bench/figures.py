@@ -11,6 +11,7 @@ from tippetop.figures import style
 LOOKS = {  # colour, marker, line
     "tippetop, equations only": (style.RUN, "o", "-"),
     "tippetop, lanes": (style.RUN, "o", "-"),
+    "tippetop, lanes, equations only": (style.RUN, "s", "--"),
     "tippetop, events on": (style.RUN, "s", "--"),
     "tippetop, whole run without rows": (style.RUN, "v", ":"),
     "tippetop, whole run with rows": (style.RUN, "^", ":"),
@@ -53,7 +54,7 @@ def precision(result: dict[str, Any]) -> Figure:
             axes.loglog(ms, errors, color=colour, marker=marker, ls=line, ms=4.5, mfc="white", label=name)
     axes.set_xlabel("processor time [ms]")
     axes.set_ylabel("largest error of theta [rad]")
-    axes.set_title(result["title"])
+    axes.set_title(f"{result['title']}, {result['until']:g} s")
     made.legend(loc="outside right center")
     return made
 
@@ -98,14 +99,15 @@ def startup(result: dict[str, Any]) -> Figure:
     made = style.figure(9.5, 2.8)
     axes = made.add_subplot()
     stages = list(result["cold"]["stages"])
-    colours = [style.QUIET, "#aab3bd", "#cfd5db", style.LOWER, style.UPPER, "#e8935f", style.RUN]
+    colours = [style.QUIET, "#aab3bd", "#cfd5db", style.LOWER, style.UPPER, style.RUN]
     for y, name in enumerate(("warm", "cold")):
         left = 0.0
         for stage, colour in zip(stages, colours, strict=False):
             width = result[name]["stages"][stage]
             axes.barh(y, width, left=left, color=colour, label=stage if y else None)
             left += width
-        axes.plot(result[name]["wall"], y, "|", color="black", ms=26, label=None if y else "the command, wall clock")
+        axes.text(left, y, f"  the command: {result[name]['wall']:.2f} s", va="center")
+    axes.set_xlim(right=1.25 * axes.get_xlim()[1])
     axes.set_yticks([0, 1], ["warm", "cold"])
     axes.grid(axis="y", visible=False)
     axes.set_xlabel("wall clock [s]")

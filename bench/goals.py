@@ -7,7 +7,8 @@ from .equal import best_peer, common, points, ratio
 
 
 ERROR = 1e-13
-BARE, EVENTS, HAND = "tippetop, equations only", "tippetop, events on", "heyoka by hand"
+BARE, EVENTS, LANES = "tippetop, equations only", "tippetop, events on", "tippetop, lanes"
+HAND = "heyoka by hand"
 
 
 class Goal(NamedTuple):
@@ -39,12 +40,12 @@ def _against(contestants: dict[str, Any], peer: str, ours: str, wanted: float, f
 
 def _inversion(result: dict[str, Any]) -> tuple[str, bool]:
     contestants = result["contestants"]
-    return _against(contestants, best_peer(contestants, ERROR), BARE, ERROR, 4)
+    return _against(contestants, best_peer(contestants, contestants[BARE], ERROR), BARE, ERROR, 4)
 
 
 def _smallest(result: dict[str, Any]) -> tuple[str, bool]:
     contestants = result["contestants"]
-    peer = best_peer(contestants, 0.0)
+    peer = best_peer(contestants, contestants[BARE], 0.0)
     theirs, ours = points(contestants[peer])[-1], points(contestants[BARE])[-1]
     times, digits = theirs["seconds"] / ours["seconds"], math.log10(theirs["error"] / ours["error"])
     said = f"{times:.3g} times and {digits:.1f} digits more, against {peer} at its {theirs['error']:.1e}"
@@ -53,9 +54,7 @@ def _smallest(result: dict[str, Any]) -> tuple[str, bool]:
 
 def _ensemble(result: dict[str, Any]) -> tuple[str, bool]:
     contestants = result["contestants"]
-    lanes = contestants["tippetop, lanes"]
-    peer = best_peer(contestants, common(ERROR, lanes))
-    return _against(contestants, peer, "tippetop, lanes", ERROR, 12)
+    return _against(contestants, best_peer(contestants, contestants[LANES], ERROR), LANES, ERROR, 12)
 
 
 def _scipy(result: dict[str, Any]) -> tuple[str, bool]:

@@ -91,6 +91,19 @@ def _milliseconds(x: float) -> str:
     return number(1e3 * x) if x < float("inf") else "-"
 
 
+def front(results: dict[str, Any]) -> str:
+    """For the README: how many times faster one canonical inversion is than that of each peer, at equal error."""
+    if "inversion" not in results:
+        return "Not run."
+    contestants = results["inversion"]["contestants"]
+    ours, rows = contestants[BARE], []
+    for name, entry in contestants.items():
+        if not name.startswith("tippetop") and not name.endswith("events on") and "points" in entry:
+            at = common(ERROR, entry, ours)
+            rows.append([name, f"{at:.1e}", _milliseconds(seconds(entry, at)), number(ratio(entry, ours, at))])
+    return table(["against", "at an error of", "its processor time [ms]", "in ours"], rows)
+
+
 def events(results: dict[str, Any]) -> str:
     """What events, confirmation and rows add to the equations, to rounding, in ms."""
     rows = []
@@ -98,7 +111,13 @@ def events(results: dict[str, Any]) -> str:
         if name in results:
             found = results[name]["contestants"]
             last = [found[f"tippetop, {part}"]["points"][-1]["seconds"] for part in ENGINE]
-            rows.append([results[name]["title"], *(_milliseconds(x) for x in last), number(last[1] / last[0])])
+            rows.append(
+                [
+                    f"{results[name]['title']}, {results[name]['until']:g} s",
+                    *(_milliseconds(x) for x in last),
+                    number(last[1] / last[0]),
+                ]
+            )
     return table(["", *ENGINE, "events on / equations only"], rows)
 
 
@@ -171,7 +190,12 @@ def sections(results: dict[str, Any]) -> dict[str, str]:
         "scaling": scaling,
     }
     made = {name: way(results[name]) if name in results else "Not run." for name, way in ways.items()}
-    return made | {"machine": machine(results), "goals": goal_table(results), "events": events(results)}
+    return made | {
+        "machine": machine(results),
+        "goals": goal_table(results),
+        "events": events(results),
+        "front": front(results),
+    }
 
 
 def filled(text: str, made: dict[str, str]) -> str:

@@ -25,14 +25,12 @@ done("import heyoka and numpy")
 import xarray, zarr
 done("import xarray and zarr")
 import tippetop.cli
-from tippetop import engine, record, results, scenario, symbols
+from tippetop import engine, record, results, scenario
 done("import tippetop and the rest")
 problem = scenario.load("inverting")
-done("check the scenario")
+done("check the scenario, compile the columns")
 engine.integrator_of(problem)
 done("compile the integrator")
-symbols.table(problem.system.name, problem.form.name, problem.friction.__class__)
-done("compile the columns")
 record.record(problem, pathlib.Path(sys.argv[1]))
 done("integrate and store")
 print(json.dumps(stages))
