@@ -93,7 +93,7 @@ def _exact(spin: float) -> np.longdouble:
 
 
 def batched(tops: Tops) -> Callable[[], np.ndarray]:
-    """heyoka's batch integrator on the same equations, without events, books and invariants; gives rows (n, variables)."""
+    """heyoka's batch integrator on the same equations, without events and books; gives rows (n, variables)."""
     base = tops.base
     _, _, equations = variables(base.system, base.form, base.friction.__class__)
     made = hy.taylor_adaptive_batch(

@@ -106,11 +106,11 @@ def startup(result: dict[str, Any]) -> Figure:
             width = result[name]["stages"][stage]
             axes.barh(y, width, left=left, color=colour, label=stage if y else None)
             left += width
-        axes.text(left, y, f"  the command: {result[name]['wall']:.2f} s", va="center")
-    axes.set_xlim(right=1.25 * axes.get_xlim()[1])
+        axes.text(left, y, f"  the command: {result[name]['wall']:.2f} s by the wall clock", va="center")
+    axes.set_xlim(right=1.4 * axes.get_xlim()[1])
     axes.set_yticks([0, 1], ["warm", "cold"])
     axes.grid(axis="y", visible=False)
-    axes.set_xlabel("wall clock [s]")
+    axes.set_xlabel("processor time [s]")
     axes.set_title(result["title"].replace("`", ""))
     made.legend(loc="outside right center")
     return made

@@ -25,9 +25,9 @@ def goals(results: dict[str, Any]) -> list[Goal]:
     found = []
     for what, goal, case, judge in GOALS:
         try:
-            measured, met = judge(results[case])
-        except (KeyError, LookupError) as error:
-            measured, met = f"not measured ({error})", None
+            measured, met = judge(results[case]) if case in results else (f"not run: --case {case}", None)
+        except LookupError as error:
+            measured, met = f"not measured: {error}", None
         found.append(Goal(what, goal, measured, met))
     return found
 

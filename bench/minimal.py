@@ -3,14 +3,12 @@ formulas, fed what each peer computes with.
 """
 
 import ctypes
-import hashlib
 import math
 import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -110,18 +108,17 @@ def _jitted(minimal: Minimal) -> Any:
     return kernel(space["slope"])
 
 
+@cache
 def built(source: str) -> ctypes.CDLL:
-    """The shared library of a C++ source; OSError says what the compiler said."""
+    """The shared library of a C++ source, for as long as this process lives; OSError says what the compiler said."""
     if COMPILER is None:
         raise OSError("there must be a C++ compiler `c++`, but there is none.")
-    folder = Path(tempfile.gettempdir()) / "tippetop-bench"
-    folder.mkdir(exist_ok=True)
-    library = folder / f"{hashlib.sha256(source.encode()).hexdigest()[:16]}.so"
-    if not library.exists():
-        made = subprocess.run([COMPILER, *FLAGS, "-o", str(library), "-"], input=source, text=True, capture_output=True)
+    with tempfile.TemporaryDirectory() as folder:
+        library = f"{folder}/built.so"
+        made = subprocess.run([COMPILER, *FLAGS, "-o", library, "-"], input=source, text=True, capture_output=True)
         if made.returncode:
             raise OSError(made.stderr)
-    return ctypes.CDLL(str(library))
+        return ctypes.CDLL(library)
 
 
 def _plain(record: Any) -> Any:

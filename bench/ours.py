@@ -7,8 +7,10 @@ import heyoka as hy
 import numpy as np
 
 from tippetop import engine
+from tippetop.operand import leaves
 from tippetop.problem import Problem
 from tippetop.solve import Course, Memory, solve
+from tippetop.symbols import variables
 from tippetop.system import SECOND
 
 from .minimal import Minimal, theta_of
@@ -42,15 +44,19 @@ def _solved(problem: Problem) -> np.ndarray:
     return theta_of(problem, solve(problem).rows)
 
 
+def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
+    """An integrator of the engine's equations of motion and quadratures, and of nothing else."""
+    _, _, sys = variables(problem.system, problem.form, problem.friction.__class__)
+    pars = [float(leaf) for leaf in leaves(problem.internal_body)]
+    return hy.taylor_adaptive(sys, problem.start(), pars=pars, tol=problem.tolerance or 2.0**-52, high_accuracy=True)
+
+
 def equations(minimal: Minimal) -> Callable[[float], Solver]:
     """The engine's own equations of motion and quadratures, without events: what the integration itself costs."""
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        made = engine.integrator_of(problem)
-        options = {"pars": list(made.pars), "tol": problem.tolerance, "high_accuracy": True}
-        alone = hy.taylor_adaptive(list(made.sys), made.state.copy(), **options)
-        return _driven(minimal, alone, lambda rows: theta_of(problem, rows))
+        return _driven(minimal, alone(problem), lambda rows: theta_of(problem, rows))
 
     return solver
 

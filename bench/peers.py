@@ -18,8 +18,8 @@ from .minimal import COMPILER, Minimal
 
 COMPILED, CALLING = "compiled", "calls back into Python"
 LADDER = (1e-8, 1e-10, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16, 1e-17)
-ADAMS = (1e-8, 1e-10, 1e-12, 1e-13, 4e-14)  # tighter ones LSODA refuses
-FEW = (1e-9, 1e-11, 1e-13, 1e-15)
+ADAMS = (1e-8, 1e-10, 1e-12, 1e-13, 4e-14)  # LSODA refuses tighter ones
+FEW = (1e-9, 1e-11, 1e-13, 1e-15, 1e-17)
 MOST_STEPS = 10**8
 
 

@@ -16,10 +16,10 @@ from typing import Any
 
 STAGES = """
 import json, pathlib, sys, time
-clock, stages = time.perf_counter(), {}
+clock, stages = time.process_time(), {}
 def done(name):
     global clock
-    stages[name], clock = time.perf_counter() - clock, time.perf_counter()
+    stages[name], clock = time.process_time() - clock, time.process_time()
 import heyoka
 done("import heyoka and numpy")
 import xarray, zarr
@@ -83,6 +83,6 @@ def command(home: Path, *arguments: str) -> tuple[float, float]:
 
 
 def staged(home: Path) -> dict[str, float]:
-    """Seconds of the stages of the same work."""
+    """Processor seconds of the stages of the same work."""
     with tempfile.TemporaryDirectory() as folder:
         return json.loads(run(home, ["-c", STAGES, f"{folder}/run.zarr"])[2])

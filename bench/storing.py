@@ -8,14 +8,12 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import heyoka as hy
-
-from tippetop import engine, record, scenario
+from tippetop import record, scenario
 from tippetop.problem import Problem
 from tippetop.solve import Course
 
 from .measure import elapsed, interleaved, ratio
-from .ours import Nothing, end_of
+from .ours import Nothing, alone, end_of
 
 
 RUNS = {
@@ -27,8 +25,7 @@ RUNS = {
 
 def bare(problem: Problem) -> float:
     """Seconds of one propagate_until of the same equations, without events."""
-    made = engine.integrator_of(problem)
-    plain = hy.taylor_adaptive(list(made.sys), made.state.copy(), pars=list(made.pars), high_accuracy=True)
+    plain = alone(problem)
     return elapsed(lambda: plain.propagate_until(end_of(problem)))
 
 

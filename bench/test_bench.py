@@ -1,4 +1,4 @@
-"""The laws of the benchmarks: peers integrate the engine's equations, equal error is equal, pages say what was found."""
+"""The laws of the benchmarks: peers integrate the engine's equations, equal error is equal, pages tell results."""
 
 import ctypes
 import math
