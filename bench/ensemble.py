@@ -22,7 +22,7 @@ from tippetop.tops import Tops
 from .measure import elapsed, interleaved, ratio, timed
 from .minimal import Minimal, theta_of
 from .ours import OURS, TAYLOR
-from .peers import COMPILED, FIELD
+from .peers import COMPILED, FIELD, sentence
 
 
 CHECKED = 8  # tops that are held against 80-bit runs
@@ -43,7 +43,7 @@ def compare(quick: bool) -> dict[str, Any]:
     spins = np.linspace(150, 164, n)  # all invert, none lifts off
     some = np.linspace(0, n - 1, CHECKED).astype(int)
     exact = np.array([_exact(float(spin)) for spin in spins[some]])
-    found: dict[str, Any] = {"title": "Ensemble of canonical tops, a top", "until": END, "tops": n, "contestants": {}}
+    found: dict[str, Any] = {"title": "One of many canonical tops", "until": END, "tops": n, "contestants": {}}
     works: dict = {}
     entry = found["contestants"]["tippetop, lanes"] = {"kind": OURS, "points": []}
     for tolerance in TAYLOR:
@@ -65,7 +65,7 @@ def compare(quick: bool) -> dict[str, Any]:
         try:
             _enter(entry, works, peer, spins, some, exact)
         except Exception as error:  # a peer that breaks is a result, not the end of the others
-            entry["missing"] = f"{type(error).__name__}: {str(error).splitlines()[0]}"
+            entry["missing"] = sentence(error)
     for (name, i), times in interleaved(works, 3 if quick else 5).items():
         found["contestants"][name]["points"][i] |= {"rounds": times, "seconds": statistics.median(times)}
     return found | _threads(tops_at(spins, END), 3 if quick else 7)

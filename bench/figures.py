@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from tippetop.figures import style
 
@@ -52,6 +53,9 @@ def precision(result: dict[str, Any]) -> Figure:
             colour, marker, line = LOOKS.get(name, (style.ALARM, "x", "-"))
             ms, errors = [1e3 * p["seconds"] for p in found], [p["error"] for p in found]
             axes.loglog(ms, errors, color=colour, marker=marker, ls=line, ms=4.5, mfc="white", label=name)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("processor time [ms]")
     axes.set_ylabel("largest error of theta [rad]")
     axes.set_title(f"{result['title']}, {result['until']:g} s")
@@ -106,7 +110,7 @@ def startup(result: dict[str, Any]) -> Figure:
             width = result[name]["stages"][stage]
             axes.barh(y, width, left=left, color=colour, label=stage if y else None)
             left += width
-        axes.text(left, y, f"  the command: {result[name]['wall']:.2f} s by the wall clock", va="center")
+        axes.text(left, y, f"  wall clock {result[name]['wall']:.2f} s", va="center")
     axes.set_xlim(right=1.4 * axes.get_xlim()[1])
     axes.set_yticks([0, 1], ["warm", "cold"])
     axes.grid(axis="y", visible=False)

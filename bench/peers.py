@@ -51,6 +51,11 @@ class Peer(NamedTuple):
         return None
 
 
+def sentence(error: Exception) -> str:
+    """The first line of what a peer said when it broke."""
+    return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
 def rows_solver(minimal: Minimal, rows: Callable[[], np.ndarray]) -> Solver:
     """A solver whose work gives states at 0 and the samples, (k + 1, n)."""
     return Solver(lambda _: rows(), lambda: minimal.theta(np.ascontiguousarray(rows())[1:]))

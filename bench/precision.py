@@ -13,7 +13,7 @@ from tippetop.solve import solve
 from . import ours
 from .measure import interleaved, timed
 from .minimal import Minimal, apart, theta_of
-from .peers import CALLING, COMPILED, FIELD, Peer
+from .peers import CALLING, COMPILED, FIELD, Peer, sentence
 
 
 SAMPLES = 32  # times at which theta is compared, equally far apart, the end among them
@@ -58,7 +58,7 @@ def compare(course: Course, quick: bool) -> dict[str, Any]:
         try:
             entered(entry, works, peer, minimal, exact, quick)
         except Exception as error:  # a peer that breaks is a result, not the end of the others
-            entry["missing"] = f"{type(error).__name__}: {str(error).splitlines()[0]}"
+            entry["missing"] = sentence(error)
     slow = {key: works.pop(key) for key in list(works) if _slow(*key, found["contestants"])}
     seconds = interleaved(works, 3 if quick else 7) | interleaved(slow, 1 if quick else 3)
     for (name, i), times in seconds.items():
@@ -74,17 +74,23 @@ def _slow(name: str, _: int, contestants: dict[str, Any]) -> bool:
 
 
 def entered(entry: dict, works: dict, peer: Peer, minimal: Minimal, exact: np.ndarray, quick: bool) -> None:
-    """A contestant's errors, and its work among the works."""
+    """A contestant's errors, and its work among the works, down to the tolerance that it refuses."""
     tolerances = peer.tolerances[::-2][::-1] if quick else peer.tolerances
     solver = peer.prepare(minimal)
     entry["points"] = []
     for tolerance in tolerances:
-        made = solver(tolerance)
         theta: list[np.ndarray] = []
-        first = timed(lambda made=made, theta=theta: theta.append(made.theta()))
-        wrong = apart(theta[0], exact)
-        if not np.all(np.isfinite(wrong)):
-            raise ArithmeticError(f"theta is not finite at the tolerance {tolerance:g}")
+        try:
+            made = solver(tolerance)
+            first = timed(lambda made=made, theta=theta: theta.append(made.theta()))
+            wrong = apart(theta[0], exact)
+            if not np.all(np.isfinite(wrong)):
+                raise ArithmeticError("theta is not finite")
+        except Exception as error:
+            if not entry["points"]:
+                raise
+            entry["stopped"] = f"at {tolerance:g}: {sentence(error)}"
+            return
         works[peer.name, len(entry["points"])] = partial(once, made)
         entry["points"].append(
             {"tolerance": tolerance, "error": float(wrong.max()), "at_end": float(wrong[-1]), "first": first}

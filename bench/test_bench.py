@@ -1,7 +1,9 @@
 """The laws of the benchmarks: peers integrate the engine's equations, equal error is equal, pages tell results."""
 
 import ctypes
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from .dop853 import Compiled
 from .equal import common, ratio, seconds
 from .minimal import COMPILER, Minimal
 from .ours import start_by_hand, tippe_top_by_hand
+from .peers import Peer
 from .precision import reference
 
 
@@ -129,3 +132,22 @@ def test_pages_say_what_was_measured() -> None:
     for page in (report.PAGE, report.FRONT):
         text = page.read_text(encoding="utf-8")
         assert report.filled(text, sections) == text
+
+
+def test_the_reference_is_that_of_an_independent_integration() -> None:
+    """To what the parameters' own rounding to doubles makes of theta: the inversion amplifies it a thousandfold."""
+    stored = json.loads((Path(__file__).parents[1] / "tests" / "reference" / "case1_inverting.json").read_text())
+    theta = np.array([np.longdouble(text) for text in stored["theta"][1:]])
+    found = reference(COURSES["inversion"], np.array(stored["t"][1:], float))
+    assert np.abs(found - theta).max() < 2e-14
+
+
+def test_a_missing_peer_is_told() -> None:
+    peer = Peer("none", "compiled", lambda minimal: None, needs="no_such_package", package="no-such-package")
+    assert peer.missing == "no-such-package is not installed"
+    results = report.read(report.RESULTS)
+    for name in [name for name in results["inversion"]["contestants"] if "DOP853" in name]:
+        results["inversion"]["contestants"][name] = {"kind": "compiled", "missing": peer.missing}
+    sections = report.sections(results)
+    assert "| DOP853, SciPy |  |  |  |  | missing: no-such-package is not installed |" in sections["inversion"]
+    assert "not measured" in sections["goals"]
