@@ -33,6 +33,8 @@ def goals(results: dict[str, Any]) -> list[Goal]:
 
 
 def _against(contestants: dict[str, Any], peer: str, ours: str, wanted: float, factor: float) -> tuple[str, bool]:
+    if "points" not in contestants[peer]:
+        raise LookupError(f"{peer} is missing")
     error = common(wanted, contestants[peer], contestants[ours])
     times = ratio(contestants[peer], contestants[ours], error)
     return f"{times:.3g} times, against {peer}, both at {error:.1e}", times >= factor

@@ -82,7 +82,8 @@ def course(result: dict[str, Any]) -> str:
                 name,
                 *(_milliseconds(seconds(entry, error)) for error in errors),
                 f"{least(entry):.1e}: {_milliseconds(seconds(entry, least(entry)))}",
-                f"{number(ratio(entry, ours, at))} at {at:.1e}",
+                f"{number(ratio(entry, ours, at))} at {at:.1e}"
+                + (f"; stops {entry['stopped']}" if "stopped" in entry else ""),
             ]
         )
     head = ["", *(f"ms at {error:.0e}" for error in errors), "smallest error: ms", "in our time, at equal error"]

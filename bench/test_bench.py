@@ -150,4 +150,4 @@ def test_a_missing_peer_is_told() -> None:
         results["inversion"]["contestants"][name] = {"kind": "compiled", "missing": peer.missing}
     sections = report.sections(results)
     assert "| DOP853, SciPy |  |  |  |  | missing: no-such-package is not installed |" in sections["inversion"]
-    assert "not measured" in sections["goals"]
+    assert "not measured: DOP853, SciPy is missing" in sections["goals"]
