@@ -1,30 +1,20 @@
 """How fast F = inf V is, against V itself and against what one would write without it, side by side in one process.
 
-    python bench/bench_landscape.py [--quick] [--big]
-
-Writes bench/results/landscape.json. Repetitions of all contestants are interleaved, medians are quoted, and ratios are
-medians of ratios of neighbouring repetitions: the machine may have other work. --big streams 20,000 x 20,000 points to
-a temporary folder (about 6 GB) in a process of its own and reports its peak memory.
+Wall clock: two threads take part. Where the machine has other work, the best of all repetitions tells more.
 """
 
-import argparse
-import json
-import os
-import platform
 import statistics
-import subprocess
-import sys
-import tempfile
-import time
-from pathlib import Path
+import warnings
 
-import numba
 import numpy as np
 import scipy.optimize
+from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from tippetop import landscape
 from tippetop.systems import tippe_top
 from tippetop_kernels.jit import kernel
+
+from .measure import elapsed, ratio
 
 
 FIGURE = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 235 / 625 * 8e-6, "I3": 2 / 5 * 8e-6, "g": 9.82}
@@ -92,13 +82,6 @@ def scipy_points(xs, ys, b, out):
         out[i, j] = found.fun
 
 
-def clock(work):
-    """Seconds."""
-    start = time.perf_counter()
-    work()
-    return time.perf_counter() - start
-
-
 def grids(n, D, lam):
     """n x n points of a box."""
     return np.linspace(-D, D, n), np.linspace(-lam, lam, n)
@@ -150,7 +133,7 @@ def compete(n, repeats):
         work()
     for _ in range(repeats):
         for name, (m, work) in contestants.items():
-            out.setdefault(name, []).append(1e9 * clock(work) / m**2)
+            out.setdefault(name, []).append(1e9 * elapsed(work) / m**2)
     errors = {}
     for name, table in tables.items():
         exact = landscape.minimal_surface(FIGURE, *axes[name]).F.values
@@ -209,72 +192,31 @@ def pieces(n, repeats):
         again(part, 1, arguments)
     return {
         name: statistics.median(
-            1e9 * clock(lambda p=part, a=arguments: again(p, many, a)) / (many * BLOCK) for _ in range(repeats)
+            1e9 * elapsed(lambda p=part, a=arguments: again(p, many, a)) / (many * BLOCK) for _ in range(repeats)
         )
         for name, (part, arguments) in loops.items()
     }
 
 
-def big(n):
-    """Streams n x n points to disk in a process of its own: seconds, peak memory, size."""
-    code = (
-        "import resource, sys, time, numpy as np\n"
-        "from tippetop import surface_store\n"
-        f"P = {FIGURE!r}\n"
-        "t = time.perf_counter()\n"
-        f"surface_store.write(sys.argv[1], P, np.linspace(-8e-4, 9e-4, {n}), np.linspace(0, 8e-6, {n}))\n"
-        "print(time.perf_counter() - t, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "F.zarr"
-        done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True)
-        seconds, kilobytes = done.stdout.split()
-        size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
-    return {"points": n**2, "seconds": float(seconds), "peak_MiB": int(kilobytes) / 1024, "stored_MB": size / 1e6}
-
-
-def ratio(slow, fast):
-    """Median of the ratios of neighbouring repetitions."""
-    return statistics.median(a / b for a, b in zip(slow, fast, strict=True))
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--big", action="store_true")
-    options = parser.parse_args()
-    n, repeats = (400, 3) if options.quick else (2000, 9)
-    times, errors, looked = compete(n, repeats)
+def compare(quick: bool) -> dict:
+    """Nanoseconds per point of V, F and the peers, and what they are made of."""
+    n, repeats = (400, 3) if quick else (2000, 9)
+    with warnings.catch_warnings(action="ignore", category=NumbaExperimentalFeatureWarning):  # formulas as arguments
+        (times, errors, looked), parts = compete(n, repeats), pieces(n, repeats)
     one, two = times["F, 1 thread"], times["F, 2 threads"]
-    result = {
-        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
-        "load_average": os.getloadavg(),  # above 1 on two processors, two threads have no second one to themselves
-        "versions": {"python": platform.python_version(), "numpy": np.__version__, "numba": numba.__version__},
+    return {
+        "title": "V and the minimal surface F over a grid",
         "grid": [n, n],
         "repeats": repeats,
         "ns_per_point": {name: statistics.median(v) for name, v in times.items()},
+        "best_ns_per_point": {name: min(v) for name, v in times.items()},
         "F_in_V": ratio(one, times["V"]),
-        "F_in_V_at_3_ns": statistics.median(one) / 3,
         "evaluations": "1 guess, 1 slopes, 1 value",
-        "ns_of_the_pieces": pieces(n, repeats),
+        "ns_of_the_pieces": parts,
         "closer_looks": looked,
         "scaling_1_to_2_threads": ratio(one, two),
-        "best_ns_per_point": {name: min(v) for name, v in times.items()},
-        "best_scaling": min(one) / min(two),
-        "best_times_faster_than": {name: min(times[name]) / min(two) for name in errors},
         "times_faster_than": {
             name: {"1 thread": ratio(times[name], one), "2 threads": ratio(times[name], two)} for name in errors
         },
         "largest_relative_error": errors,
     }
-    if options.big:
-        result["streamed"] = big(20_000)
-    text = json.dumps(result, indent=2)
-    print(text)
-    folder = Path(__file__).parent / "results"
-    folder.mkdir(exist_ok=True)
-    (folder / "landscape.json").write_text(text + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

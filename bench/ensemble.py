@@ -1,0 +1,128 @@
+"""How many canonical tops a second and core: lanes of the Taylor integrator against DOP853, top after top.
+
+The lanes have all events and summaries on; the peers integrate the minimal state and nothing else. The errors are those
+of theta at 6 s, in the midst of the inversion, where they are largest; the times are those of 10 s. Processor seconds.
+"""
+
+import statistics
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from tippetop import ensembles, scenario
+from tippetop.batch import LANES
+from tippetop.solve import solve
+from tippetop.symbols import variables
+from tippetop.tops import Tops
+
+from .measure import elapsed, interleaved, ratio, timed
+from .minimal import Minimal, theta_of
+from .ours import OURS, TAYLOR
+from .peers import COMPILED, FIELD, sentence
+
+
+CHECKED = 8  # tops that are held against 80-bit runs
+MIDST, END = 6.0, 10.0  # [s]
+PEERS = ("DOP853, C++", "DOP853, numbalsoda", "LSODA, numbalsoda")
+
+
+def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Tops:
+    """Canonical tops with these spins [rad/s]."""
+    tops, faults = ensembles.tops_of("inverting", {"initial.omega3": spins}, until)
+    assert not faults
+    return Tops(replace(tops.base, tolerance=tolerance or tops.base.tolerance), tops.columns)
+
+
+def compare(quick: bool) -> dict[str, Any]:
+    """Errors and seconds a top of the lanes and of the compiled peers."""
+    n = 32 if quick else 128
+    spins = np.linspace(150, 164, n)  # all invert, none lifts off
+    some = np.linspace(0, n - 1, CHECKED).astype(int)
+    exact = np.array([_exact(float(spin)) for spin in spins[some]])
+    found: dict[str, Any] = {"title": "One of many canonical tops", "until": END, "tops": n, "contestants": {}}
+    works: dict = {}
+    entry = found["contestants"]["tippetop, lanes"] = {"kind": OURS, "points": []}
+    for tolerance in TAYLOR:
+        theta = ensembles.measure(tops_at(spins[some], MIDST, tolerance), threads=1).columns["theta_end"]
+        tops = tops_at(spins, END, tolerance)
+        works["tippetop, lanes", len(entry["points"])] = partial(_lanes, tops)
+        entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
+    entry = found["contestants"]["tippetop, lanes, equations only"] = {"kind": OURS, "points": []}
+    for tolerance in TAYLOR:
+        theta = theta_of(tops.base, batched(tops_at(spins[some], MIDST, tolerance))())
+        work = batched(tops_at(spins[:LANES], END, tolerance))
+        works["tippetop, lanes, equations only", len(entry["points"])] = lambda work=work: timed(work) / LANES
+        entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
+    for peer in (peer for peer in FIELD if peer.name in PEERS):
+        entry = found["contestants"][peer.name] = {"kind": COMPILED}
+        if peer.missing:
+            entry["missing"] = peer.missing
+            continue
+        try:
+            _enter(entry, works, peer, spins, some, exact)
+        except Exception as error:  # a peer that breaks is a result, not the end of the others
+            entry["missing"] = sentence(error)
+    for (name, i), times in interleaved(works, 3 if quick else 5).items():
+        found["contestants"][name]["points"][i] |= {"rounds": times, "seconds": statistics.median(times)}
+    return found | _threads(tops_at(spins, END), 3 if quick else 7)
+
+
+def _enter(entry: dict, works: dict, peer: Any, spins: np.ndarray, some: np.ndarray, exact: np.ndarray) -> None:
+    """A peer's errors, and its work among the works; it integrates every fourth top."""
+    entry["points"] = []
+    checked = [peer.prepare(_minimal(float(spin), MIDST)) for spin in spins[some]]
+    paced = [peer.prepare(_minimal(float(spin), END)) for spin in spins[::4]]
+    for tolerance in peer.tolerances[1:]:
+        theta = np.array([solver(tolerance).theta()[-1] for solver in checked])
+        solvers = [solver(tolerance) for solver in paced]
+        works[peer.name, len(entry["points"])] = lambda solvers=solvers: _one_by_one(solvers)
+        entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
+
+
+def _minimal(spin: float, until: float) -> Minimal:
+    return Minimal(scenario.load("inverting", [f"initial.omega3={spin!r}"], until), np.array([until]))
+
+
+def _exact(spin: float) -> np.longdouble:
+    wide = scenario.load("inverting", ["run.precision=longdouble", f"initial.omega3={spin!r}"], MIDST)
+    return theta_of(wide, solve(replace(wide, times=np.array([MIDST]))).rows)[0]
+
+
+def batched(tops: Tops) -> Callable[[], np.ndarray]:
+    """heyoka's batch integrator on the same equations, without events and books; gives rows (n, variables)."""
+    base = tops.base
+    _, _, equations = variables(base.system, base.form, base.friction.__class__)
+    made = hy.taylor_adaptive_batch(
+        equations, tops.start.copy(), pars=tops.pars.copy(), tol=base.tolerance or 2.0**-52, high_accuracy=True
+    )
+
+    def work() -> np.ndarray:
+        made.set_time(0.0)
+        made.state[:] = tops.start
+        made.propagate_until(tops.end)
+        return np.array(made.state.T)
+
+    return work
+
+
+def _lanes(tops: Tops) -> float:
+    return timed(lambda: ensembles.measure(tops, threads=1)) / tops.n
+
+
+def _one_by_one(solvers: list) -> float:
+    return timed(lambda: [solver.work(None) for solver in solvers]) / len(solvers)
+
+
+def _threads(tops: Tops, rounds: int) -> dict[str, Any]:
+    """What a second thread brings, by the wall clock."""
+    works = {k: partial(elapsed, partial(ensembles.measure, tops, threads=k)) for k in (1, 2)}
+    seconds = interleaved(works, rounds)
+    return {
+        "seconds_per_top_by_the_wall": {k: statistics.median(times) / tops.n for k, times in seconds.items()},
+        "efficiency_of_2_threads": ratio(seconds[1], seconds[2]) / 2,
+        "occupancy": ensembles.measure(tops, threads=1).occupancy,
+    }

@@ -1,0 +1,219 @@
+"""The smallest state that the equations of a problem need, and their right-hand side for every peer: the engine's own
+formulas, fed what each peer computes with.
+"""
+
+import ctypes
+import math
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+
+from tippetop.problem import Problem
+from tippetop.trajectory import View
+
+
+COMPILER = shutil.which("c++")
+FLAGS = ("-O3", "-march=native", "-std=gnu++17", "-shared", "-fPIC", "-x", "c++")
+
+
+@dataclass(frozen=True)
+class Minimal:
+    """A problem without its quadratures (x, y, work, impulse, phi): internal units, doubles."""
+
+    problem: Problem
+    samples: np.ndarray  # [s] where errors are taken; the last is the end
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The variables that are integrated."""
+        form = self.problem.form
+        return tuple(name for name in form.units._fields if name not in form.quadratures)
+
+    @cached_property
+    def start(self) -> np.ndarray:
+        """The state at t = 0, (n,)."""
+        return self.of_rows(self.problem.start()[None, :])[0].astype(float)
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """0 and the samples, internal."""
+        return np.concatenate([[0.0], self.problem.internal_time(self.samples)])
+
+    @cached_property
+    def body(self) -> Any:
+        """The parameters, plain floats: those that are 0 or 1 in these units fold."""
+        return _plain(self.problem.internal_body)
+
+    def of_rows(self, rows: np.ndarray) -> np.ndarray:
+        """The minimal states among full rows."""
+        fields = self.problem.form.units._fields
+        return rows[:, [fields.index(name) for name in self.names]]
+
+    def theta(self, states: np.ndarray) -> np.ndarray:
+        """theta [rad] of minimal states (k, n); where it is a quadrature itself (cylinders), without its turns."""
+        fields = self.problem.form.units._fields
+        if "theta" not in self.names and "s" in self.names:
+            return np.arctan2(*(states[:, self.names.index(name)] for name in "sz"))
+        rows = np.zeros((len(states), len(fields)), dtype=states.dtype)
+        rows[:, [fields.index(name) for name in self.names]] = states
+        return theta_of(self.problem, rows)
+
+    def rates(self, values: Any) -> list:
+        """Time derivatives of the variables, for whatever the formulas may be fed."""
+        form = self.problem.form
+        given = dict(zip(self.names, values, strict=True))
+        q = type(form.units)(*(given.get(name, 0.0) for name in form.units._fields))
+        found = form.rates(q, self.body)._asdict()
+        return [found[name] for name in self.names]
+
+    @cached_property
+    def source(self) -> str:
+        """`slope(y, d)` in C++: each sub-expression once."""
+        lines = Lines()
+        ends = [lines.of(rate).name for rate in self.rates([lines.new(f"y[{i}]") for i in range(len(self.names))])]
+        body = [f"const double {name} = {text};" for text, name in lines.made.items()]
+        body += [f"d[{i}] = {end};" for i, end in enumerate(ends)]
+        text = "\n  ".join(body)
+        return f"static inline void slope(const double* __restrict y, double* __restrict d) {{\n  {text}\n}}\n"
+
+    @cached_property
+    def library(self) -> ctypes.CDLL:
+        """The right-hand side as a shared library: `rhs(t, y, d, p)`, as the C solvers call it."""
+        return built(
+            "#include <cmath>\n" + self.source + 'extern "C" void rhs(double, const double* y, double* d, void*)'
+            " { slope(y, d); }\n"
+        )
+
+    @cached_property
+    def jitted(self) -> Any:
+        """slope(y, d) for numba, of the same formulas."""
+        return _jitted(self)
+
+
+def _jitted(minimal: Minimal) -> Any:
+    from tippetop_kernels.jit import kernel
+
+    form, n = minimal.problem.form, len(minimal.names)
+    assert form.units._fields[:n] == minimal.names, "quadratures come last"
+    rates, state, body, rest = kernel(form.rates), type(form.units), minimal.body, len(form.units) - n
+    arguments = ", ".join([*(f"y[{i}]" for i in range(n)), *["0.0"] * rest])
+    sets = "\n".join(f"    d[{i}] = found[{i}]" for i in range(n))
+    space = {"rates": rates, "State": state, "body": body}
+    exec(f"def slope(y, d):\n    found = rates(State({arguments}), body)\n{sets}", space)
+    return kernel(space["slope"])
+
+
+@cache
+def built(source: str) -> ctypes.CDLL:
+    """The shared library of a C++ source, for as long as this process lives; OSError says what the compiler said."""
+    if COMPILER is None:
+        raise OSError("there must be a C++ compiler `c++`, but there is none.")
+    with tempfile.TemporaryDirectory() as folder:
+        library = f"{folder}/built.so"
+        made = subprocess.run([COMPILER, *FLAGS, "-o", library, "-"], input=source, text=True, capture_output=True)
+        if made.returncode:
+            raise OSError(made.stderr)
+        return ctypes.CDLL(library)
+
+
+def _plain(record: Any) -> Any:
+    return type(record)(*(_plain(leaf) if isinstance(leaf, tuple) else float(leaf) for leaf in record))
+
+
+def theta_of(problem: Problem, rows: np.ndarray) -> np.ndarray:
+    """theta [rad] of full rows, in 80 bits where the run has them."""
+    columns = View(problem).columns(np.zeros(len(rows)), rows)
+    low = columns["theta_lo"].values.astype(np.longdouble) if "theta_lo" in columns else 0.0
+    return columns["theta"].values + low
+
+
+def apart(theta: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """|theta - exact| [rad], whatever the turns."""
+    difference = theta - exact
+    turn = 2 * np.longdouble(np.pi)
+    return np.abs(difference - turn * np.round(difference / turn)).astype(float)
+
+
+class Lines:
+    """Assignments of a straight-line program, each written once."""
+
+    def __init__(self) -> None:
+        self.made: dict[str, str] = {}
+
+    def new(self, text: str) -> "Symbol":
+        """The name of an expression."""
+        return Symbol(self, self.made.setdefault(text, f"v{len(self.made)}"))
+
+    def of(self, value: Any) -> "Symbol":
+        """A number or a symbol, as a symbol."""
+        return value if isinstance(value, Symbol) else Symbol(self, float(value).hex())
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """An operand that writes down what is done with it. 0 and 1 fold."""
+
+    lines: Lines
+    name: str
+
+    @property
+    def number(self) -> float | None:
+        """Its value, if it is a number."""
+        return None if self.name.startswith("v") else float.fromhex(self.name)
+
+    def _with(self, sign: str, other: Any, swapped: bool = False) -> "Symbol":
+        a, b = self, self.lines.of(other)
+        if swapped:
+            a, b = b, a
+        x, y = a.number, b.number
+        if x is not None and y is not None:
+            return self.lines.of(eval(f"x {sign} y"))
+        if (sign == "+" and x == 0) or (sign == "*" and x == 1):
+            return b
+        if (sign in "+-" and y == 0) or (sign in "*/" and y == 1):
+            return a
+        if (sign in "*/" and x == 0) or (sign == "*" and y == 0):
+            return self.lines.of(0.0)
+        if sign in "+*" and b.name < a.name:
+            a, b = b, a
+        return self.lines.new(f"{a.name} {sign} {b.name}")
+
+    def __add__(self, other: Any) -> "Symbol":
+        return self._with("+", other)
+
+    def __radd__(self, other: Any) -> "Symbol":
+        return self._with("+", other)
+
+    def __sub__(self, other: Any) -> "Symbol":
+        return self._with("-", other)
+
+    def __rsub__(self, other: Any) -> "Symbol":
+        return self._with("-", other, swapped=True)
+
+    def __mul__(self, other: Any) -> "Symbol":
+        return self._with("*", other)
+
+    def __rmul__(self, other: Any) -> "Symbol":
+        return self._with("*", other)
+
+    def __truediv__(self, other: Any) -> "Symbol":
+        return self._with("/", other)
+
+    def __rtruediv__(self, other: Any) -> "Symbol":
+        return self._with("/", other, swapped=True)
+
+    def __neg__(self) -> "Symbol":
+        return self.lines.new(f"-{self.name}")
+
+    def __pow__(self, power: int) -> "Symbol":
+        assert power == int(power) > 0, "the formulas' powers are whole"
+        return math.prod([self] * int(power))
+
+    def sqrt(self) -> "Symbol":
+        """numpy asks its operands for it."""
+        return self.lines.new(f"std::sqrt({self.name})")

@@ -1,0 +1,178 @@
+"""The engine as its users call it, and heyoka as a competent user would call it without the engine."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import heyoka as hy
+import numpy as np
+
+from tippetop import engine
+from tippetop.operand import leaves
+from tippetop.problem import Problem
+from tippetop.solve import Course, Memory, solve
+from tippetop.symbols import variables
+from tippetop.system import SECOND
+
+from .minimal import Minimal, theta_of
+from .peers import Peer, Solver
+
+
+OURS, PLAIN = "tippetop", "heyoka"
+TAYLOR = (1e-8, 1e-11, 1e-13, 1e-15, 0.0)  # 0: to rounding
+WHOLE = (1e-8, 1e-13, 0.0)
+
+
+class Nothing(Memory):
+    """A sink that keeps nothing: events, drift and extremes are still worked out."""
+
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Drops rows."""
+
+
+def at(minimal: Minimal, tolerance: float) -> Problem:
+    """The problem at a tolerance, with rows at the samples."""
+    tolerance = tolerance or 2.0**-52
+    return replace(minimal.problem, tolerance=tolerance, times=minimal.samples)
+
+
+def end_of(problem: Problem) -> float:
+    """The end, internal."""
+    return problem.until / float(problem.scales.of(SECOND))
+
+
+def _solved(problem: Problem) -> np.ndarray:
+    return theta_of(problem, solve(problem).rows)
+
+
+def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
+    """An integrator of the engine's equations of motion and quadratures, and of nothing else."""
+    _, _, sys = variables(problem.system, problem.form, problem.friction.__class__)
+    pars = [float(leaf) for leaf in leaves(problem.internal_body)]
+    return hy.taylor_adaptive(sys, problem.start(), pars=pars, tol=problem.tolerance or 2.0**-52, high_accuracy=True)
+
+
+def equations(minimal: Minimal) -> Callable[[float], Solver]:
+    """The engine's own equations of motion and quadratures, without events: what the integration itself costs."""
+
+    def solver(tolerance: float) -> Solver:
+        problem = at(minimal, tolerance)
+        return _driven(minimal, alone(problem), lambda rows: theta_of(problem, rows))
+
+    return solver
+
+
+def with_events(minimal: Minimal) -> Callable[[float], Solver]:
+    """The engine's integrator with the events that it always detects, and the turnings."""
+
+    def solver(tolerance: float) -> Solver:
+        problem = at(minimal, tolerance)
+        end = end_of(problem)
+        return Solver(
+            lambda made: made.propagate_until(end),
+            lambda: _solved(problem),
+            lambda: engine.integrator_of(problem),
+        )
+
+    return solver
+
+
+def followed(minimal: Minimal) -> Callable[[float], Solver]:
+    """A whole run without rows: events confirmed, drift and extremes of the normal force."""
+
+    def solver(tolerance: float) -> Solver:
+        problem = at(minimal, tolerance)
+        return Solver(lambda _: Course(problem).run(Nothing()), lambda: _solved(problem))
+
+    return solver
+
+
+def solved(minimal: Minimal) -> Callable[[float], Solver]:
+    """`tippetop.integrate` as the preset has it, with its rows: all that a user waits for, in memory."""
+
+    def solver(tolerance: float) -> Solver:
+        problem = at(minimal, tolerance)
+        asked = replace(problem, times=minimal.problem.times)
+        return Solver(lambda _: solve(asked), lambda: _solved(problem))
+
+    return solver
+
+
+def _driven(minimal: Minimal, made, theta: Callable[[np.ndarray], np.ndarray], scale: float = 1.0) -> Solver:
+    """propagate_until, from a fresh start each time; theta at the samples from the same steps."""
+    start, times = made.state.copy(), minimal.times * scale
+
+    def fresh():
+        made.time = 0.0
+        made.state[:] = start
+        if made.with_events:
+            made.reset_cooldowns()
+        return made
+
+    def sampled() -> np.ndarray:
+        return theta(np.array(fresh().propagate_grid(times)[-1])[1:])
+
+    return Solver(lambda _: fresh().propagate_until(times[-1]), sampled)
+
+
+def by_hand(events: bool, minimal: Minimal) -> Callable[[float], Solver]:
+    """The tippe top written straight into heyoka, as a competent user would: vectors, SI units, numbers for parameters.
+    [T 3.12, 3.16, 3.17]"""
+    sys, turning, liftoff = tippe_top_by_hand(minimal)
+    found = []
+    hooks = {
+        "nt_events": [hy.nt_event(turning, lambda made, t, sign: found.append(t))],
+        "t_events": [hy.t_event(liftoff, direction=hy.event_direction.negative)],
+    }
+    start = start_by_hand(minimal)
+
+    def solver(tolerance: float) -> Solver:
+        options = {"tol": tolerance or 2.0**-52, "high_accuracy": True, **(hooks if events else {})}
+        made = hy.taylor_adaptive(sys, start, **options)
+        second = float(minimal.problem.scales.of(SECOND))
+        return _driven(minimal, made, lambda y: np.arctan2(np.hypot(y[:, 0], y[:, 1]), y[:, 2]), second)
+
+    return solver
+
+
+def start_by_hand(minimal: Minimal) -> np.ndarray:
+    """3hat, L, r' in SI units at t = 0, by the engine."""
+    problem = minimal.problem
+    record = problem.form.units._make(problem.start())
+    scales = problem.scales
+    names = ("ux", "uy", "uz", "Lx", "Ly", "Lz", "rx_dot", "ry_dot")
+    return np.array([float(getattr(record, n) * scales.of(getattr(problem.form.units, n))) for n in names])
+
+
+def tippe_top_by_hand(minimal: Minimal) -> tuple[list, hy.expression, hy.expression]:
+    """Equations of motion, theta' sin(theta), and the normal force."""
+    p, mu = minimal.problem.parameters, minimal.problem.friction.mu
+    m, R, alpha, I1, I3, g = (p[name] for name in ("m", "R", "alpha", "I1", "I3", "g"))
+    ux, uy, uz, Lx, Ly, Lz, rx, ry = q = hy.make_vars("ux", "uy", "uz", "Lx", "Ly", "Lz", "rx", "ry")
+    L3 = Lx * ux + Ly * uy + Lz * uz
+    ux_t, uy_t, uz_t = ((Ly * uz - Lz * uy) / I1, (Lz * ux - Lx * uz) / I1, (Lx * uy - Ly * ux) / I1)
+    wx, wy = (Lx / I1 + (1 / I3 - 1 / I1) * L3 * ux, Ly / I1 + (1 / I3 - 1 / I1) * L3 * uy)
+    vx, vy = rx + R * alpha * ux_t - R * wy, ry + R * alpha * uy_t + R * wx
+    L2, vu = Lx**2 + Ly**2 + Lz**2, vx * ux + vy * uy
+    N = (m * g * I1**2 + m * R * alpha * (uz * L2 - Lz * L3)) / (
+        I1**2 + m * I1 * R**2 * alpha**2 * (1 - uz**2) - m * I1 * R**2 * alpha * (1 - alpha * uz) * mu * vu
+    )
+    h = mu * R * (1 - alpha * uz)
+    rates = (
+        ux_t,
+        uy_t,
+        uz_t,
+        N * (R * alpha * uy - h * vy),
+        N * (-R * alpha * ux + h * vx),
+        -mu * N * R * alpha * (ux * vy - uy * vx),
+        -mu * N * vx / m,
+        -mu * N * vy / m,
+    )
+    return list(zip(q, rates, strict=True)), uz_t, N
+
+
+ENGINE = (
+    Peer("tippetop, equations only", OURS, equations, tolerances=TAYLOR),
+    Peer("tippetop, events on", OURS, with_events, tolerances=TAYLOR),
+    Peer("tippetop, whole run without rows", OURS, followed, tolerances=WHOLE),
+    Peer("tippetop, whole run with rows", OURS, solved, tolerances=WHOLE),
+)

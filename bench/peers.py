@@ -1,0 +1,252 @@
+"""The best of the field, each given the same formulas, compiled: one function per peer, which makes it ready once and
+then gives a solver for a tolerance. A peer that is not installed is named as missing.
+"""
+
+import contextlib
+import ctypes
+import importlib.util
+import tempfile
+import warnings
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .minimal import COMPILER, Minimal
+
+
+COMPILED, CALLING = "compiled", "calls back into Python"
+LADDER = (1e-8, 1e-10, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16, 1e-17)
+ADAMS = (1e-8, 1e-10, 1e-12, 1e-13, 4e-14)  # LSODA refuses tighter ones
+FEW = (1e-9, 1e-11, 1e-13, 1e-15, 1e-17)
+MOST_STEPS = 10**8
+
+
+class Solver(NamedTuple):
+    """A peer at a tolerance: `work(setup())` is timed, `theta()` gives theta at the samples [rad], untimed."""
+
+    work: Callable[[Any], Any]
+    theta: Callable[[], np.ndarray]
+    setup: Callable[[], Any] = lambda: None
+
+
+class Peer(NamedTuple):
+    """A contestant: `prepare(minimal)` compiles, and gives `solver(tolerance)`."""
+
+    name: str
+    kind: str
+    prepare: Callable[[Minimal], Callable[[float], Solver]]
+    needs: str | None = None
+    package: str | None = None  # to be installed, where it is called otherwise
+    tolerances: tuple[float, ...] = LADDER
+
+    @property
+    def missing(self) -> str | None:
+        """Why it cannot take part; None if it can."""
+        if self.needs == "c++":
+            return None if COMPILER else "no C++ compiler"
+        if self.needs and importlib.util.find_spec(self.needs) is None:
+            return f"{self.package or self.needs} is not installed"
+        return None
+
+
+def sentence(error: Exception) -> str:
+    """The first line of what a peer said when it broke."""
+    return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+def rows_solver(minimal: Minimal, rows: Callable[[], np.ndarray]) -> Solver:
+    """A solver whose work gives states at 0 and the samples, (k + 1, n)."""
+    return Solver(lambda _: rows(), lambda: minimal.theta(np.ascontiguousarray(rows())[1:]))
+
+
+def dop853_cpp(minimal: Minimal) -> Callable[[float], Solver]:
+    """Our own, compiled with the right-hand side inside: as good as DOP853 can be written."""
+    from .dop853 import Compiled
+
+    solve = Compiled(minimal)
+    return lambda tolerance: rows_solver(minimal, partial(solve, tolerance))
+
+
+def numbalsoda(method: str, minimal: Minimal) -> Callable[[float], Solver]:
+    """The compiled LSODA and DOP853 of numbalsoda, on a C function."""
+    import numbalsoda as package
+
+    address = ctypes.cast(minimal.library.rhs, ctypes.c_void_p).value
+    function = getattr(package, method)
+
+    def rows(tolerance: float) -> np.ndarray:
+        found, success = function(
+            address, minimal.start, minimal.times, rtol=tolerance, atol=tolerance, mxstep=MOST_STEPS
+        )
+        if not success:
+            raise ArithmeticError("it gave up")
+        return found
+
+    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
+
+
+def diffrax(minimal: Minimal) -> Callable[[float], Solver]:
+    """Dopri8 of diffrax, on JAX, compiled for the processor."""
+    import diffrax as package
+    import jax
+    import jax.numpy as jnp
+
+    jax.config.update("jax_enable_x64", True)
+    times, n = jnp.asarray(minimal.times), len(minimal.names)
+    term = package.ODETerm(lambda t, y, _: jnp.stack(minimal.rates([y[i] for i in range(n)])))
+
+    def solver(tolerance: float) -> Solver:
+        control = package.ClipStepSizeController(package.PIDController(tolerance, tolerance), step_ts=times)
+
+        @jax.jit
+        def go(start):
+            return package.diffeqsolve(
+                term,
+                package.Dopri8(),
+                times[0],
+                times[-1],
+                1e-3,
+                start,
+                saveat=package.SaveAt(ts=times),
+                stepsize_controller=control,
+                max_steps=None,
+                adjoint=package.ForwardMode(),
+            ).ys
+
+        start = jnp.asarray(minimal.start)
+        return rows_solver(minimal, lambda: np.asarray(go(start).block_until_ready()))
+
+    return solver
+
+
+def _jitted(minimal: Minimal) -> tuple[Callable, Callable]:
+    """f(t, y) that gives the rates, and f(t, y, d) that writes them: machine code, called from Python."""
+    from tippetop_kernels.jit import kernel
+
+    slope = minimal.jitted
+
+    @kernel
+    def given(t, y):
+        d = np.empty_like(y)
+        slope(y, d)
+        return d
+
+    @kernel
+    def written(t, y, d):
+        slope(y, d)
+
+    given(0.0, minimal.start)
+    written(0.0, minimal.start, minimal.start.copy())
+    return given, written
+
+
+def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
+    """solve_ivp's DOP853; from sample to sample, because its dense output is less exact than its steps."""
+    from scipy.integrate import solve_ivp
+
+    rates, _ = _jitted(minimal)
+
+    def rows(tolerance: float) -> np.ndarray:
+        found, step = [minimal.start], None
+        for span in zip(minimal.times[:-1], minimal.times[1:], strict=True):
+            with warnings.catch_warnings(action="ignore"):  # that 1e-15 is below what it thinks possible
+                made = solve_ivp(
+                    rates, span, found[-1], method="DOP853", rtol=tolerance, atol=tolerance, first_step=step
+                )
+            found.append(made.y[:, -1])
+            step = min(made.t[-2] - made.t[-3], span[1] - span[0]) if len(made.t) > 2 else None
+        return np.array(found)
+
+    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
+
+
+def scipy_lsoda(minimal: Minimal) -> Callable[[float], Solver]:
+    """solve_ivp's LSODA."""
+    from scipy.integrate import solve_ivp
+
+    rates, _ = _jitted(minimal)
+    span = (0.0, minimal.times[-1])
+
+    def rows(tolerance: float) -> np.ndarray:
+        return solve_ivp(
+            rates, span, minimal.start, method="LSODA", rtol=tolerance, atol=tolerance, t_eval=minimal.times
+        ).y.T
+
+    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
+
+
+def cvode(minimal: Minimal) -> Callable[[float], Solver]:
+    """SUNDIALS' CVODE, Adams of order up to 12, by scikit-sundae."""
+    from sksundae.cvode import CVODE
+
+    _, rates = _jitted(minimal)
+
+    def rhs(t, y, d):  # scikit-sundae reads the signature, which a jitted function hides
+        rates(t, y, d)
+
+    def rows(tolerance: float) -> np.ndarray:
+        solver = CVODE(rhs, method="Adams", rtol=tolerance, atol=tolerance, max_num_steps=MOST_STEPS)
+        return solver.solve(minimal.times, minimal.start).y
+
+    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
+
+
+def jitcode(minimal: Minimal) -> Callable[[float], Solver]:
+    """JiTCODE: the right-hand side in C, SciPy's DOP853 around it."""
+    from jitcode import jitcode as package
+    from jitcode import y
+
+    n = len(minimal.names)
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), warnings.catch_warnings(action="ignore"):
+        made = package(minimal.rates([y(i) for i in range(n)]), n=n, verbose=False)
+        made.generate_f_C(simplify=False, do_cse=False)
+        made.compile_C(extra_compile_args=["-O3", "-march=native", "-g0"])
+
+    def rows(tolerance: float) -> np.ndarray:
+        made.set_integrator("dop853", rtol=tolerance, atol=tolerance, nsteps=MOST_STEPS)
+        made.set_initial_value(minimal.start, 0.0)
+        return np.array([minimal.start, *(made.integrate(t) for t in minimal.times[1:])])
+
+    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
+
+
+def cyrk(minimal: Minimal) -> Callable[[float], Solver]:
+    """CyRK's DOP853 in C++, which calls a jitted function."""
+    from CyRK import pysolve_ivp
+
+    _, rates = _jitted(minimal)
+
+    def rhs(d, t, y):
+        rates(t, y, d)
+
+    span = (0.0, minimal.times[-1])
+
+    def rows(tolerance: float) -> np.ndarray:
+        return pysolve_ivp(
+            rhs,
+            span,
+            minimal.start,
+            method="DOP853",
+            rtol=tolerance,
+            atol=tolerance,
+            t_eval=minimal.times,
+            pass_dy_as_arg=True,
+            max_num_steps=MOST_STEPS,
+        ).y.T
+
+    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
+
+
+FIELD = (
+    Peer("DOP853, C++", COMPILED, dop853_cpp, "c++"),
+    Peer("DOP853, numbalsoda", COMPILED, partial(numbalsoda, "dop853"), "numbalsoda"),
+    Peer("LSODA, numbalsoda", COMPILED, partial(numbalsoda, "lsoda"), "numbalsoda", tolerances=ADAMS),
+    Peer("Dopri8, diffrax", COMPILED, diffrax, "diffrax", tolerances=FEW),
+    Peer("DOP853, CyRK", CALLING, cyrk, "CyRK", tolerances=FEW),
+    Peer("DOP853, JiTCODE", CALLING, jitcode, "jitcode", tolerances=FEW),
+    Peer("DOP853, SciPy", CALLING, scipy_dop853, "scipy", tolerances=FEW),
+    Peer("LSODA, SciPy", CALLING, scipy_lsoda, "scipy", tolerances=ADAMS),
+    Peer("CVODE Adams, scikit-sundae", CALLING, cvode, "sksundae", "scikit-sundae", tolerances=ADAMS),
+)

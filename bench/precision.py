@@ -1,0 +1,111 @@
+"""Work against precision: every contestant at every tolerance, theta against an integration in wider numbers."""
+
+import statistics
+from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tippetop import scenario
+from tippetop.solve import solve
+
+from . import ours
+from .measure import interleaved, timed
+from .minimal import Minimal, apart, theta_of
+from .peers import CALLING, COMPILED, FIELD, Peer, sentence
+
+
+SAMPLES = 32  # times at which theta is compared, equally far apart, the end among them
+
+
+class Course(NamedTuple):
+    """A motion to be integrated by everybody."""
+
+    title: str
+    preset: str
+    until: float  # [s]
+    quick: float  # [s]
+    wide: str  # the precision of the reference
+    everybody: bool  # or only those that do not call back into Python
+    assignments: tuple[str, ...] = ()
+
+
+def contestants(course: Course) -> tuple[Peer, ...]:
+    """Who takes part."""
+    hand = (
+        Peer("heyoka by hand", ours.PLAIN, partial(ours.by_hand, False), tolerances=ours.TAYLOR),
+        Peer("heyoka by hand, events on", ours.PLAIN, partial(ours.by_hand, True), tolerances=ours.TAYLOR),
+    )
+    field = [peer for peer in FIELD if course.everybody or peer.kind != CALLING]
+    return (*ours.ENGINE, *(hand if course.preset == "inverting" else ()), *field)
+
+
+def compare(course: Course, quick: bool) -> dict[str, Any]:
+    """Errors and seconds of all contestants."""
+    until = course.quick if quick else course.until
+    samples = until * np.arange(1, SAMPLES + 1) / SAMPLES
+    problem = scenario.load(course.preset, [*course.assignments], until)
+    minimal = Minimal(problem, samples)
+    exact = reference(course, samples)
+    found: dict[str, Any] = {"title": course.title, "until": until, "reference": course.wide, "contestants": {}}
+    works: dict = {}
+    for peer in contestants(course):
+        entry = found["contestants"][peer.name] = {"kind": peer.kind}
+        if peer.missing:
+            entry["missing"] = peer.missing
+            continue
+        try:
+            entered(entry, works, peer, minimal, exact, quick)
+        except Exception as error:  # a peer that breaks is a result, not the end of the others
+            entry["missing"] = sentence(error)
+    slow = {key: works.pop(key) for key in list(works) if _slow(*key, found["contestants"])}
+    seconds = interleaved(works, 3 if quick else 7) | interleaved(slow, 1 if quick else 3)
+    for (name, i), times in seconds.items():
+        entry = found["contestants"][name]
+        entry["points"][i] |= {"rounds": times, "seconds": statistics.median(times)}
+    return found
+
+
+def _slow(name: str, _: int, contestants: dict[str, Any]) -> bool:
+    """Whether a contestant gets fewer rounds: diffrax is compiled, but not quick."""
+    entry = contestants[name]
+    return entry["kind"] == CALLING or (entry["kind"] == COMPILED and entry["points"][-1]["first"] > 1)
+
+
+def entered(entry: dict, works: dict, peer: Peer, minimal: Minimal, exact: np.ndarray, quick: bool) -> None:
+    """A contestant's errors, and its work among the works, down to the tolerance that it refuses."""
+    tolerances = peer.tolerances[::-2][::-1] if quick else peer.tolerances
+    solver = peer.prepare(minimal)
+    entry["points"] = []
+    for tolerance in tolerances:
+        theta: list[np.ndarray] = []
+        try:
+            made = solver(tolerance)
+            first = timed(lambda made=made, theta=theta: theta.append(made.theta()))
+            wrong = apart(theta[0], exact)
+            if not np.all(np.isfinite(wrong)):
+                raise ArithmeticError("theta is not finite")
+        except Exception as error:
+            if not entry["points"]:
+                raise
+            entry["stopped"] = f"at {tolerance:g}: {sentence(error)}"
+            return
+        works[peer.name, len(entry["points"])] = partial(once, made)
+        entry["points"].append(
+            {"tolerance": tolerance, "error": float(wrong.max()), "at_end": float(wrong[-1]), "first": first}
+        )
+
+
+def once(solver: Any) -> float:
+    """Processor seconds of one solution."""
+    ready = solver.setup()
+    return timed(lambda: solver.work(ready))
+
+
+def reference(course: Course, samples: np.ndarray) -> np.ndarray:
+    """theta at the samples [rad], by the engine in wider numbers; the tests hold the engine against an independent
+    multi-precision integration."""
+    wide = scenario.load(course.preset, [*course.assignments, f"run.precision={course.wide}"], float(samples[-1]))
+    wide = replace(wide, times=samples)
+    return theta_of(wide, solve(wide).rows)

@@ -1,0 +1,229 @@
+"""Writes the tables and figures of bench/README.md, and the README's one table, from results/*.json.
+
+    python -m bench.report [--results FOLDER]
+
+A table stands between `<!-- bench:NAME -->` and `<!-- /bench:NAME -->`; nobody types a number.
+"""
+
+import argparse
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from .equal import common, least, ratio, seconds
+from .goals import BARE, ERROR, goals
+
+
+HERE = Path(__file__).parent
+RESULTS, PAGE, FRONT, FIGURES = HERE / "results", HERE / "README.md", HERE.parent / "README.md", HERE / "figures"
+COURSES = ("inversion", "rolling", "heavy-top", "cylinder", "ensemble")
+ENGINE = ("equations only", "events on", "whole run without rows", "whole run with rows")
+
+
+def read(folder: Path) -> dict[str, Any]:
+    """The results that are there, by case."""
+    found = {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.json"))}
+    return {name: result for name, result in found.items() if result.get("case") == name}
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def number(x: float) -> str:
+    """Three digits."""
+    if 100 <= abs(x) < 1e5:
+        return f"{x:.0f}"
+    return f"{x:.3g}" if 1e-3 <= abs(x) < 100 else f"{x:.1e}"
+
+
+def machine(results: dict[str, Any]) -> str:
+    """What it was measured on, and how long each case took."""
+    any_of = next(iter(results.values()))["machine"]
+    versions = ", ".join(f"{name} {version}" for name, version in any_of["versions"].items())
+    rows = [
+        [
+            name,
+            "quick" if result["quick"] else "full",
+            f"{result['took']:.0f}",
+            ", ".join(map(str, result["machine"]["load_average"])),
+        ]
+        for name, result in results.items()
+    ]
+    said = f"{any_of['processor']}, {any_of['processors']} processors; Python {any_of['python']}, {versions}."
+    return f"{said}\n\n" + table(["case", "", "took [s]", "load average before"], rows)
+
+
+def goal_table(results: dict[str, Any]) -> str:
+    """Goal, measured, met or not."""
+    words = {True: "yes", False: "**no**", None: "-"}
+    return table(
+        ["what", "goal", "measured", "met"], [[g.what, g.goal, g.measured, words[g.met]] for g in goals(results)]
+    )
+
+
+def course(result: dict[str, Any]) -> str:
+    """Every contestant: milliseconds at three errors, its smallest error, and its time in ours."""
+    contestants = result["contestants"]
+    ours = contestants.get(BARE) or contestants["tippetop, lanes"]
+    errors = (1e-7, 1e-10, 1e-13)
+    rows = []
+    for name, entry in contestants.items():
+        if "missing" in entry:
+            rows.append([name, *[""] * (len(errors) + 1), f"missing: {entry['missing']}"])
+            continue
+        at = common(ERROR, entry, ours)
+        rows.append(
+            [
+                name,
+                *(_milliseconds(seconds(entry, error)) for error in errors),
+                f"{least(entry):.1e}: {_milliseconds(seconds(entry, least(entry)))}",
+                f"{number(ratio(entry, ours, at))} at {at:.1e}"
+                + (f"; stops {entry['stopped']}" if "stopped" in entry else ""),
+            ]
+        )
+    head = ["", *(f"ms at {error:.0e}" for error in errors), "smallest error: ms", "in our time, at equal error"]
+    return table(head, rows)
+
+
+def _milliseconds(x: float) -> str:
+    return number(1e3 * x) if x < float("inf") else "-"
+
+
+def front(results: dict[str, Any]) -> str:
+    """For the README: how many times faster one canonical inversion is than that of each peer, at equal error."""
+    if "inversion" not in results:
+        return "Not run."
+    contestants = results["inversion"]["contestants"]
+    ours, rows = contestants[BARE], []
+    for name, entry in contestants.items():
+        if name != BARE and "points" in entry:
+            at = common(ERROR, entry, ours)
+            rows.append([name, f"{at:.1e}", _milliseconds(seconds(entry, at)), number(ratio(entry, ours, at))])
+    return table(["against", "at an error of", "its processor time [ms]", "in ours"], rows)
+
+
+def events(results: dict[str, Any]) -> str:
+    """What events, confirmation and rows add to the equations, to rounding, in ms."""
+    rows = []
+    for name in COURSES[:-1]:
+        if name in results:
+            found = results[name]["contestants"]
+            last = [found[f"tippetop, {part}"]["points"][-1]["seconds"] for part in ENGINE]
+            rows.append(
+                [
+                    f"{results[name]['title']}, {results[name]['until']:g} s",
+                    *(_milliseconds(x) for x in last),
+                    number(last[1] / last[0]),
+                ]
+            )
+    return table(["", *ENGINE, "events on / equations only"], rows)
+
+
+def storing(result: dict[str, Any]) -> str:
+    """Seconds of runs at 1 kHz."""
+    rows = [
+        [name, str(r["rows"]), *(number(x) for x in r["seconds"].values()), number(r["stored / bare"])]
+        for name, r in result["runs"].items()
+    ]
+    return table(["run", "rows", "equations only [s]", "followed [s]", "stored [s]", "stored / equations only"], rows)
+
+
+def surface(result: dict[str, Any]) -> str:
+    """Nanoseconds per point."""
+    errors, best = result["largest_relative_error"], result["best_ns_per_point"]
+    rows = [
+        [name, number(ns), number(best[name]), f"{errors[name]:.1e}" if name in errors else ""]
+        for name, ns in result["ns_per_point"].items()
+    ]
+    parts = [[name, number(ns)] for name, ns in result["ns_of_the_pieces"].items()]
+    first = table(["", "ns a point, median", "best", "largest relative error"], rows)
+    return f"{first}\n\n{table(['part of F', 'ns a point'], parts)}"
+
+
+def startup(result: dict[str, Any]) -> str:
+    """Cold and warm, and where it goes."""
+    cold, warm = result["cold"], result["warm"]
+    rows = [[stage, number(cold["stages"][stage]), number(warm["stages"][stage])] for stage in cold["stages"]]
+    rows += [
+        ["**the command, wall clock**", number(cold["wall"]), number(warm["wall"])],
+        ["the command, processor", number(cold["processor"]), number(warm["processor"])],
+        ["`tippetop --help`, wall clock", "", number(result["help"]["wall"])],
+        ["`python -c pass`, wall clock", "", number(result["interpreter"]["wall"])],
+    ]
+    return table(["stage, processor time", "cold [s]", "warm [s]"], rows)
+
+
+def scaling(result: dict[str, Any]) -> str:
+    """Cost by size, and the exponents."""
+    parts = []
+    for name in ("span", "tops", "grid"):
+        found = result[name]
+        rows = [
+            [number(r["size"]), number(r["seconds"]), "extrapolated, not run" if r.get("extrapolated") else ""]
+            for r in found["rows"]
+        ]
+        exponent = f"fitted exponent over the last decades: {found['exponent']:.2f}"
+        parts.append(table([found["what"], "seconds", exponent], rows))
+    rows = [
+        [f"{r['tolerance']:.0e}", r["precision"], _milliseconds(r["seconds"]), f"{r['error']:.1e}"]
+        for r in result["tolerance"]["rows"]
+    ]
+    exponents = ", ".join(f"{x:.2f} in {name}" for name, x in result["tolerance"]["exponents"].items())
+    parts.append(table(["tolerance", "precision", "ms", f"error of theta; exponent of the digits: {exponents}"], rows))
+    if "streamed" in result:
+        s = result["streamed"]
+        parts.append(
+            f"Into a store: {number(s['points'])} points in {number(s['seconds'])} s, {number(s['stored_MB'])} MB."
+        )
+    return "\n\n".join(parts)
+
+
+def sections(results: dict[str, Any]) -> dict[str, str]:
+    """Every table, by the name of its place; of cases that were not run, a sentence."""
+    ways: dict[str, Callable[[dict[str, Any]], str]] = {
+        **dict.fromkeys(COURSES, course),
+        "storing": storing,
+        "surface": surface,
+        "startup": startup,
+        "scaling": scaling,
+    }
+    made = {name: way(results[name]) if name in results else "Not run." for name, way in ways.items()}
+    return made | {
+        "machine": machine(results),
+        "goals": goal_table(results),
+        "events": events(results),
+        "front": front(results),
+    }
+
+
+def filled(text: str, made: dict[str, str]) -> str:
+    """A page with its tables; KeyError for a place that no table belongs to."""
+
+    def put(match: re.Match) -> str:
+        return f"<!-- bench:{match[1]} -->\n{made[match[1]]}\n<!-- /bench:{match[1]} -->"
+
+    return re.sub(r"<!-- bench:([\w-]+) -->\n.*?<!-- /bench:\1 -->", put, text, flags=re.DOTALL)
+
+
+def main() -> None:
+    """Writes the pages and the figures."""
+    from .figures import draw
+
+    parser = argparse.ArgumentParser(prog="python -m bench.report", description="Writes the tables and figures.")
+    parser.add_argument("--results", type=Path, default=RESULTS, metavar="FOLDER", help="where the JSON files are")
+    results = read(parser.parse_args().results)
+    if not results:
+        parser.error("--results must hold what `python -m bench` wrote, but holds nothing of it.")
+    made = sections(results)
+    for page in (PAGE, FRONT):
+        page.write_text(filled(page.read_text(encoding="utf-8"), made), encoding="utf-8")
+    draw(results, FIGURES)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,119 @@
+"""How the cost grows with the span, the tolerance, the number of tops and the points of a grid.
+
+A measurement that would exceed the limit is not made, and said to be extrapolated from the one before.
+"""
+
+import math
+import statistics
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tippetop import engine, ensembles, landscape, scenario, surface_store
+from tippetop.engine import slices, terminal_kinds
+from tippetop.solve import solve
+
+from .ensemble import tops_at
+from .landscape import FIGURE
+from .measure import timed
+from .minimal import theta_of
+from .ours import end_of
+
+
+LIMIT, QUICK_LIMIT = 60.0, 4.0  # [s] of one measurement
+
+
+def compare(quick: bool) -> dict[str, Any]:
+    """Tables of cost, with the exponent of a power law fitted to their last decades."""
+    limit = QUICK_LIMIT if quick else LIMIT
+    return {
+        "title": "How the cost grows",
+        "span": grown("span [s]", [10.0**k for k in range(1, 7)], span, limit),
+        "tops": grown("tops", [10**k for k in range(7)], tops, limit),
+        "grid": grown("points", [10**k for k in range(2, 9)], grid, limit / 2),
+        "tolerance": tolerance(4 if quick else 1),
+        **({} if quick else {"streamed": streamed(10_000)}),
+    }
+
+
+def grown(what: str, sizes: Iterable[float], cost: Callable[[float], float], limit: float) -> dict[str, Any]:
+    """Processor seconds by size; the exponent of a power law over the last three that were measured."""
+    rows: list[dict[str, Any]] = []
+    cost(next(iter(sizes)))  # compile
+    for size in sizes:
+        last = rows[-1]["seconds"] * size / rows[-1]["size"] if rows else 0.0
+        if last > limit:
+            rows.append({"size": size, "seconds": last, "extrapolated": True})
+        else:
+            repeats = 5 if last < limit / 60 else 1
+            rows.append({"size": size, "seconds": statistics.median(cost(size) for _ in range(repeats))})
+    measured = [row for row in rows if "extrapolated" not in row][-3:]
+    logs = [[math.log(row[name]) for row in measured] for name in ("size", "seconds")]
+    exponent = statistics.linear_regression(*logs).slope if len(measured) > 1 else math.nan
+    return {"what": what, "rows": rows, "exponent": exponent}
+
+
+def span(until: float) -> float:
+    """A heavy top for so long, with its events, dense output and memory that does not grow."""
+    problem = scenario.load("heavy-top", None, until)
+    made, kinds = engine.integrator_of(problem), terminal_kinds(problem)
+    return timed(lambda: [None for _ in slices(made, end_of(problem), kinds)])
+
+
+def tops(n: float) -> float:
+    """So many canonical tops for 10 s, on one thread."""
+    many = tops_at(np.linspace(150, 164, int(n)), 10.0)
+    return timed(lambda: ensembles.measure(many, threads=1))
+
+
+def grid(points: float) -> float:
+    """F over so many points, on one thread."""
+    t, n = landscape.top(FIGURE), round(math.sqrt(points))
+    D = 6 * math.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
+    x, y = np.linspace(-D, D, n), np.linspace(-D * FIGURE["R"], D * FIGURE["R"], round(points / n))
+    return timed(lambda: landscape.heights(t, x, y, 1))
+
+
+def tolerance(every: int) -> dict[str, Any]:
+    """The canonical inversion, 8 s, from 1e-6 to 1e-18: in doubles down to 1e-15, in 80-bit numbers to the end."""
+    rows, times = [], np.array([2.0, 4.0, 6.0, 8.0])
+    exact = None
+    for precision, digits in [
+        ("quad", 0),
+        *(("double", k) for k in range(6, 16, every)),
+        *(("longdouble", k) for k in range(6, 19, every)),
+    ]:
+        sets = [f"run.precision={precision}"]
+        problem = replace(scenario.load("inverting", sets, 8.0), times=times)
+        if exact is None:
+            exact = theta_of(problem, solve(problem).rows)
+            continue
+        problem = replace(problem, tolerance=10.0**-digits)
+        error = np.abs(theta_of(problem, solve(problem).rows) - exact).max()
+        end = problem.number(end_of(problem))
+        seconds = [timed(partial(engine.integrator_of(problem).propagate_until, end)) for _ in range(5)]
+        row = {"tolerance": 10.0**-digits, "precision": precision, "error": float(error)}
+        rows.append({**row, "seconds": statistics.median(seconds)})
+    return {"rows": rows, "exponents": {p: _exponent(rows, p) for p in ("double", "longdouble")}}
+
+
+def _exponent(rows: list[dict], precision: str) -> float:
+    """Of the seconds, by the digits."""
+    chosen = [row for row in rows if row["precision"] == precision]
+    x = [math.log(-math.log10(row["tolerance"])) for row in chosen]
+    return statistics.linear_regression(x, [math.log(row["seconds"]) for row in chosen]).slope
+
+
+def streamed(n: int) -> dict[str, Any]:
+    """n x n points of F into a store."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "F.zarr"
+        x, y = np.linspace(-8e-4, 9e-4, n), np.linspace(0, 8e-6, n)
+        seconds = timed(lambda: surface_store.write(path, FIGURE, x, y, threads=1))
+        size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
+    return {"points": n**2, "seconds": seconds, "stored_MB": size / 1e6}

@@ -1,0 +1,88 @@
+"""What `tippetop run inverting --out RUN.zarr` takes from the shell, cold and warm, and where it goes.
+
+Cold: heyoka has nothing compiled on disk (a home and a cache of its own, empty). Warm: the second run with them.
+"""
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+
+STAGES = """
+import json, pathlib, sys, time
+clock, stages = time.process_time(), {}
+def done(name):
+    global clock
+    stages[name], clock = time.process_time() - clock, time.process_time()
+import heyoka
+done("import heyoka and numpy")
+import xarray, zarr
+done("import xarray and zarr")
+import tippetop.cli
+from tippetop import engine, record, results, scenario
+done("import tippetop and the rest")
+problem = scenario.load("inverting")
+done("check the scenario, compile the columns")
+engine.integrator_of(problem)
+done("compile the integrator")
+record.record(problem, pathlib.Path(sys.argv[1]))
+done("integrate and store")
+print(json.dumps(stages))
+"""
+
+
+def compare(quick: bool) -> dict[str, Any]:
+    """Seconds of the command and of its stages, cold and warm."""
+    rounds = 2 if quick else 4
+    found: dict[str, Any] = {"title": "Start-up of `tippetop run inverting`", "rounds": rounds}
+    with tempfile.TemporaryDirectory() as folder:
+        homes = [Path(folder) / str(i) for i in range(2 * rounds)]
+        for home in homes:
+            home.mkdir()
+        for name in ("cold", "warm"):
+            commands = [command(home) for home in homes[:rounds]]
+            stages = [staged(home) for home in homes[rounds:]]
+            found[name] = {
+                "wall": statistics.median(wall for wall, _ in commands),
+                "processor": statistics.median(processor for _, processor in commands),
+                "stages": {stage: statistics.median(s[stage] for s in stages) for stage in stages[0]},
+            }
+        found["help"] = {"wall": statistics.median(command(homes[0], "--help")[0] for _ in range(3))}
+        found["interpreter"] = {"wall": statistics.median(run(homes[0], ["-c", "pass"])[0] for _ in range(3))}
+    return found
+
+
+def environment(home: Path) -> dict[str, str]:
+    """An environment whose caches are the home's."""
+    caches = {"HOME": str(home), "XDG_CACHE_HOME": str(home / "cache"), "HEYOKA_CACHE_DIR": str(home / "heyoka")}
+    return {**os.environ, **caches}
+
+
+def run(home: Path, arguments: list[str]) -> tuple[float, float, str]:
+    """Seconds by the wall and of the processor of a Python process, and what it printed."""
+    before, clock = os.times(), time.perf_counter()
+    made = subprocess.run([sys.executable, *arguments], env=environment(home), capture_output=True, text=True)
+    wall, after = time.perf_counter() - clock, os.times()
+    if made.returncode:
+        raise RuntimeError(made.stderr)
+    processor = after.children_user + after.children_system - before.children_user - before.children_system
+    return wall, processor, made.stdout
+
+
+def command(home: Path, *arguments: str) -> tuple[float, float]:
+    """Seconds by the wall and of the processor of the command."""
+    with tempfile.TemporaryDirectory() as folder:
+        what = arguments or ("run", "inverting", "--out", f"{folder}/run.zarr")
+        return run(home, ["-c", "from tippetop.cli import main; main()", *what])[:2]
+
+
+def staged(home: Path) -> dict[str, float]:
+    """Processor seconds of the stages of the same work."""
+    with tempfile.TemporaryDirectory() as folder:
+        return json.loads(run(home, ["-c", STAGES, f"{folder}/run.zarr"])[2])
