@@ -43,15 +43,15 @@ def reach(p):
 def ranges(c, shift, factors, low, high, monotone, work):
     """Bounds of many polynomials on [0, 1], (lanes,): coefficients c[k + shift]*factors[k], arrays (size, lanes).
 
-    A monotone polynomial (1 in `monotone`) lies between its ends, another between the Bernstein coefficients of its
-    cubic part, give or take the sum of the others. Lanes are the inner loop, for the processor's vectors; `work` is
-    (3, lanes), of sums that begin with the fourth power.
+    The Bernstein coefficients of the cubic part, give or take the sum of the other coefficients, bound a polynomial;
+    those of its slope tell whether it is monotone (1 in `monotone`): then it lies between its ends. Lanes are the
+    inner loop, for the processor's vectors; `work` is (3, lanes), of sums that begin with the fifth power.
     """
     rest, end, bend = work[0], work[1], work[2]
     lanes = len(low)
     for lane in range(lanes):
         rest[lane] = end[lane] = bend[lane] = 0.0
-    for k in range(4, len(factors) - shift):
+    for k in range(5, len(factors) - shift):
         for lane in range(lanes):
             a = c[k + shift, lane] * factors[k, lane]
             end[lane] += a
@@ -60,13 +60,15 @@ def ranges(c, shift, factors, low, high, monotone, work):
     for lane in range(lanes):
         p0, p1 = c[shift, lane], c[1 + shift, lane] * factors[1, lane]
         p2, p3 = c[2 + shift, lane] * factors[2, lane], c[3 + shift, lane] * factors[3, lane]
+        p4 = c[4 + shift, lane] * factors[4, lane]
         b1, b2, b3 = p0 + p1 / 3, p0 + (2 * p1 + p2) / 3, p0 + p1 + p2 + p3
-        last = b3 + end[lane]
-        steady = abs(p1) > 2 * abs(p2) + 3 * abs(p3) + bend[lane]
+        s1, s2, s3 = p1 + 2 * p2 / 3, p1 + (4 * p2 + 3 * p3) / 3, p1 + 2 * p2 + 3 * p3 + 4 * p4
+        least, most = min(min(p1, s1), min(s2, s3)), max(max(p1, s1), max(s2, s3))
+        steady = least > bend[lane] or most < -bend[lane]
+        last, beyond = b3 + p4 + end[lane], abs(p4) + rest[lane]
         monotone[lane] = 1.0 if steady else 0.0
-        under, over = min(min(p0, b1), min(b2, b3)) - rest[lane], max(max(p0, b1), max(b2, b3)) + rest[lane]
-        low[lane] = min(p0, last) if steady else under
-        high[lane] = max(p0, last) if steady else over
+        low[lane] = min(p0, last) if steady else min(min(p0, b1), min(b2, b3)) - beyond
+        high[lane] = max(p0, last) if steady else max(max(p0, b1), max(b2, b3)) + beyond
 
 
 @inlined
@@ -77,10 +79,11 @@ def crossings(p, positive, found, work, monotone):
     `work` has the size of p. `monotone`: p is known to be.
     """
     if monotone:
-        now = value(p, 1.0) > 0
+        end = value(p, 1.0)
+        now = end > 0
         if now == positive:
             return 0, now
-        found[0] = _zero(p, 0.0, 1.0, now)
+        found[0] = _zero(p, 0.0, 1.0, p[0], end)
         return 1, now
     radius = reach(p)
     if abs(p[0]) > radius or radius == 0:  # away from zero throughout, or zero throughout
@@ -99,9 +102,10 @@ def crossings(p, positive, found, work, monotone):
             bend += k * abs(work[k])
         rest += abs(work[1])
         if abs(work[0]) > rest or abs(work[1]) > bend or level == DEPTH:
-            now = value(work, 1.0) > 0
+            end = value(work, 1.0)
+            now = end > 0
             if now != positive and count < len(found):
-                found[count] = (2 * at + 1 + _zero(work, -1.0, 1.0, now)) * radius
+                found[count] = (2 * at + 1 + _zero(work, -1.0, 1.0, value(work, -1.0), end)) * radius
                 count += 1
             positive = now
             at += 1
@@ -139,11 +143,13 @@ def _shift(p, middle, radius, work):
 
 
 @kernel
-def _zero(p, low, high, rising):
-    """The zero of a monotone p on [low, high]: Newton, kept between bounds. An end, if rounding hides it there."""
-    if (value(p, low) > 0) == rising:
+def _zero(p, low, high, start, end):
+    """The zero of a monotone p on [low, high], where it is `start` and `end`: Newton from the secant, kept between
+    bounds. The lower end, if rounding hides the zero there."""
+    rising = end > 0
+    if (start > 0) == rising:
         return low
-    x = min(max(-p[0] / p[1], low), high) if p[1] != 0 else 0.5 * (low + high)
+    x = low + (high - low) * (start / (start - end))
     for _ in range(60):
         f, slope, _ = jet(p, x)
         if f == 0:
@@ -155,7 +161,7 @@ def _zero(p, low, high, rising):
         after = x - f / slope if slope != 0 else 0.5 * (low + high)
         if not low <= after <= high:
             after = 0.5 * (low + high)
-        if abs(after - x) <= 2e-16:
+        if abs(after - x) <= 1e-9:  # the next correction is its square
             return after
         x = after
     return x

@@ -53,16 +53,18 @@ def compiled(name: str, form_name: str, friction: Any, tolerance: float, lanes: 
     for event in system.events:
         function = event.formula(scalars, body)
         source = _source(function, equations)
-        found[event.name] = source or (len(equations), 1, QUADRATURE_SCALE)
+        found[event.name] = source or (len(equations), 1, QUADRATURE_SCALE, 0.0)
         if not source:
             equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(QUADRATURE_SCALE) * function))
     axis = [form.units._fields.index(v) for v in ("ux", "uy", "uz")]
-    rows = np.unique([*axis, *(index for index, _, _ in found.values())])
-    at = [found.get(kind, (-1, 0, 1.0)) for kind in KINDS]
+    rows = np.unique([*axis, *(index for index, *_ in found.values())])
+    index, shift, scale, offset = map(np.array, zip(*(found.get(k, (-1, 0, 1.0, 0.0)) for k in KINDS), strict=True))
     sources = Sources(
-        np.array([np.searchsorted(rows, index) if index >= 0 else -1 for index, _, _ in at]),
-        np.array([shift for _, shift, _ in at]),
-        np.array([scale for _, _, scale in at]),
+        np.where(index >= 0, np.searchsorted(rows, index), -1),
+        shift,
+        scale,
+        offset,
+        (index == index[0]) & (shift == 0) & (shift[0] == 1) & (scale[0] == 1.0),
         np.searchsorted(rows, axis),
     )
     integrator = hy.taylor_adaptive_batch(
@@ -75,14 +77,16 @@ def compiled(name: str, form_name: str, friction: Any, tolerance: float, lanes: 
     return Machine(integrator, rows, sources)
 
 
-def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float] | None:
-    """Index of the variable that an expression is (shift 0), or is the rate of (shift 1), and its scale."""
+def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, float] | None:
+    """Index of the variable that an expression is, give or take a number (shift 0), or is the rate of (shift 1); its
+    scale, and that number."""
     for index, (variable, rate) in enumerate(equations):
-        if function == variable:
-            return index, 0, 1.0
+        if hy.get_variables(function) == [str(variable)] and hy.diff(function, variable) == hy.expression(1.0):
+            offset = hy.cfunc([function], vars=[variable])([0.0], pars=[0.0] * len(hy.get_params(function)))[0]
+            return index, 0, 1.0, float(offset)
         for scale in (1.0, QUADRATURE_SCALE):
             if hy.expression(scale) * function == rate:
-                return index, 1, scale
+                return index, 1, scale, 0.0
     return None
 
 
@@ -100,7 +104,7 @@ class Lanes:
         machine = compiled(base.system.name, base.form.name, base.friction.__class__, base.tolerance, lanes)
         self.tops, self.lanes, self.machine = tops, lanes, machine
         integrator = self.integrator = copy.deepcopy(machine.integrator)
-        self.rules = rules(base)
+        self.rules, self.rows = rules(base), machine.rows
         self.books = ledger.blank(lanes)
         self.top = np.full(lanes, -1)  # which top is in a lane; -1: none
         self.end = np.zeros(lanes)
@@ -199,7 +203,7 @@ class Lanes:
     def _keep(self, integrator: Any) -> bool:
         """heyoka calls this after every step."""
         k = self.kept
-        np.take(self.tc, self.machine.rows, 0, self.tcs[k], "clip")
+        self.tc.take(self.rows, 0, self.tcs[k], "clip")
         self.kept = k = k + 1
         self.states[k], self.times[k] = self.state, self.now
         return True

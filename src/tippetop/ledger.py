@@ -25,12 +25,15 @@ ORDER = (1, 0, 2, 3, 4)  # liftoff first: it ends the step for the others
 class Sources(NamedTuple):
     """Where the event functions stand among the Taylor coefficients that are kept, by number of kind, and the axis.
 
-    A function is a variable (shift 0) or the rate of one (shift 1), over `scale`; row -1: the system has none.
+    A function is a variable plus `offset` (shift 0), or the rate of one (shift 1), over `scale`; row -1: the system
+    has none. A variable whose rate is the first function needs no sums of its own: that rate bounds it (`led`).
     """
 
     row: np.ndarray  # (kinds,)
     shift: np.ndarray  # (kinds,)
     scale: np.ndarray  # (kinds,)
+    offset: np.ndarray  # (kinds,)
+    led: np.ndarray  # (kinds,) of bool
     axis: np.ndarray  # (3,) rows of 3hat
 
 
@@ -99,7 +102,9 @@ def follow(times, tcs, sources, rules, books, samples):
     for i in range(steps):
         _factors(times[i], times[i + 1], factors)
         for e in range(KIND_COUNT):
-            if sources.row[e] >= 0:
+            if sources.led[e]:
+                _led(tcs[i, sources.row[e], 0], sources.offset[e], factors[0, 1], low, high, steady, e)
+            elif sources.row[e] >= 0:
                 shift = sources.shift[e]
                 ranges(tcs[i, sources.row[e]], shift, factors[shift], low[e], high[e], steady[e], sums)
         _silence(low, high, known, sources, quiet)
@@ -117,8 +122,9 @@ def follow(times, tcs, sources, rules, books, samples):
                     p[size - 1] = 0.0
                     for k in range(size - shift):
                         p[k] = tcs[i, sources.row[e], k + shift, lane] * factors[shift, k, lane] * unit
+                    p[0] += sources.offset[e]
                     if e == 1:
-                        upto = _force(p, t, h, book, rules, found, work, nodes, monotone)
+                        upto = _force(p, t, h, low[e, lane] > 0, book, rules, found, work, nodes, monotone)
                         continue
                     count, _ = crossings(p, book.positive[e] != 0, found, work, monotone)
                     if e == 0:
@@ -189,10 +195,21 @@ def _theta(tcs, i, x, lane, axis):
 
 
 @inlined
-def _force(p, t, h, book, rules, found, work, nodes, monotone):
-    """Liftoff, and extremes of the normal force up to it; gives where in the step the top ends, 1 if it does not."""
-    upto = 1.0
-    count, positive = crossings(p, book.positive[1] != 0, found, work, monotone)
+def _led(start, offset, h, low, high, steady, e):
+    """Bounds of a variable plus `offset` by those of its rate, the function of the first kind."""
+    for lane in range(len(start)):
+        low[e, lane] = start[lane] + offset + h[lane] * min(0.0, low[0, lane])
+        high[e, lane] = start[lane] + offset + h[lane] * max(0.0, high[0, lane])
+        steady[e, lane] = 1.0 if low[0, lane] > 0 or high[0, lane] < 0 else 0.0
+
+
+@inlined
+def _force(p, t, h, sound, book, rules, found, work, nodes, monotone):
+    """Liftoff, and extremes of the normal force up to it; gives where in the step the top ends, 1 if it does not.
+    `sound`: the force is known to stay positive."""
+    upto, count, positive = 1.0, 0, True
+    if not sound or not book.positive[1]:
+        count, positive = crossings(p, book.positive[1] != 0, found, work, monotone)
     book.positive[1] = positive
     for k in range(count):
         falling = positive != ((count - k) % 2 == 1)
