@@ -19,6 +19,7 @@ class Extremes(NamedTuple):
         return Extremes(*low, *high)
 
 
+_FINE = np.linspace(0.0, 1.0, 65)[:, None] ** np.arange(64)  # powers of the points of a fine scan
 _NODES = np.linspace(0.0, 1.0, 9)  # a step holds about a radian of nutation: a dip cannot hide between nine points
 
 
@@ -34,9 +35,10 @@ def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
     for sign in (1, -1):
         lowest = (sign * samples).min(axis=1)
         near = np.flatnonzero(lowest <= lowest.min() + 0.01 * np.ptp(samples))  # a dip between nodes is shallower yet
-        candidates = [(*_least(sign * rate[i]), i) for i in near[np.argsort(lowest[near])][:32]]
-        value, tau, i = min(candidates)
-        found += [sign * value, times[i] + tau * h[i]]
+        near = near[np.argsort(lowest[near])][:32]
+        values, tau = _least(sign * rate[near])
+        best = np.argmin(values)
+        found += [sign * float(values[best]), float(times[near[best]] + tau[best] * h[near[best]])]
     return Extremes(*found)
 
 
@@ -65,16 +67,21 @@ def _rates(times: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.
     return times, h, np.asarray(coefficients, float)[:, 1:] * k * np.multiply.accumulate(powers, axis=1)
 
 
-def _least(polynomial: np.ndarray) -> tuple[float, float]:
-    """Smallest value of a polynomial (ascending coefficients) on [0, 1], and where: a fine scan, polished."""
-    p = np.polynomial.Polynomial(polynomial)
-    tau = np.linspace(0.0, 1.0, 65)
-    best = int(np.argmin(p(tau)))
-    x, slope, curvature = tau[best], p.deriv(), p.deriv(2)
+def _least(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest values of polynomials (n, order + 1), ascending, on [0, 1], and where: a fine scan, polished."""
+    derive = np.polynomial.polynomial.polyder
+    values = p @ _FINE[:, : p.shape[1]].T
+    best = np.argmin(values, axis=1)
+    lowest, x, slope, curvature = values.min(axis=1), best / (len(_FINE) - 1), derive(p, axis=1), derive(p, 2, axis=1)
+    scanned = x
     for _ in range(4):  # Newton on the slope, kept inside the step
-        bend = float(curvature(x))
-        if bend > 0:
-            x = min(1.0, max(0.0, x - float(slope(x)) / bend))
-    if float(p(x)) > float(p(tau[best])):
-        x = tau[best]
-    return float(p(x)), float(x)
+        bend = _each(curvature, x)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = np.where(bend > 0, np.clip(x - _each(slope, x) / bend, 0.0, 1.0), x)
+    polished = _each(p, x)
+    return np.minimum(polished, lowest), np.where(polished <= lowest, x, scanned)
+
+
+def _each(p: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """The value of every polynomial (n, order + 1) at its own x (n,)."""
+    return np.polynomial.polynomial.polyval(x, p.T, tensor=False)
