@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from . import ensemble, landscape, precision, scaling, startup, storing
+from . import ensemble, formulations, landscape, precision, scaling, startup, storing
 from .precision import Course
 
 
@@ -17,6 +17,7 @@ COURSES = {
 CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
     **{name: partial(precision.compare, course) for name, course in COURSES.items()},
     "ensemble": ensemble.compare,
+    "formulations": formulations.compare,
     "surface": landscape.compare,
     "storing": storing.compare,
     "startup": startup.compare,

@@ -90,6 +90,10 @@ def course(result: dict[str, Any]) -> str:
     return table(head, rows)
 
 
+def _one(x: float) -> str:
+    return f"{x:.0e}"
+
+
 def _milliseconds(x: float) -> str:
     return number(1e3 * x) if x < float("inf") else "-"
 
@@ -122,6 +126,20 @@ def events(results: dict[str, Any]) -> str:
                 ]
             )
     return table(["", *ENGINE, "events on / equations only"], rows)
+
+
+def formulations(result: dict[str, Any]) -> str:
+    """Every way that was tried."""
+    rows = [
+        [
+            name,
+            *(str(w[k]) for k in ("terms", "products", "order", "steps")),
+            _milliseconds(w["seconds"]),
+            _one(w["error"]),
+        ]
+        for name, w in result["ways"].items()
+    ]
+    return table(["", "terms", "products", "order", "steps", "ms", "error of cos(theta)"], rows)
 
 
 def storing(result: dict[str, Any]) -> str:
@@ -187,6 +205,7 @@ def sections(results: dict[str, Any]) -> dict[str, str]:
     """Every table, by the name of its place; of cases that were not run, a sentence."""
     ways: dict[str, Callable[[dict[str, Any]], str]] = {
         **dict.fromkeys(COURSES, course),
+        "formulations": formulations,
         "storing": storing,
         "surface": surface,
         "startup": startup,
