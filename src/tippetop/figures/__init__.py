@@ -24,6 +24,7 @@ KINDS: dict[str, Callable] = {
     "theta": run.theta,
     "normal-force": run.normal_force,
     "drift": run.drift,
+    "growth": run.growth,
     "sphere": run.sphere,
     "energy": run.energy,
     "phase": stability.phase_of_run,

@@ -91,22 +91,61 @@ def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     return made
 
 
-def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
-    """How well the run kept what must not change: the picture of trust."""
-    made = figure(10, 4.6)
-    axes = made.subplots()
-    t = trajectory["time"].values
+INTEGRALS = {
+    "jellett": "Jellett's integral λ",
+    "routh": "Routh's function D",
+    "L3": "L₃",
+    "Lz": "L about the vertical",
+}
+
+
+def _changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarray, str]]:
+    """Relative changes since the start of what must not change: words, values (time,), colour."""
     curves: list[tuple[str, np.ndarray]] = []
-    for name, words in (("jellett", "Jellett's integral λ"), ("routh", "Routh's function D")):
-        if name in attrs["report"]["drift"]:
+    for name, words in INTEGRALS.items():
+        if name in attrs["report"]["drift"] and name in trajectory:
             curves.append((words, _relative(trajectory[name].values)))
     if "energy" in trajectory:
         work = trajectory["work"].values if "work" in trajectory else 0.0
         curves.append(("energy balance E + ∫ friction power", _relative(trajectory["energy"].values + work)))
     if "axis" in trajectory:
         curves.append(("length of the axis |3hat|", _relative(np.linalg.norm(trajectory["axis"].values, axis=1))))
-    for (words, values), color in zip(curves, (RUN, UPPER, LOWER, QUIET), strict=False):
+    colors = (RUN, UPPER, LOWER, QUIET, ALARM)
+    return [(words, values, color) for (words, values), color in zip(curves, colors, strict=False)]
+
+
+def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
+    """How well the run kept what must not change: the picture of trust."""
+    made = figure(10, 4.6)
+    axes = made.subplots()
+    t, curves = trajectory["time"].values, _changes(trajectory, attrs)
+    for words, values, color in curves:
         axes.semilogy(*_worst(t, np.maximum(values, 1e-17)), color=color, lw=1.3, label=words)
+    _rounding_unit(axes)
+    axes.set(xlabel="t (s)", ylabel="relative change since t = 0 (worst per bin)", title=_title(attrs), xlim=_span(t))
+    top = max((float(v.max()) for _, v, _ in curves), default=0.0)
+    axes.set_ylim(0.6e-17, max(1e-14, 30 * top))
+    axes.legend(loc="upper left", ncols=2)
+    return made
+
+
+def growth(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
+    """How the worst change since the start grows with the length of the run, beside a random walk's sqrt(t)."""
+    made = figure(9, 5.2)
+    axes = made.subplots()
+    t, curves = trajectory["time"].values[1:], _changes(trajectory, attrs)
+    for words, values, color in curves:
+        axes.loglog(t, np.maximum(np.maximum.accumulate(values[1:]), 1e-17), color=color, lw=1.3, label=words)
+    _rounding_unit(axes)
+    walk = np.median([float(values.max()) for _, values, _ in curves])
+    axes.loglog(t, walk * np.sqrt(t / t[-1]), color=QUIET, lw=1.0, ls="--", label="∝ √t")
+    axes.set(xlabel="t (s)", ylabel="worst relative change up to t", title=_title(attrs), xlim=(t[0], t[-1]))
+    axes.set_ylim(0.6e-17, max(1e-14, 100 * max(float(values.max()) for _, values, _ in curves)))
+    axes.legend(loc="upper left", ncols=2)
+    return made
+
+
+def _rounding_unit(axes: Any) -> None:
     axes.axhline(2.2e-16, color=QUIET, lw=0.8, ls=":")
     axes.annotate(
         "rounding\nunit",
@@ -116,11 +155,6 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         xytext=(4, -8),
         textcoords="offset points",
     )
-    axes.set(xlabel="t (s)", ylabel="relative change since t = 0 (worst per bin)", title=_title(attrs), xlim=_span(t))
-    top = max((float(v.max()) for _, v in curves), default=0.0)
-    axes.set_ylim(0.6e-17, max(1e-14, 30 * top))
-    axes.legend(loc="upper left", ncols=2)
-    return made
 
 
 def sphere(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
