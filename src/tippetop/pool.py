@@ -5,6 +5,8 @@ common, two writers cannot meet, and a worker that dies leaves nothing half-writ
 """
 
 import contextlib
+import logging
+import signal
 from collections.abc import Iterator
 from typing import Any
 
@@ -34,27 +36,32 @@ def here(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
 
 
 @contextlib.contextmanager
-def client(workers: int, scheduler: str | None) -> Iterator[Any]:
-    """A dask client: of the scheduler at an address, or of processes of our own on this machine, one thread each.
+def connected(scheduler: str) -> Iterator[Any]:
+    """A client of the dask scheduler at an address. Raises ScenarioError if there is none."""
+    from distributed import Client
+    from distributed.comm.addressing import get_address_host_port
 
-    Raises ScenarioError if there is no scheduler at the address.
-    """
-    import dask
-    from distributed import Client, LocalCluster
+    try:
+        get_address_host_port(scheduler)
+        found = Client(scheduler, timeout=CONNECT_FOR, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:  # TimeoutError is an OSError
+        raise ScenarioError(
+            [f"--scheduler must be the address of a running dask scheduler, but `{scheduler}`: {error}."]
+        ) from None
+    with found:
+        yield found
 
-    if scheduler is not None:
-        try:
-            connected = Client(scheduler, timeout=CONNECT_FOR, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:  # TimeoutError is an OSError
-            raise ScenarioError(
-                [f"--scheduler must be the address of a running dask scheduler, but `{scheduler}`: {error}."]
-            ) from None
-        with connected:
-            yield connected
-        return
-    quiet = {"distributed.comm.timeouts.connect": "60s", "distributed.admin.tick.limit": "1h"}
+
+@contextlib.contextmanager
+def own(workers: int) -> Iterator[Any]:
+    """A client of processes on this machine, one thread each, that nobody else can reach; Ctrl-C is not for them."""
+    from distributed import Client, LocalCluster, WorkerPlugin
+
+    class Deaf(WorkerPlugin):
+        def setup(self, worker: Any) -> None:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
     with (
-        dask.config.set(quiet),
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -62,11 +69,12 @@ def client(workers: int, scheduler: str | None) -> Iterator[Any]:
             host="127.0.0.1",
             dashboard_address=None,
             memory_limit=0,
-            silence_logs=50,
+            silence_logs=logging.CRITICAL,
         ) as cluster,
-        Client(cluster, set_as_default=False) as connected,
+        Client(cluster, set_as_default=False) as client,
     ):
-        yield connected
+        client.register_plugin(Deaf())
+        yield client
 
 
 def on(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
@@ -75,20 +83,28 @@ def on(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
     dask gives the chunk of a dead worker to another, but blames all chunks that the worker held: those that it gives up
     are tried once more, each alone, so that a chunk that kills its workers takes no other with it.
     """
+    from distributed import CancelledError
+    from distributed.comm import CommClosedError
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said here
     blamed = []
-    for task, found, killed in _flow(client, tasks):
-        if killed:
-            blamed.append(task)
-        else:
-            yield task, found
-    for task in blamed:
-        for _, found, _ in _flow(client, iter([task])):
-            yield task, found
+    try:
+        for task, found, killed in _flow(client, tasks):
+            if killed:
+                blamed.append(task)
+            else:
+                yield task, found
+        for task in blamed:
+            for _, found, _ in _flow(client, iter([task])):
+                yield task, found
+    except (CancelledError, CommClosedError) as error:
+        raise SchedulerLost from error
 
 
 def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]]:
     """Task, its columns or a sentence, and whether its workers died."""
-    from distributed import KilledWorker, as_completed
+    from distributed import CancelledError, KilledWorker, as_completed
+    from distributed.comm import CommClosedError
 
     flying: dict[Any, Task] = {}
     completed = as_completed(loop=client.loop)
@@ -104,14 +120,19 @@ def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]
 
     send()
     for future in completed:
-        task = flying.pop(future)
-        if future.status == "finished":
-            yield task, future.result(), False
-        elif future.status == "error":
-            error = future.exception()
-            yield task, _said(error), isinstance(error, KilledWorker)
-        else:
+        if future.status == "pending":  # its worker died with the result, and another computes it again
+            completed.add(future)
+            continue
+        if future.status in ("cancelled", "lost"):
             raise SchedulerLost
+        task, killed = flying.pop(future), False
+        try:
+            found = future.result()
+        except (CancelledError, CommClosedError):
+            raise
+        except Exception as error:  # whatever it is, the other chunks go on
+            found, killed = _said(error), isinstance(error, KilledWorker)
+        yield task, found, killed
         send()
 
 

@@ -101,8 +101,8 @@ def _shown(made: Plan, axis: Axis, table: Any) -> Shown:
     """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
     attrs = table[axis.key].attrs
     unit = attrs["units"].replace("-1", "⁻¹").replace("-2", "⁻²").replace("m2", "m²").replace("m3", "m³")
-    name = axis.key.partition(".")[2] or axis.key
-    label = f"{attrs['long_name']}, {name}" + (f" ({unit})" if unit != "1" else "")
+    words = attrs["long_name"].replace("omega_3", "ω₃").replace("lambda_s", "$\\lambda_s$")
+    label = words + (f" ({unit})" if unit != "1" else "")
     values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
     if not len(values):
         raise ScenarioError([f"the figure must have numbers on `{axis.key}`, but there are none."])

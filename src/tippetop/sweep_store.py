@@ -8,6 +8,8 @@ import contextlib
 import json
 import os
 import shutil
+import signal
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -44,6 +46,10 @@ class SweepStore:
 
     def check(self) -> None:
         """Clears what a killed writer leaves, and marks chunks that cannot be read as not done."""
+        with storing(self.folder):
+            self._check()
+
+    def _check(self) -> None:
         archive.sweep(self.folder)
         for left in (self.folder / RUNS).glob(".*.part-*"):
             shutil.rmtree(left)
@@ -69,44 +75,64 @@ class SweepStore:
         """Data first, then status."""
         tops = self.plan.tops(chunk)
         values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **lines}
-        for name, array in self.arrays.items():
-            array[tops[0] : tops[-1] + 1] = values[name]
-        self.chunk_status[chunk] = DONE
+        with storing(self.folder):
+            for name, array in self.arrays.items():
+                array[tops[0] : tops[-1] + 1] = values[name]
+            self.chunk_status[chunk] = DONE
 
     def fail(self, chunk: int, sentence: str) -> None:
         """Marks a chunk that could not be computed, and why."""
         said = failures(self.folder) | {str(chunk): sentence}
-        archive.replace_text(self.folder / FAILED, json.dumps(said, indent=2))
-        self.chunk_status[chunk] = BROKEN
+        with storing(self.folder):
+            archive.replace_text(self.folder / FAILED, json.dumps(said, indent=2))
+            self.chunk_status[chunk] = BROKEN
 
     def finish(self) -> None:
         """Says that the sweep is whole."""
-        self.root.update_attributes({"status": "finished", "reason": "every top was run"})
-        archive.sweep(self.folder)
-        (self.folder / LOCK).unlink(missing_ok=True)
+        with storing(self.folder):
+            self.root.update_attributes({"status": "finished", "reason": "every top was run"})
+            archive.sweep(self.folder)
+            (self.folder / LOCK).unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
 def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
     """The store of a sweep, new or gone on with, for one writer. Raises StoreError: another plan, other versions, a
     second writer, what cannot be read or written."""
-    import zarr
-
-    folder, lock = Path(path), -1
-    try:
+    folder = Path(path)
+    with storing(folder):
         lock = archive.locked(_there(folder, plan)) if folder.exists() else _created(folder, plan)
-        store = SweepStore(folder, plan)
+    try:
+        with storing(folder):
+            store = SweepStore(folder, plan)
         store.check()
         yield store
+    finally:
+        os.close(lock)
+
+
+@contextlib.contextmanager
+def storing(folder: Path) -> Iterator[None]:
+    """A block that SIGINT and SIGTERM wait for, and in which what goes wrong with the disk becomes a StoreError."""
+    import zarr
+
+    asked: list[int] = []
+    main = threading.current_thread() is threading.main_thread()
+    numbers = (signal.SIGINT, signal.SIGTERM) if main else ()
+    handlers = {number: signal.signal(number, lambda n, _: asked.append(n)) for number in numbers}
+    try:
+        yield
     except OSError as error:
         if isinstance(error, StoreError):
             raise
         raise StoreError(f"`{folder}` must be writable, but: {error.strerror or error}.") from error
-    except zarr.errors.BaseZarrError as error:
+    except (zarr.errors.BaseZarrError, KeyError) as error:
         raise StoreError(f"`{folder}` must be readable, but: {error}: remove it.") from error
     finally:
-        if lock >= 0:
-            os.close(lock)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        if asked:
+            signal.raise_signal(asked[0])
 
 
 def failures(folder: Path) -> dict[str, str]:

@@ -1,15 +1,15 @@
 """A plan becomes a store of many tops: chunk by chunk, on any number of workers, resumable, always the same bits."""
 
+import contextlib
 import os
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import archive, pool, record, scenario
 from .bar import shown
 from .plan import Plan, read
-from .pool import SchedulerLost
 from .scenario import ScenarioError
 from .sweep_lines import Task
 from .sweep_report import open_sweep
@@ -18,6 +18,9 @@ from .sweep_store import RUNS, SweepStore, opened
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+SMALL = 20.0  # core seconds: a process needs 6 s to compile, so less is done sooner by threads of this one
 
 
 class Unfinished(Exception):
@@ -38,15 +41,21 @@ def sweep(
 ) -> "xr.Dataset":
     """Runs every top of a plan into the store `out`, or goes on with it, and opens it: a line per top.
 
-    `workers` processes on this machine (one: this process itself; by default as many as usable cores), or the workers
-    of a dask scheduler at an address. `progress(done, of)` counts tops; True draws a bar. Raises ScenarioError,
-    StoreError, Unfinished.
+    `workers` processes on this machine compute (one: this process itself; by default as many as usable cores, or
+    threads of this process where little is to be done), or the workers of a dask scheduler at an address.
+    `progress(done, of)` counts tops; True draws a bar. Raises ScenarioError, StoreError, Unfinished.
     """
     made = plan if isinstance(plan, Plan) else read(plan)
     if workers is not None and workers < 1:
         raise ScenarioError([f"--workers must be at least 1, but is {workers}."])
-    with shown(progress, "tops") as tell, opened(out, made) as store:
-        sentences = _fill(store, workers or len(os.sched_getaffinity(0)), scheduler, tell)
+    if scheduler is not None and not find_spec("distributed"):
+        raise ScenarioError(["--scheduler must find dask, but it is not installed: install tippetop[sweep]."])
+    with (
+        shown(progress, "tops") as tell,
+        contextlib.nullcontext() if scheduler is None else pool.connected(scheduler) as client,
+        opened(out, made) as store,
+    ):
+        sentences = _fill(store, workers, client, tell)
         if not sentences:
             _run_alone(store)
             store.finish()
@@ -55,7 +64,7 @@ def sweep(
     return open_sweep(out)
 
 
-def _fill(store: SweepStore, workers: int, scheduler: str | None, progress: Callable[[int, int], None]) -> list[str]:
+def _fill(store: SweepStore, workers: int | None, client: Any, progress: Callable[[int, int], None]) -> list[str]:
     """Computes and writes what is not done; gives a sentence for each chunk that failed."""
     plan, todo = store.plan, store.todo()
     done = plan.n - sum(len(plan.tops(chunk)) for chunk in todo)
@@ -63,33 +72,32 @@ def _fill(store: SweepStore, workers: int, scheduler: str | None, progress: Call
     sentences = []
     tables, versions = scenario.resolved(plan.base), archive.versions()
     tasks = (Task(chunk, tables, plan.columns(plan.tops(chunk)), plan.keep, versions) for chunk in todo)
-    for task, found in _computed(tasks, min(workers, len(todo)), scheduler):
-        tops = plan.tops(task.chunk)
-        if isinstance(found, str):
-            sentences.append(f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {found}.")
-            store.fail(task.chunk, found)
-            continue
-        store.write(task.chunk, found)
-        done += len(tops)
-        progress(done, plan.n)
+    small = workers is None and len(todo) * plan.chunk * plan.seconds_per_top < SMALL
+    try:
+        for task, found in _computed(tasks, workers, client, small) if todo else ():
+            tops = plan.tops(task.chunk)
+            if isinstance(found, str):
+                sentences.append(f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {found}.")
+                store.fail(task.chunk, found)
+                continue
+            store.write(task.chunk, found)
+            done += len(tops)
+            progress(done, plan.n)
+    except pool.SchedulerLost:
+        sentences.append("the scheduler went away; what it gave back is stored.")
     return sentences
 
 
-def _computed(tasks: Iterator[Task], workers: int, scheduler: str | None) -> Iterator[pool.Outcome]:
-    """The chunks as they are computed; here, on one's own workers, or on those of a scheduler."""
-    if workers == 0:
-        return
-    dask = find_spec("distributed") is not None
-    if scheduler is not None and not dask:
-        raise ScenarioError(["--scheduler must find dask, but it is not installed: install tippetop[sweep]."])
-    if scheduler is None and (workers == 1 or not dask):
-        yield from pool.here(tasks, workers)
-        return
-    with pool.client(workers, scheduler) as client:
-        try:
-            yield from pool.on(client, tasks)
-        except SchedulerLost:
-            raise Unfinished(["the scheduler went away; what it gave back is stored."]) from None
+def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bool) -> Iterator[pool.Outcome]:
+    """The chunks as they are computed: by the workers of a client, here, or by processes of our own."""
+    threads = workers or len(os.sched_getaffinity(0))
+    if client is not None:
+        yield from pool.on(client, tasks)
+    elif small or threads == 1 or not find_spec("distributed"):
+        yield from pool.here(tasks, threads)
+    else:
+        with pool.own(threads) as mine:
+            yield from pool.on(mine, tasks)
 
 
 def _run_alone(store: SweepStore) -> None:

@@ -50,7 +50,7 @@ def _over_two(made: Map) -> Figure:
     elif np.isfinite(field).any():
         force = made.kind == "normal-force"
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap="cividis" if force else "viridis", rasterized=True)
-        page.colorbar(mesh, ax=axes, label="least g_n/(m g)" if force else "inverted at t (s)", pad=0.02)
+        page.colorbar(mesh, ax=axes, label="least $g_n$/(m g)" if force else "inverted at t (s)", pad=0.02)
         if force:
             entries += _liftoff(axes, x, y, field)
     if made.kind == "inversion" and np.isnan(field).any():
@@ -73,7 +73,7 @@ def _liftoff(axes: Any, x: Shown, y: Shown, field: np.ndarray) -> list[Any]:
     if not 0 < touches.mean() < 1 or min(field.shape) < 2:
         return []
     axes.contour(x.centres, y.centres, touches, [0.5], colors=ALARM, linewidths=1.4)
-    return [Line2D([], [], color=ALARM, lw=1.4, label="liftoff: g_n reaches 0")]
+    return [Line2D([], [], color=ALARM, lw=1.4, label="liftoff: $g_n$ reaches 0")]
 
 
 def _borders(axes: Any, made: Map) -> list[Any]:
@@ -109,7 +109,7 @@ def _over_one(made: Map) -> Figure:
         for name, colour, words in (("normal_force_min", RUN, "least"), ("normal_force_max", UPPER, "greatest")):
             axes.plot(x.centres, made.fields[name], color=colour, marker=marker, label=words)
         axes.axhline(0, color=ALARM, lw=0.9)
-        axes.set_ylabel("normal force g_n/(m g)")
+        axes.set_ylabel("normal force $g_n$/(m g)")
     for (label, values), style in zip(made.borders.items(), STYLES, strict=False):
         for at in x.span[:-1][np.diff(np.sign(values)) != 0]:
             axes.axvline(at, color="black", lw=1.0, ls=style, label=_mathematical(label))
