@@ -59,11 +59,14 @@ def _by_lambda(base: Problem, columns: Numbers, ratio: np.ndarray) -> Numbers:
 
 DERIVED = {
     "sigma": Derived(
-        "m R^2/I3, by I3 at the same I1/I3", ("parameters.I3", "parameters.I1"), _by_sigma, ("m", "R", "I1", "I3")
+        "sigma = m R^2/I3, set by I3 at the same gamma",
+        ("parameters.I3", "parameters.I1"),
+        _by_sigma,
+        ("m", "R", "I1", "I3"),
     ),
-    "gamma": Derived("I1/I3, by I1", ("parameters.I1",), _by_gamma, ("R", "I1", "I3")),
+    "gamma": Derived("gamma = I1/I3, set by I1", ("parameters.I1",), _by_gamma, ("R", "I1", "I3")),
     "lambda": Derived(
-        "Jellett's integral of the start over lambda_s, by omega3", ("initial.omega3",), _by_lambda, (), ("tippe-top",)
+        "lambda of the start over lambda_s, set by omega3", ("initial.omega3",), _by_lambda, (), ("tippe-top",)
     ),
 }
 """In the order in which they are applied: each takes what those before it have set."""
@@ -85,9 +88,13 @@ def faults(base: Problem, keys: list[str]) -> list[str]:
     for name, rule in DERIVED.items():
         if name not in keys:
             continue
+        if rule.systems and base.system.name not in rule.systems:
+            found.append(
+                f"`{name}` must be an axis of {', '.join(rule.systems)}, but the system is {base.system.name}."
+            )
         missing = [p for p in rule.needs if p not in base.parameters]
-        if missing or (rule.systems and base.system.name not in rule.systems):
-            found.append(f"`{name}` must be an axis of tippe tops only, but the system is {base.system.name}.")
+        if missing:
+            found.append(f"`{name}` must have {', '.join(rule.needs)}, but {base.system.name} has no {missing[0]}.")
         rivals = {*rule.sets, *({"initial.psi_dot"} if "initial.omega3" in rule.sets else ())}
         found += [f"`{name}` must stand alone, but `{key}` varies too." for key in keys if key in rivals]
     return found

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
 
 from . import derived, ensembles, scenario
 from .axes import Axis, Design, Sample
@@ -22,13 +22,16 @@ MICROSECONDS_PER_STEP = 1.6  # of one lane; measured on two shared cores of an A
 CHUNKS = 64, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
-Any_number = Annotated[float, Field(allow_inf_nan=True)]  # an absurd top is marked, and its neighbours run
+NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
+AnyNumber = Annotated[  # an absurd top is marked, and its neighbours run
+    float, Field(allow_inf_nan=True), BeforeValidator(lambda v: float(v) if v in NOT_FINITE else v)
+]
 Count = Annotated[int, Field(ge=1)]
 
 
 class _Axis(Table):
     of: str
-    values: Annotated[list[Any_number], Field(min_length=1)] | None = None
+    values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
     linspace: Pair | None = None
     geomspace: Pair | None = None
     between: Pair | None = None
@@ -152,6 +155,9 @@ def of(document: dict[str, Any], folder: Path = Path()) -> Plan:
     sample = Sample(**shape.sample.model_dump()) if shape.sample else None
     design = Design(tuple(_axis(axis) for axis in shape.axis), sample)
     plain = shape.model_dump(exclude_none=True, exclude={"set"}) | {"scenario": scenario.resolved(base)}
+    for axis in plain["axis"]:
+        if "values" in axis:
+            axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
     made = Plan(base, design, {"keep": None, "chunk": None, **plain})
     sentences = _whole_faults(made)
     if sentences:

@@ -84,9 +84,8 @@ def on(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
     are tried once more, each alone, so that a chunk that kills its workers takes no other with it.
     """
     from distributed import CancelledError
-    from distributed.comm import CommClosedError
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said here
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what goes wrong is said here
     blamed = []
     try:
         for task, found, killed in _flow(client, tasks):
@@ -97,7 +96,7 @@ def on(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
         for task in blamed:
             for _, found, _ in _flow(client, iter([task])):
                 yield task, found
-    except (CancelledError, CommClosedError) as error:
+    except (CancelledError, OSError) as error:  # CommClosedError is an OSError
         raise SchedulerLost from error
 
 

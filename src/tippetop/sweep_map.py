@@ -17,7 +17,7 @@ from .sweep_report import open_sweep
 
 MOST_CELLS = 1000  # along an axis of a map; more values share cells
 POINTS = 121  # of a border, along each axis
-TOPS_PER_CELL = 8  # where axes were drawn
+TOPS_PER_CELL = 4  # where axes were drawn
 NEEDED = {
     "class": ("class", "theta_end"),
     "inversion": ("inverted_at", "first_equator"),
@@ -101,7 +101,14 @@ def _shown(made: Plan, axis: Axis, table: Any) -> Shown:
     """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
     attrs = table[axis.key].attrs
     unit = attrs["units"].replace("-1", "⁻¹").replace("-2", "⁻²").replace("m2", "m²").replace("m3", "m³")
-    words = attrs["long_name"].replace("omega_3", "ω₃").replace("lambda_s", "$\\lambda_s$")
+    words = (
+        attrs["long_name"]
+        .replace("omega_3", "ω₃")
+        .replace("lambda_s", "λₛ")
+        .replace("lambda", "λ")
+        .replace("gamma", "γ")
+        .replace("sigma", "σ")
+    )
     label = words + (f" ({unit})" if unit != "1" else "")
     values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
     if not len(values):
@@ -174,7 +181,6 @@ def _borders(made: Plan, axes: tuple[Shown, ...], others: list[Axis]) -> dict[st
             "λ = λ_t: tumbling possible above": stability.lambda_t(b),
         }
         found = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
-    same = "λ = λ_t: tumbling possible above", "λ = λ_u: upright spin stable below"
-    if np.allclose(found[same[0]], found[same[1]], atol=1e-3, equal_nan=True):
-        del found[same[0]]  # no fold: tumbling begins where the upright spin ends
-    return {label: values for label, values in found.items() if np.nanmin(values) < 0 < np.nanmax(values)}
+        upright, *_, tumbling = found.values()
+        tumbling[np.abs(tumbling - upright) < 1e-3] = np.nan  # no fold: tumbling begins where the upright spin ends
+        return {label: values for label, values in found.items() if (values < 0).any() and (values > 0).any()}

@@ -63,10 +63,11 @@ def report(path: str | Path) -> dict[str, Any]:
 
 def lines(found: dict[str, Any]) -> list[tuple[str, str]]:
     """Name and text of each line of a summary."""
-    chunks, axes = found["chunks"], zip(found["dimensions"], found["shape"], strict=True)
+    chunks, sizes = found["chunks"], dict(zip(found["dimensions"], found["shape"], strict=True))
+    drawn = ", ".join(axis["of"] for axis in found["plan"]["axis"] if "between" in axis)
     said = [
         ("status", f"{found['status']}: {found['tops_done']} of {found['tops']} tops; {_text(chunks)} chunks"),
-        ("axes", " x ".join(f"{name} ({n})" for name, n in axes)),
+        ("axes", " x ".join(f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes.items())),
     ]
     said += [(name, _text(counts)) for name, counts in found["counts"].items()]
     if found["drift"]:

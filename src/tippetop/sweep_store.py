@@ -125,7 +125,8 @@ def storing(folder: Path) -> Iterator[None]:
     except OSError as error:
         if isinstance(error, StoreError):
             raise
-        raise StoreError(f"`{folder}` must be writable, but: {error.strerror or error}.") from error
+        kept = " What is stored is kept: the same command goes on with it." if (folder / GROUP).exists() else ""
+        raise StoreError(f"`{folder}` must be writable, but: {error.strerror or error}.{kept}") from error
     except (zarr.errors.BaseZarrError, KeyError) as error:
         raise StoreError(f"`{folder}` must be readable, but: {error}: remove it.") from error
     finally:

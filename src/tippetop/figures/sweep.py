@@ -25,7 +25,7 @@ STYLES = ("-", "--", ":", "-.")
 TITLES = {
     "class": "What became of the tops",
     "inversion": "Time of inversion, first rise of θ through π − 0.1",
-    "normal-force": "Least normal force",
+    "normal-force": "Extremes of the normal force",
 }
 TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
 
@@ -46,7 +46,7 @@ def _over_two(made: Map) -> Figure:
         colours = ListedColormap(list(COLOURS.values()))
         axes.pcolormesh(x.edges, y.edges, field, cmap=colours, vmin=-0.5, vmax=len(COLOURS) - 0.5, rasterized=True)
         present = [name for i, name in enumerate(CLASSES) if (field == i).any()]
-        entries += [Patch(color=COLOURS[name], label=name.replace("-", " ")) for name in present]
+        entries += [Patch(color=COLOURS[name], label=_said(name)) for name in present]
     elif np.isfinite(field).any():
         force = made.kind == "normal-force"
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap="cividis" if force else "viridis", rasterized=True)
@@ -69,8 +69,8 @@ def _over_two(made: Map) -> Figure:
 
 def _liftoff(axes: Any, x: Shown, y: Shown, field: np.ndarray) -> list[Any]:
     """The border at which the normal force reaches zero."""
-    touches = np.where(np.isnan(field), 0.0, field <= TOUCH)
-    if not 0 < touches.mean() < 1 or min(field.shape) < 2:
+    touches = np.ma.array(field <= TOUCH, dtype=float, mask=np.isnan(field))
+    if min(field.shape) < 2 or not touches.min() < touches.max():
         return []
     axes.contour(x.centres, y.centres, touches, [0.5], colors=ALARM, linewidths=1.4)
     return [Line2D([], [], color=ALARM, lw=1.4, label="liftoff: $g_n$ reaches 0")]
@@ -98,7 +98,7 @@ def _over_one(made: Map) -> Figure:
         for i, name in enumerate(CLASSES):
             here = kinds == i
             if (here & np.isfinite(theta)).any():
-                axes.plot(x.centres[here], theta[here], ".", color=COLOURS[name], label=name.replace("-", " "), ms=7)
+                axes.plot(x.centres[here], theta[here], ".", color=COLOURS[name], label=_said(name), ms=7)
         axes.set(ylabel="θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
     elif made.kind == "inversion":
@@ -125,6 +125,11 @@ def _dress(axes: Any, made: Map, x: Shown) -> None:
     axes.set_xlim(x.edges[0], x.edges[-1])
     notes = f"\n{'; '.join(made.notes)}" if made.notes else ""
     axes.set_title(f"{TITLES[made.kind]} · {made.title}{notes}")
+
+
+def _said(name: str) -> str:
+    """The name of a class."""
+    return "no end: invalid, not finite, stalled" if name == "none" else name.replace("-", " ")
 
 
 def _mathematical(label: str) -> str:
