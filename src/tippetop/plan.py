@@ -19,6 +19,7 @@ MOST_TOPS = 10**9
 CHUNK_SECONDS = 4.0  # of one core: opening files and sending arrays then take some hundredths
 LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 1.6  # of one lane; measured on two shared cores of an AMD EPYC
+FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
 CHUNKS = 64, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
@@ -122,7 +123,7 @@ class Plan:
                 steps.append(assess.cost(self.problem(top))["steps"])
             except ScenarioError:
                 steps.append(0)
-        return max(float(np.mean(steps)), 1.0) * MICROSECONDS_PER_STEP * 1e-6
+        return max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6
 
 
 def read(path: str | Path) -> Plan:

@@ -69,7 +69,7 @@ def _over_two(made: Map) -> Figure:
 
 def _liftoff(axes: Any, x: Shown, y: Shown, field: np.ndarray) -> list[Any]:
     """The border at which the normal force reaches zero."""
-    touches = np.ma.array(field <= TOUCH, dtype=float, mask=np.isnan(field))
+    touches: Any = np.ma.array(field <= TOUCH, dtype=float, mask=np.isnan(field))
     if min(field.shape) < 2 or not touches.min() < touches.max():
         return []
     axes.contour(x.centres, y.centres, touches, [0.5], colors=ALARM, linewidths=1.4)
