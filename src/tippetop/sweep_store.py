@@ -193,6 +193,8 @@ def _created(folder: Path, plan: Plan) -> int:
         group = root.create_group(GROUP)
         for name, column in {**_coordinates(plan), **sweep_lines.empty(plan.base, plan.keep)}.items():
             _array(group, name, column, plan.n, plan.chunk)
+        if plan.runs:
+            root.create_group(RUNS)
         flags = {"flag_values": list(range(3)), "flag_meanings": " ".join(CHUNK_STATUSES), "units": "1"}
         status = Column(("chunk",), np.zeros(0, np.int8), {"long_name": "state of a chunk of tops", **flags})
         array = _array(root, "chunk_status", status, plan.chunks, min(plan.chunks, STATUSES_PER_FILE))

@@ -104,7 +104,6 @@ def _run_alone(store: SweepStore) -> None:
     """Runs the tops that the plan wants whole, each into a store of its own."""
     for top in store.plan.runs:
         place = store.folder / RUNS / str(top)
-        place.parent.mkdir(exist_ok=True)
         if not place.exists():
             record.record(store.plan.problem(top), place)
         elif archive.attributes(place)["status"] == "running":
