@@ -122,7 +122,7 @@ def test_chunks_hold_every_top_once_and_take_seconds(n: int, until: float) -> No
     assert all(b[0] == a[1] + 1 for a, b in itertools.pairwise(ends))
     assert of.chunk * of.seconds_per_top < 8
     if n == 1000:
-        assert of.chunk * of.seconds_per_top > 2 or 32 <= of.chunks <= 128
+        assert of.chunk * of.seconds_per_top > 0.5
 
 
 def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:

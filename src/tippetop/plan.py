@@ -13,10 +13,11 @@ from . import derived, ensembles, scenario
 from .axes import Axis, Design, Sample
 from .problem import Problem
 from .scenario import ScenarioError, Table
+from .wording import worded
 
 
 MOST_TOPS = 10**9
-CHUNK_SECONDS = 4.0  # of one core: opening files and sending arrays then take some hundredths
+CHUNK_SECONDS = 1.0, 4.0  # of one core: writing a chunk takes 0.03 s, whatever its size
 LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 1.6  # of one lane; measured on two shared cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
@@ -85,7 +86,7 @@ class Plan:
         given = self.document["chunk"]
         if given is not None:
             return min(given, self.n)
-        seconds = min(CHUNK_SECONDS, self.n * self.seconds_per_top / LEAST_CHUNKS)
+        seconds = np.clip(self.n * self.seconds_per_top / LEAST_CHUNKS, *CHUNK_SECONDS)
         best = 2 ** round(math.log2(max(1.0, seconds / self.seconds_per_top)))
         return min(max(best, CHUNKS[0]), CHUNKS[1], self.n)
 
@@ -264,4 +265,4 @@ def _sentence(error: Any) -> str:
     models: dict[Any, type[Table]] = {"axis": _Axis, "sample": _Sample}
     inner = models.get(place[0]) if len(place) > 1 else None
     key = ".".join(str(p) for p in place if p not in ("str", "dict[str,any]"))
-    return scenario.worded(error, key, list((inner or _Plan).model_fields))
+    return worded(error, key, list((inner or _Plan).model_fields))

@@ -55,6 +55,7 @@ def connected(scheduler: str) -> Iterator[Any]:
 @contextlib.contextmanager
 def own(workers: int) -> Iterator[Any]:
     """A client of processes on this machine, one thread each, that nobody else can reach; Ctrl-C is not for them."""
+    import dask
     from distributed import Client, LocalCluster, WorkerPlugin
 
     class Deaf(WorkerPlugin):
@@ -62,12 +63,14 @@ def own(workers: int) -> Iterator[Any]:
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     with (
+        dask.config.set({"distributed.worker.profile.enabled": False}),  # it looks at every thread each 10 ms
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # None would still open port 8787
+            scheduler_kwargs={"dashboard": False},
             memory_limit=0,
             silence_logs=logging.CRITICAL,
         ) as cluster,

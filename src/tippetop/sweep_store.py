@@ -28,6 +28,7 @@ GROUP = "sweep"
 RUNS = "runs"
 FAILED = "failed.json"  # while there are failed chunks: number -> sentence
 TODO, DONE, BROKEN = 0, 1, 2
+BEGUN = {"status": "running", "reason": "tops are still to be run"}
 CHUNK_STATUSES = ("todo", "done", "failed")
 STATUSES_PER_FILE = 4096  # of chunks
 
@@ -53,10 +54,14 @@ class SweepStore:
         archive.sweep(self.folder)
         for left in (self.folder / RUNS).glob(".*.part-*"):
             shutil.rmtree(left)
-        status = self.chunk_status[:]
-        sound = np.array([s == DONE and self._sound(k) for k, s in enumerate(status)])
-        if (status != np.where(sound, DONE, TODO)).any():
-            self.chunk_status[:] = np.where(sound, DONE, TODO)
+        try:
+            status = self.chunk_status[:]
+        except Exception:  # codecs raise what they like; a chunk whose files are all whole is done
+            status = np.full(self.plan.chunks, DONE)
+        sound = np.where([s == DONE and self._sound(k) for k, s in enumerate(status)], DONE, TODO)
+        self.chunk_status[:] = sound
+        if not sound.all():
+            self.root.update_attributes(BEGUN)
         (self.folder / FAILED).unlink(missing_ok=True)
 
     def _sound(self, chunk: int) -> bool:
@@ -127,7 +132,7 @@ def storing(folder: Path) -> Iterator[None]:
             raise
         kept = " What is stored is kept: the same command goes on with it." if (folder / GROUP).exists() else ""
         raise StoreError(f"`{folder}` must be writable, but: {error.strerror or error}.{kept}") from error
-    except (zarr.errors.BaseZarrError, KeyError) as error:
+    except (zarr.errors.BaseZarrError, KeyError, ValueError) as error:
         raise StoreError(f"`{folder}` must be readable, but: {error}: remove it.") from error
     finally:
         for number, handler in handlers.items():
@@ -149,8 +154,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         {
             "content": GROUP,
             "title": f"sweep: {plan.base.system.title}",
-            "status": "running",
-            "reason": "tops are still to be run",
+            **BEGUN,
             "plan": plan.document,
             "tops": plan.n,
             "chunk": plan.chunk,

@@ -25,8 +25,9 @@ STYLES = ("-", "--", ":", "-.")
 TITLES = {
     "class": "What became of the tops",
     "inversion": "Time of inversion, first rise of θ through π − 0.1",
-    "normal-force": "Extremes of the normal force",
+    "normal-force": "Least normal force",
 }
+ONE_AXIS = {"inversion": "Times of inversion", "normal-force": "Extremes of the normal force"}
 TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
 
 
@@ -124,7 +125,8 @@ def _dress(axes: Any, made: Map, x: Shown) -> None:
         axes.set_xscale("log")
     axes.set_xlim(x.edges[0], x.edges[-1])
     notes = f"\n{'; '.join(made.notes)}" if made.notes else ""
-    axes.set_title(f"{TITLES[made.kind]} · {made.title}{notes}")
+    title = TITLES[made.kind] if len(made.axes) == 2 else ONE_AXIS.get(made.kind, TITLES[made.kind])
+    axes.set_title(f"{title} · {made.title}{notes}")
 
 
 def _said(name: str) -> str:
