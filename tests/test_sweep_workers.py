@@ -12,7 +12,7 @@ import pytest
 
 import tippetop
 from sweeps import PLAN, assert_same, chunks, written
-from tippetop import sweep_lines
+from tippetop import archive, plan, scenario, sweep_lines
 from tippetop.cli import outcome
 from tippetop.sweeping import Unfinished
 
@@ -154,3 +154,13 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
     assert 10 <= written(store) < 40
     tippetop.sweep(longer[0], store, workers=1)
     assert_same(store, longer[1])
+
+
+def test_a_worker_of_other_versions_is_refused(file: Path) -> None:
+    """Its bits could differ."""
+    of = plan.read(file)
+    task = sweep_lines.Task(
+        0, scenario.resolved(of.base), of.columns(of.tops(0)), None, {**archive.versions(), "heyoka": "0"}
+    )
+    with pytest.raises(sweep_lines.OtherVersions, match="other versions of heyoka than the sweep was begun with"):
+        sweep_lines.lines(task)
