@@ -74,8 +74,10 @@ def longer(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return folder / "PLAN.toml", folder / "S.zarr"
 
 
-def wait_for(store: Path, done: int) -> None:
+def wait_for(process: subprocess.Popen, store: Path, done: int) -> None:
+    """Waits until so many chunks are done."""
     while not store.exists() or written(store) < done:
+        assert process.poll() is None, process.communicate()
         time.sleep(0.05)
 
 
@@ -84,7 +86,7 @@ def test_killed_workers_cost_nothing(longer: tuple[Path, Path], tmp_path: Path) 
     store = tmp_path / "S.zarr"
     process = start(longer[0], store, "--workers", "2")
     for done in (3, 12, 25):
-        wait_for(store, done)
+        wait_for(process, store, done)
         os.kill(children(process)[0], signal.SIGKILL)
     _, err = process.communicate()
     assert (process.returncode, err) == (0, "")
@@ -96,7 +98,7 @@ def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path,
     store = tmp_path / "S.zarr"
     for done, workers in ((5, "2"), (14, "1"), (25, "3")):
         process = start(longer[0], store, "--workers", workers)
-        wait_for(store, done)
+        wait_for(process, store, done)
         process.kill()
         process.communicate()
         assert written(store) < 40
@@ -140,9 +142,9 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
     workers = [subprocess.Popen([*worker, "--no-nanny"], **quiet) for _ in range(2)]
     try:
         process = start(longer[0], store, "--scheduler", address)
-        wait_for(store, 4)
+        wait_for(process, store, 4)
         workers[0].kill()
-        wait_for(store, 10)
+        wait_for(process, store, 10)
         scheduler.kill()
         _, err = process.communicate()
         assert process.returncode == 6

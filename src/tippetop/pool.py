@@ -122,10 +122,10 @@ def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]
 
     send()
     for future in completed:
-        if future.status == "pending":  # its worker died with the result, and another computes it again
+        if future.status in ("pending", "lost"):  # its worker died with the result, and another computes it again
             completed.add(future)
             continue
-        if future.status in ("cancelled", "lost"):
+        if future.status == "cancelled":
             raise SchedulerLost
         task, killed = flying.pop(future), False
         try:
