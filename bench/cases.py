@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from . import ensemble, formulations, landscape, precision, scaling, startup, storing
+from . import ensemble, formulations, landscape, precision, scaling, startup, storing, sweeps
 from .precision import Course
 
 
@@ -18,6 +18,7 @@ CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
     **{name: partial(precision.compare, course) for name, course in COURSES.items()},
     "ensemble": ensemble.compare,
     "formulations": formulations.compare,
+    "sweep": sweeps.compare,
     "surface": landscape.compare,
     "storing": storing.compare,
     "startup": startup.compare,

@@ -151,6 +151,20 @@ def storing(result: dict[str, Any]) -> str:
     return table(["run", "rows", "equations only [s]", "followed [s]", "stored [s]", "stored / equations only"], rows)
 
 
+def sweep(result: dict[str, Any]) -> str:
+    """What the store and dask add."""
+    rows = [
+        [way, number(w["seconds"]), f"{w['wall']:.3f}", f"{w['processor']:.3f}"] for way, w in result["ways"].items()
+    ]
+    head = [
+        f"{result['title']}: {result['tops']} tops",
+        "seconds",
+        "by the wall clock, to plain",
+        "of the processor, to plain",
+    ]
+    return table(head, rows)
+
+
 def surface(result: dict[str, Any]) -> str:
     """Nanoseconds per point."""
     errors, best = result["largest_relative_error"], result["best_ns_per_point"]
@@ -207,6 +221,7 @@ def sections(results: dict[str, Any]) -> dict[str, str]:
         **dict.fromkeys(COURSES, course),
         "formulations": formulations,
         "storing": storing,
+        "sweep": sweep,
         "surface": surface,
         "startup": startup,
         "scaling": scaling,

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from .problem import Problem as Problem
     from .results import datasets as datasets
     from .scenario import ScenarioError as ScenarioError
+    from .sweep_report import gridded as gridded
+    from .sweeping import sweep as sweep
     from .systems import SYSTEMS as SYSTEMS
 
 _PLACES = {
@@ -41,6 +43,8 @@ _PLACES = {
     "Problem": "problem",
     "datasets": "results",
     "ScenarioError": "scenario",
+    "gridded": "sweep_report",
+    "sweep": "sweeping",
     "SYSTEMS": "systems",
 }
 __all__ = list(_PLACES)

@@ -24,13 +24,13 @@ def assessment(problem: Problem) -> dict[str, Any]:
         f"{q.name} [{q.unit.symbol}]": float(values[q.name][0]) * float(problem.scales.of(q.unit))
         for q in problem.system.quantities
     }
-    cost = _cost(problem)
-    return {"at_start": quantities, **_outlook(problem), **_regularisation(problem, cost), "expected": cost}
+    expected = cost(problem)
+    return {"at_start": quantities, **_outlook(problem), **_regularisation(problem, expected), "expected": expected}
 
 
 def remarks(problem: Problem) -> dict[str, Any]:
     """What a finished run deserves to have said of it: the name of a heavy top's motion, what eps decides."""
-    said = _regularisation(problem, _cost(problem))
+    said = _regularisation(problem, cost(problem))
     if problem.system.name == "heavy-top":
         start, view = problem.start()[None, :], View(problem)
         units = {q.name: q.unit for q in problem.system.quantities}
@@ -51,12 +51,12 @@ def _outlook(problem: Problem) -> dict[str, Any]:
     return {**({"thresholds": limits} if limits else {}), **said}
 
 
-def _regularisation(problem: Problem, cost: dict[str, float]) -> dict[str, Any]:
+def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, Any]:
     """What eps decides: the time of inversion for half, whole and twice eps, where three short runs can tell."""
     if problem.system.name != "tippe-top" or "eps" not in problem.friction._fields:
         return {}
     said: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
-    if cost["seconds"] < AFFORDABLE:
+    if expected["seconds"] < AFFORDABLE:
         from .sensitivity import inversion_sensitivity
 
         found = inversion_sensitivity(problem)
@@ -65,7 +65,7 @@ def _regularisation(problem: Problem, cost: dict[str, float]) -> dict[str, Any]:
     return said
 
 
-def _cost(problem: Problem) -> dict[str, float]:
+def cost(problem: Problem) -> dict[str, float]:
     """Orders of magnitude: a step spans about a radian of the fastest angle."""
     rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
     fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))

@@ -27,8 +27,6 @@ class Appender:
     @classmethod
     def created(cls, root: Any, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
         """A new group whose arrays have the columns' names, types and attributes, and no rows."""
-        from zarr.codecs import BloscCodec, Crc32cCodec
-
         group = root.create_group(name)
         for key, column in columns.items():
             group.create_array(
@@ -39,8 +37,7 @@ class Appender:
                 dimension_names=column.dims,
                 attributes=column.attrs,
                 fill_value=np.nan if column.values.dtype.kind == "f" else 0,
-                # lz4 and shuffle: smaller and faster than zstd here; the checksum makes damage an error to read
-                compressors=[BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"), Crc32cCodec()],
+                compressors=codecs(),
             )
         return cls(group, chunk)
 
@@ -100,18 +97,30 @@ class Appender:
         self.unflushed = True
 
 
+def codecs() -> list[Any]:
+    """How a chunk becomes bytes: lz4 and shuffle, smaller and faster than zstd here; a checksum makes damage an error
+    to read."""
+    from zarr.codecs import BloscCodec, Crc32cCodec
+
+    return [BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"), Crc32cCodec()]
+
+
 def verify(group: Any) -> None:
     """Reads every chunk of a group. Raises StoreError, which names the array and the rows that cannot be read."""
     for _, array in group.arrays():
-        chunk = array.chunks[0]
-        for start in range(0, array.shape[0], chunk):
-            try:
-                if not array.store_path.store.root.joinpath(array.store_path.path, _chunk_file(array, start)).is_file():
-                    raise OSError("the file of the chunk is missing")
-                array[start : start + chunk]
-            except Exception as error:  # codecs raise what they like
-                end = min(start + chunk, array.shape[0])
-                raise StoreError(f"`{array.path}` must be readable in rows {start} to {end}, but: {error}.") from None
+        for start in range(0, array.shape[0], array.chunks[0]):
+            readable(array, start)
+
+
+def readable(array: Any, start: int) -> None:
+    """Reads the chunk of an array that begins at row `start`. Raises StoreError if it is missing or damaged."""
+    end = min(start + array.chunks[0], array.shape[0])
+    try:
+        if not array.store_path.store.root.joinpath(array.store_path.path, _chunk_file(array, start)).is_file():
+            raise OSError("the file of the chunk is missing")
+        array[start:end]
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{array.path}` must be readable in rows {start} to {end}, but: {error}.") from None
 
 
 def _chunk_file(array: Any, start: int) -> str:

@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import ledger, scenario
+from .bar import shown
 from .batch import LANES, Lanes
 from .engine import Status
 from .events import KINDS
 from .monitor import invariants, size
+from .problem import Problem
 from .scenario import ScenarioError
 from .system import NEWTON, ONE, RADIAN, SECOND, Unit
 from .tops import Tops, known
+from .trajectory import Column
 
 
 if TYPE_CHECKING:
@@ -237,7 +240,11 @@ def _conclude(measured: Measured) -> None:
 
 def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> tuple[Tops, list[tuple[int, str]]]:
     """The checked tops of a scenario and its variations, and what is wrong with single ones. Raises ScenarioError."""
-    base = scenario.load(source, None, until)
+    return varied(scenario.load(source, None, until), variations)
+
+
+def varied(base: Problem, variations: Mapping[str, Any]) -> tuple[Tops, list[tuple[int, str]]]:
+    """The checked tops of a problem and its variations, and what is wrong with single ones. Raises ScenarioError."""
     sentences = []
     if not {"turning", "equator"} & {e.name for e in base.system.events} or "ux" not in base.form.units._fields:
         sentences.append('`form` must be "vector" in an ensemble, of a system that has it.')
@@ -271,31 +278,25 @@ def ensemble(
     *,
     until: float | None = None,
     threads: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool = False,
 ) -> "xr.Dataset":
     """How each of many tops goes: a scenario with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
+    `progress(done, of)` counts tops; True draws a bar.
     Tops that cannot be are marked `invalid`; what is wrong with the first of them stands in the attributes. Raises
     ScenarioError if the scenario or a key is wrong.
     """
     tops, faults = tops_of(source, variations, until)
-    return dataset(measure(tops, threads=threads, progress=progress), faults)
+    with shown(progress, "tops") as tell:
+        return dataset(measure(tops, threads=threads, progress=tell), faults)
 
 
 def dataset(measured: Measured, faults: list[tuple[int, str]]) -> "xr.Dataset":
     """The lines as a labelled Dataset, dimension `top`."""
     import xarray as xr
 
-    tops = measured.tops
+    found, tops = table(measured), measured.tops
     rules = known(tops.base)
-    found: dict[str, Any] = {
-        "status": ("top", measured.status, _flags(STATUSES, "how the run ended")),
-        "class": ("top", measured.kind, _flags(CLASSES, "what became of the top")),
-    }
-    for name, (_, unit, text) in COLUMNS.items():
-        found[name] = ("top", measured.columns[name], {"units": unit.symbol, "long_name": text})
-    for name, worst in measured.drift.items():
-        found[f"drift_{name}"] = ("top", worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
     coords = {
         key: ("top", column, {"units": rules[key].unit.symbol, "long_name": rules[key].long_name})
         for key, column in tops.columns.items()
@@ -309,6 +310,19 @@ def dataset(measured: Measured, faults: list[tuple[int, str]]) -> "xr.Dataset":
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],
     }
     return xr.Dataset(found, coords, attrs)
+
+
+def table(measured: Measured) -> dict[str, Column]:
+    """The lines as columns along `top`, by name."""
+    found: dict[str, Column] = {
+        "status": Column(("top",), measured.status, _flags(STATUSES, "how the run ended")),
+        "class": Column(("top",), measured.kind, _flags(CLASSES, "what became of the top")),
+    }
+    for name, (_, unit, text) in COLUMNS.items():
+        found[name] = Column(("top",), measured.columns[name], {"units": unit.symbol, "long_name": text})
+    for name, worst in measured.drift.items():
+        found[f"drift_{name}"] = Column(("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
+    return found
 
 
 def _flags(names: tuple[str, ...], text: str) -> dict[str, Any]:

@@ -13,21 +13,27 @@ from .archive import StoreError
 from .scenario import ScenarioError
 
 
-def export(store: Path, to: str, out: Path, group: str = "trajectory") -> None:
-    """Writes a store as one file. netCDF takes both groups; CSV and Parquet take the one that is named.
+DIMENSIONS = {"trajectory": "time", "events": "event", "sweep": "top"}
+
+
+def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
+    """Writes a store as one file. netCDF takes all groups; CSV and Parquet take the one that is named, or the first.
 
     Raises ScenarioError for an unknown format, StoreError for what cannot be read, written, or lacks its library.
     """
     if to not in FORMATS:
         raise ScenarioError([f"--to must be one of {', '.join(FORMATS)}, but is `{to}`."])
-    if group not in ("trajectory", "events"):
-        raise ScenarioError([f"--group must be trajectory or events, but is `{group}`."])
     attrs = archive.attributes(store)
+    groups = [attrs["content"]] if "content" in attrs else ["trajectory", "events"]
+    if not DIMENSIONS.keys() >= set(groups):
+        raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")
+    if group not in (None, *groups):
+        raise ScenarioError([f"--group must be {' or '.join(groups)}, but is `{group}`."])
     if out.exists():
         raise StoreError(f"`{out}` must not exist yet, but does.")
     scratch = out.with_name(f".{out.name}.part")
     try:
-        FORMATS[to](store, group, attrs, scratch)
+        FORMATS[to](store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
         os.replace(scratch, out)
     except ImportError as error:
         raise StoreError(
@@ -42,15 +48,15 @@ def export(store: Path, to: str, out: Path, group: str = "trajectory") -> None:
             scratch.unlink()
 
 
-def _netcdf(store: Path, _: str, attrs: dict[str, Any], path: Path) -> None:
+def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
     import h5netcdf
     import zarr
 
     with h5netcdf.File(path, "w") as file:
         file.attrs.update({name: _plain(value) for name, value in attrs.items() if value is not None})
-        for name in ("trajectory", "events"):
+        for name in groups:
             arrays = dict(zarr.open_group(store=str(store), mode="r", path=name).arrays())
-            group, dim = file.create_group(name), "time" if name == "trajectory" else "event"
+            group, dim = file.create_group(name), DIMENSIONS[name]
             group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
             if name == "trajectory":
                 group.dimensions["xyz"] = 3
@@ -67,18 +73,18 @@ def _netcdf(store: Path, _: str, attrs: dict[str, Any], path: Path) -> None:
                 start += count
 
 
-def _csv(store: Path, group: str, _: dict[str, Any], path: Path) -> None:
-    for i, table in enumerate(_tables(store, group)):
+def _csv(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
+    for i, table in enumerate(_tables(store, groups[0], attrs)):
         table.to_csv(path, mode="a" if i else "w", header=not i, index=False, float_format="%.17g")
 
 
-def _parquet(store: Path, group: str, attrs: dict[str, Any], path: Path) -> None:
+def _parquet(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     writer = None
     try:
-        for table in _tables(store, group):
+        for table in _tables(store, groups[0], attrs):
             arrow = pa.Table.from_pandas(table, preserve_index=False)
             if writer is None:
                 meta = {name: str(_plain(value)) for name, value in attrs.items() if value is not None}
@@ -89,16 +95,15 @@ def _parquet(store: Path, group: str, attrs: dict[str, Any], path: Path) -> None
             writer.close()
 
 
-def _tables(store: Path, group: str) -> Iterator[Any]:
-    """The rows as pandas tables, vectors as three columns, kinds of events by name; at least one table."""
+def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
+    """The rows as pandas tables, vectors as three columns, flags by their meanings; at least one table."""
     import pandas as pd
     import zarr
 
-    from .events import KINDS
-
-    names = sorted(
-        dict(zarr.open_group(store=str(store), mode="r", path=group).arrays()), key=lambda n: (n != "time", n)
-    )
+    arrays = dict(zarr.open_group(store=str(store), mode="r", path=group).arrays())
+    meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
+    first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time"]
+    names = sorted(arrays, key=lambda name: (first.index(name) if name in first else len(first), name))
     empty = True
     for piece in chunks.pieces(store, group, names):
         columns: dict[str, Any] = {}
@@ -107,7 +112,7 @@ def _tables(store: Path, group: str) -> Iterator[Any]:
             if values.ndim == 2:
                 columns |= {f"{name}_{axis}": values[:, i] for i, axis in enumerate("xyz")}
             else:
-                columns[name] = np.array(KINDS)[values] if name == "kind" else values
+                columns[name] = np.array(meanings[name])[values] if meanings[name] else values
         empty = False
         yield pd.DataFrame(columns)
     if empty:
@@ -121,7 +126,7 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, int | float | str) and not isinstance(value, bool) else json.dumps(value)
 
 
-FORMATS: dict[str, Callable[[Path, str, dict[str, Any], Path], None]] = {
+FORMATS: dict[str, Callable[[Path, list[str], dict[str, Any], Path], None]] = {
     "netcdf": _netcdf,
     "csv": _csv,
     "parquet": _parquet,

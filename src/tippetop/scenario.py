@@ -20,6 +20,7 @@ from .systems import SYSTEMS
 from .systems.gliding import POLE
 from .times import Given, Grid
 from .trajectory import View
+from .wording import worded
 
 
 MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
@@ -86,11 +87,13 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
 # --- the shape of a scenario ----------------------------------------------------------------------------------------
 
 
-class _Table(BaseModel):
+class Table(BaseModel):
+    """A table of TOML: no unknown keys, no conversions, no infinities."""
+
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-class _Run(_Table):
+class _Run(Table):
     until: Annotated[float, Field(gt=0)]
     output_step: Annotated[float, Field(gt=0)] | None = None
     output_times: list[Annotated[float, Field(ge=0)]] | None = None
@@ -111,7 +114,7 @@ def _table(name: str, parameters: dict[str, Parameter], *, required: bool, **ext
     fields: dict[str, Any] = {
         n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()
     }
-    return create_model(name, __base__=_Table, **extra, **fields)
+    return create_model(name, __base__=Table, **extra, **fields)
 
 
 @lru_cache
@@ -133,7 +136,7 @@ def _shape(name: str) -> type[BaseModel]:
         for law in laws[1:]:
             union = union | law
         fields["friction"] = (Annotated[union, Field(discriminator="law")], ...)
-    return create_model("Scenario", __base__=_Table, **fields)
+    return create_model("Scenario", __base__=Table, **fields)
 
 
 # --- checking -------------------------------------------------------------------------------------------------------
@@ -182,13 +185,16 @@ def problem(tables: dict[str, Any]) -> Problem:
 def load(source: str, assignments: list[str] | None = None, until: float | None = None) -> Problem:
     """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises ScenarioError."""
     tables = override(read(source), assignments or [])
-    if until is not None:
-        tables = override(tables, [f"run.until={float(until)!r}"])
-        times = tables["run"].get("output_times")
-        if isinstance(times, list):
-            kept = [t for t in times if isinstance(t, int | float) and t <= until]
-            tables["run"]["output_times"] = kept
-    return problem(tables)
+    return problem(tables if until is None else ending(tables, until))
+
+
+def ending(tables: dict[str, Any], until: float) -> dict[str, Any]:
+    """The tables with another `run.until`; output times beyond it go."""
+    tables = override(tables, [f"run.until={float(until)!r}"])
+    times = tables["run"].get("output_times")
+    if isinstance(times, list):
+        tables["run"]["output_times"] = [t for t in times if isinstance(t, int | float) and t <= until]
+    return tables
 
 
 def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
@@ -294,36 +300,14 @@ def _check_start(built: Problem) -> None:
 
 
 def _sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]) -> str:
-    """One pydantic error as `key` must ..., but is ...."""
+    """One pydantic error of a scenario as `key` must ..., but is ...."""
     laws = SYSTEMS[tables["system"]].laws
     place = [p for p in error["loc"] if not (p in laws and error["loc"][0] == "friction")]
     key, context, kind = ".".join(map(str, place)), error.get("ctx", {}), error["type"]
-    found = repr(error["input"]) if not isinstance(error["input"], dict) else "a table"
-    if len(found) > 60:
-        found = found[:57] + "..."
-    if kind == "missing":
-        return f"`{key}` must be given, but is missing."
-    if kind == "extra_forbidden":
-        return f"`{key}` must not be there: known keys are {', '.join(_known(tables, shape, place))}."
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         found = repr(context.get("tag")) if kind == "union_tag_invalid" else "missing"
         return f"`{key}.law` must be one of {', '.join(laws)}, but is {found}."
-    must = {
-        "greater_than": f"must be greater than {context.get('gt')}",
-        "greater_than_equal": f"must be at least {context.get('ge')}",
-        "less_than": f"must be less than {context.get('lt')}",
-        "less_than_equal": f"must be at most {context.get('le')}",
-        "finite_number": "must be a finite number",
-        "float_type": "must be a number",
-        "float_parsing": "must be a number",
-        "bool_type": "must be true or false",
-        "string_type": "must be a string",
-        "list_type": "must be a list",
-        "literal_error": f"must be {context.get('expected')}",
-        "model_type": "must be a table",
-        "model_attributes_type": "must be a table",
-    }.get(kind, f"must be valid ({error['msg']})")
-    return f"`{key}` {must}, but is {found}."
+    return worded(error, key, _known(tables, shape, place) if kind == "extra_forbidden" else [])
 
 
 def _known(tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:

@@ -1,7 +1,8 @@
 """Where tops end: spinning and tumbling states, thresholds, stability, linear modes, and the regime of a start.
 
-Bodies are `gliding.Body` records of floats, SI. Theorem 3.3.2 of the source is used as corrected: below gamma_+ some
-tumbling states near the upright are unstable, and below gamma_c the upright spin outlives the inverted one.
+Bodies are `gliding.Body` records of floats, SI; thresholds also take arrays. Theorem 3.3.2 of the source is used as
+corrected: below gamma_+ some tumbling states near the upright are unstable, and below gamma_c the upright spin outlives
+the inverted one.
 """
 
 import itertools
@@ -26,37 +27,43 @@ class Threshold(NamedTuple):
 class Shape(NamedTuple):
     """alpha, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 alpha I3) [kg m^3/s]."""
 
-    alpha: float
-    gamma: float
-    sigma: float
-    beta: float
+    alpha: Any
+    gamma: Any
+    sigma: Any
+    beta: Any
 
 
 def shape(b: Body) -> Shape:
     """The numbers that decide about a tippe top."""
     alpha = b.c / b.R
-    return Shape(alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, math.sqrt(b.m * b.g * b.R**3 * alpha * b.I3))
+    return Shape(alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3))
 
 
 # --- spinning states ------------------------------------------------------------------------------------------------
 
 
-def lambda_u(b: Body) -> float:
+def lambda_u(b: Body) -> Any:
     """The upright spin is stable for |lambda| below it; infinite if always. [T Theorem 3.3.2]"""
     alpha, gamma, _, beta = shape(b)
-    return beta * (1 - alpha) ** 2 / math.sqrt(alpha + gamma - 1) if gamma > 1 - alpha else math.inf
+    return _over_root(beta * (1 - alpha) ** 2, alpha + gamma - 1)
 
 
-def lambda_s(b: Body) -> float:
+def lambda_s(b: Body) -> Any:
     """The inverted spin is stable for |lambda| above it; infinite if never. [T 4.30]"""
     alpha, gamma, _, beta = shape(b)
-    return beta * (1 + alpha) ** 2 / math.sqrt(1 + alpha - gamma) if gamma < 1 + alpha else math.inf
+    return _over_root(beta * (1 + alpha) ** 2, 1 + alpha - gamma)
 
 
-def lambda_de(b: Body) -> float:
+def _over_root(number: Any, x: Any) -> Any:
+    """number/sqrt(x), infinite where x is not positive."""
+    with np.errstate(divide="ignore"):
+        return number / np.sqrt(np.maximum(x, 0.0))
+
+
+def lambda_de(b: Body) -> Any:
     """Above it the inverted spin has less energy E~ than the upright one of the same lambda. [T 4.29]"""
     alpha = b.c / b.R
-    return math.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
+    return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
 
 
 def gamma_c(alpha: float) -> float:
@@ -116,6 +123,13 @@ def tumbling_jellett(z: Any, b: Body) -> Any:
     alpha, gamma, _, beta = shape(b)
     with np.errstate(invalid="ignore", divide="ignore"):
         return beta * ((alpha - z) ** 2 + gamma * (1 - z**2)) / np.sqrt(alpha + (gamma - 1) * z)
+
+
+def lambda_t(b: Body) -> Any:
+    """The least lambda of a tumbling state [kg m^3/s]; less than lambda_u where gamma_c < gamma < gamma_plus: there the
+    upright spin and tumbling are both stable in between. To about 1e-5."""
+    z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
+    return np.nanmin(tumbling_jellett(z, b), axis=0)
 
 
 def tumbling_is_stable(z: Any, b: Body) -> Any:

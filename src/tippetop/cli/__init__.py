@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from cyclopts import App, CycloptsError
 
-from . import landscape, run, show
+from . import landscape, run, show, sweep
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
@@ -21,7 +21,7 @@ app = App(
     version=lambda: _version(),
     result_action="return_value",
 )
-for module in (run, landscape, show):
+for module in (run, landscape, sweep, show):
     for command in module.COMMANDS:
         app.command(command)
 

@@ -41,6 +41,7 @@ def surface(
     import numpy as np
 
     from tippetop import landscape, surface_store
+    from tippetop.bar import Bar
 
     from .run import _check_picture
 
@@ -55,7 +56,7 @@ def surface(
     Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
     if out is not None:
         try:
-            with _Bar() as bar:
+            with Bar("chunks") as bar:
                 surface_store.write(out, parameters, Ds, lambdas, system, progress=bar.update)
         except KeyboardInterrupt:
             print("tippetop: interrupted; the same command goes on from here.", file=sys.stderr)
@@ -211,32 +212,6 @@ def _wrong(sentence: str) -> Exception:
     from tippetop.scenario import ScenarioError
 
     return ScenarioError([sentence])
-
-
-class _Bar:
-    """Progress over chunks on stderr; nothing when it is not a terminal."""
-
-    def __enter__(self) -> _Bar:
-        self.bar: Any = None
-        self.shown = sys.stderr.isatty()
-        return self
-
-    def update(self, done: int, of: int) -> None:
-        """Called after every chunk."""
-        if not self.shown:
-            return
-        if self.bar is None:
-            from rich.console import Console
-            from rich.progress import Progress
-
-            self.bar = Progress(console=Console(stderr=True), transient=True)
-            self.bar.start()
-            self.task = self.bar.add_task("chunks", total=of)
-        self.bar.update(self.task, completed=done)
-
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.stop()
 
 
 COMMANDS: list[Any] = [surface, potential]

@@ -22,6 +22,12 @@ def info(store: Path, *, as_json: Json = False) -> int:
     from .text import console, told
 
     attrs = archive.attributes(store)
+    if attrs.get("content") == "sweep":
+        from tippetop.sweep_report import report
+
+        from . import sweep
+
+        return sweep.describe(report(store), as_json)
     if "content" in attrs:
         from .landscape import describe
 
@@ -50,15 +56,21 @@ def check(
     set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
     as_json: Json = False,
 ) -> int:
-    """Validate a scenario without running it: resolved parameters, invariants at the start, expected cost."""
+    """Validate a scenario without running it: resolved parameters, invariants at the start, expected cost; or the plan
+    of a sweep: its size and cost."""
     from rich.table import Table
 
-    from tippetop import assess
+    from tippetop import assess, plan
     from tippetop import scenario as door
 
     from .text import console
 
-    problem = door.load(scenario, set_)
+    tables = door.override(door.read(scenario), set_ or [])
+    if plan.is_plan(tables):
+        from . import sweep
+
+        return sweep.examine(tables, Path(scenario).parent, as_json)
+    problem = door.problem(tables)
     found = {**door.resolved(problem), **assess.assessment(problem)}
     if as_json:
         from tippetop.archive import finite
@@ -73,26 +85,31 @@ def check(
     return 0
 
 
-def plot(store: Path, kind: str = "theta", *, out: Path) -> int:
+def plot(store: Path, kind: str | None = None, *, out: Path) -> int:
     """Draw a store: theta (with the nutational band), normal-force, drift, sphere, energy; band, surface, potential,
-    inversion (a run in its landscape); the stores of `surface` and `potential` draw themselves."""
+    inversion (a run in its landscape); of a sweep class, inversion, normal-force; the stores of `surface` and
+    `potential` draw themselves."""
     from tippetop import archive, chunks, figures
 
     from .run import _check_picture
 
     _check_picture(out)
     attrs = archive.attributes(store)
+    if attrs.get("content") == "sweep":
+        figures.draw_sweep(kind or "class", store, out)
+        return 0
     if "content" in attrs:
         from .landscape import picture
 
         return picture(store, attrs, out)
+    kind = kind or "theta"
     figures.check_kind(kind)
     groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
     figures.draw(kind, groups, attrs, out)
     return 0
 
 
-def export(store: Path, *, to: str, out: Path, group: str = "trajectory") -> int:
+def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
     """Write a store as one netCDF, CSV or Parquet file; --group events for the event log (netCDF has both)."""
     from tippetop.export import export as write
 

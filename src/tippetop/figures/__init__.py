@@ -46,6 +46,16 @@ def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -
         save(KINDS[kind](groups["trajectory"], groups["events"], attrs), path)
 
 
+def draw_sweep(kind: str, store: Path, path: Path) -> None:
+    """Draws one kind of figure of a sweep to a file. Raises ScenarioError, StoreError."""
+    from .. import sweep_map
+    from . import sweep
+
+    made = sweep_map.mapped(store, kind)
+    with styled():
+        save(sweep.drawn(made), path)
+
+
 def check_kind(kind: str) -> None:
     """Raises ScenarioError if there is no such figure."""
     from ..scenario import ScenarioError

@@ -1,0 +1,61 @@
+"""What dask and the store cost a sweep: one worker through both against `ensembles.measure`, on the same tops."""
+
+import statistics
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tippetop import ensembles, plan, pool, sweeping
+
+
+def plain(made: plan.Plan) -> tuple[float, float]:
+    """Seconds by the wall clock and of the processor, of the tops in one call, one thread."""
+    clock, processor = time.perf_counter(), time.process_time()
+    tops, _ = ensembles.varied(made.base, made.columns(np.arange(made.n)))
+    ensembles.measure(tops, threads=1)
+    return time.perf_counter() - clock, time.process_time() - processor
+
+
+def swept(made: plan.Plan, client: Any = None) -> tuple[float, float]:
+    """The same into a new store: here, or by the worker of a client, which is warm; processor: worker and writer."""
+    with tempfile.TemporaryDirectory() as folder:
+        before, clock = used(client), time.perf_counter()
+        by = {"workers": 1} if client is None else {"scheduler": client.scheduler.address}
+        sweeping.sweep(made, Path(folder) / "S.zarr", **by)
+        return time.perf_counter() - clock, used(client) - before
+
+
+def used(client: Any) -> float:
+    """Processor seconds of this process and of the workers."""
+    return time.process_time() + (sum(client.run(time.process_time).values()) if client is not None else 0.0)
+
+
+def tops(n: int) -> plan.Plan:
+    """Canonical tops of 10 s with other spins, in chunks of some four seconds, as a large sweep has them."""
+    axis = {"of": "initial.omega3", "linspace": [100.0, 160.0], "n": n}
+    return plan.of({"scenario": "inverting", "axis": [axis], "chunk": min(n, 2048)})
+
+
+def compare(quick: bool) -> dict[str, Any]:
+    """Runs all, interleaved: the medians, and those of the ratios pair by pair."""
+    made, rounds = tops(2048 if quick else 6144), 3 if quick else 5
+    with pool.own(1) as client:
+        plain(tops(64))
+        swept(tops(64), client)
+        rows = [(plain(made), swept(made), swept(made, client)) for _ in range(rounds)]
+    ways = ("plain", "into a store", "into a store, by a worker of dask")
+    return {
+        "title": "Canonical tops of 10 s, 2048 to a chunk",
+        "tops": made.n,
+        "ways": {
+            way: {
+                "seconds": statistics.median(one[i][0] for one in rows),
+                "wall": statistics.median(one[i][0] / one[0][0] for one in rows),
+                "processor": statistics.median(one[i][1] / one[0][1] for one in rows),
+            }
+            for i, way in enumerate(ways)
+        },
+    }

@@ -1,0 +1,87 @@
+"""What a sweep varies: axes with numbers of their own form a grid, axes with a range are drawn together."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A key and its numbers: `values` of an axis of the grid, or `between` (low, high) of one that is drawn."""
+
+    key: str
+    values: tuple[float, ...] = ()
+    between: tuple[float, float] = (0.0, 0.0)
+    log: bool = False  # spread, and so drawn and drawn over, evenly in the logarithm
+
+    @property
+    def sampled(self) -> bool:
+        """Whether its numbers are drawn."""
+        return not self.values
+
+
+@dataclass(frozen=True)
+class Sample:
+    """How the axes that are drawn are drawn: method, number of points, seed."""
+
+    method: str  # random, sobol, latin-hypercube
+    n: int
+    seed: int
+
+    def unit(self, dimensions: int) -> np.ndarray:
+        """Points of the unit cube, (n, dimensions)."""
+        if self.method == "random":
+            return np.random.default_rng(self.seed).random((self.n, dimensions))
+        from scipy.stats import qmc
+
+        if self.method == "sobol":
+            return qmc.Sobol(dimensions, rng=self.seed).random_base2(self.n.bit_length() - 1)
+        return qmc.LatinHypercube(dimensions, rng=self.seed).random(self.n)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Every top of a sweep: the product of the grid's axes, the first slowest, and of the sample, which is fastest."""
+
+    axes: tuple[Axis, ...]
+    sample: Sample | None = None
+
+    @cached_property
+    def grid(self) -> tuple[Axis, ...]:
+        """The axes that form the product."""
+        return tuple(axis for axis in self.axes if not axis.sampled)
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """Dimensions and their lengths, the slowest first; drawn axes share the dimension `sample`."""
+        sizes = {axis.key: len(axis.values) for axis in self.grid}
+        return {**sizes, **({"sample": self.sample.n} if self.sample else {})}
+
+    @cached_property
+    def n(self) -> int:
+        """Number of tops."""
+        return int(np.prod([int(size) for size in self.sizes.values()], dtype=object))
+
+    @cached_property
+    def _drawn(self) -> dict[str, np.ndarray]:
+        axes = [axis for axis in self.axes if axis.sampled]
+        points = self.sample.unit(len(axes)) if self.sample else np.zeros((0, 0))
+        return {axis.key: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}
+
+    def numbers(self, tops: np.ndarray) -> dict[str, np.ndarray]:
+        """The numbers of some tops on every axis, by key; tops are counted from 0."""
+        places = dict(zip(self.sizes, np.unravel_index(tops, tuple(self.sizes.values())), strict=True))
+        return {
+            axis.key: self._drawn[axis.key][places["sample"]]
+            if axis.sampled
+            else np.array(axis.values)[places[axis.key]]
+            for axis in self.axes
+        }
+
+
+def _spread(axis: Axis, unit: np.ndarray) -> np.ndarray:
+    """Numbers of [0, 1) over the range of an axis."""
+    low, high = np.log(axis.between) if axis.log else axis.between
+    spread = low + (high - low) * unit
+    return np.exp(spread) if axis.log else spread

@@ -1,0 +1,116 @@
+"""`tippetop sweep`: run the tops of a plan, and say what became of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+
+def sweep(
+    plan: Path,
+    *,
+    out: Path,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Run the many tops of a plan into a store; the same command goes on with an unfinished one: the same bits.
+
+    Parameters
+    ----------
+    plan
+        TOML file: a scenario, and the axes along which it varies.
+    out
+        Store to write or to go on with, a zarr folder.
+    workers
+        Processes on this machine; by default as many as usable cores. 1 computes in this process.
+    scheduler
+        Address of a running dask scheduler, such as tcp://host:8786, whose workers compute instead.
+    as_json
+        Print the result as one JSON object.
+    """
+    from tippetop import sweep_report, sweeping
+    from tippetop.record import Interrupted
+
+    from . import CHUNKS, INTERRUPTED, TERMINATED, complain
+
+    again = f"Go on with: {_command(plan, out, workers, scheduler)}"
+    try:
+        sweeping.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
+        failed = []
+    except sweeping.Unfinished as unfinished:
+        failed = unfinished.sentences
+    except (KeyboardInterrupt, Interrupted, SystemExit) as stopped:
+        number = stopped.signal if isinstance(stopped, Interrupted) else 0
+        code = 128 + number if number else INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
+        return complain([f"interrupted; every finished chunk is kept. {again}"], code)
+    describe(sweep_report.report(out), as_json)
+    return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS) if failed else 0
+
+
+def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) -> str:
+    """The command line that goes on."""
+    words = ["tippetop", "sweep", str(plan), "--out", str(out)]
+    words += ["--workers", str(workers)] if workers is not None else []
+    return " ".join(words + (["--scheduler", scheduler] if scheduler is not None else []))
+
+
+def describe(found: dict[str, Any], as_json: bool) -> int:
+    """Says what is in a sweep's store."""
+    from rich.table import Table
+
+    from tippetop.archive import finite
+    from tippetop.sweep_report import lines
+
+    from .text import console
+
+    if as_json:
+        print(json.dumps(finite(found), allow_nan=False))
+        return 0
+    out, table = console(), Table.grid(padding=(0, 2))
+    for name, text in lines(found):
+        table.add_row(name, text)
+    out.print(found["title"], style="bold")
+    out.print(table)
+    return 0
+
+
+def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
+    """Says what a plan would take."""
+    from rich.table import Table
+
+    from tippetop import plan as door
+    from tippetop import sweep_lines
+    from tippetop.archive import finite
+
+    from .text import console
+
+    plan = door.of(tables, folder)
+    columns = sweep_lines.empty(plan.base, plan.keep).values()
+    found: dict[str, Any] = {
+        "tops": plan.n,
+        "axes": plan.design.sizes,
+        "chunks": plan.chunks,
+        "tops_per_chunk": plan.chunk,
+        "expected": {
+            "core_seconds": round(plan.n * plan.seconds_per_top, 3),
+            "megabytes_at_most": round(plan.n * sum(c.values.itemsize for c in columns) / 1e6, 3),
+        },
+        "plan": plan.document,
+    }
+    if as_json:
+        print(json.dumps(finite(found), allow_nan=False))
+        return 0
+    table = Table.grid(padding=(0, 2))
+    for name, value in {**found, **found["plan"]["scenario"]}.items():
+        if name != "plan":
+            text = ", ".join(f"{k} = {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
+            table.add_row(name.replace("_", " "), text)
+    console().print(table)
+    return 0
+
+
+COMMANDS: list[Any] = [sweep]

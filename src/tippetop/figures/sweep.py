@@ -1,0 +1,140 @@
+"""Figures of a sweep: maps over two of its axes, curves over one. No physics."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from ..ensembles import CLASSES
+from ..sweep_map import Map, Shown
+from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
+
+
+COLOURS = {
+    "none": "#4b5563",
+    "upright": LOWER,
+    "tumbling": "#e0a800",
+    "inverted": UPPER,
+    "lifted-off": "#6d28d9",
+    "under-way": "#b8c4d0",
+}
+STYLES = ("-", "--", ":", "-.")
+TITLES = {
+    "class": "What became of the tops",
+    "inversion": "Time of inversion, first rise of θ through π − 0.1",
+    "normal-force": "Least normal force",
+}
+ONE_AXIS = {"inversion": "Times of inversion", "normal-force": "Extremes of the normal force"}
+TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
+
+
+def drawn(made: Map) -> Figure:
+    """The figure of a map."""
+    return _over_two(made) if len(made.axes) == 2 else _over_one(made)
+
+
+def _over_two(made: Map) -> Figure:
+    page = figure(9.6, 5.6)
+    axes = page.add_subplot()
+    axes.grid(False)
+    x, y = made.axes
+    field = next(iter(made.fields.values())).T
+    entries: list[Any] = []
+    if made.kind == "class":
+        colours = ListedColormap(list(COLOURS.values()))
+        axes.pcolormesh(x.edges, y.edges, field, cmap=colours, vmin=-0.5, vmax=len(COLOURS) - 0.5, rasterized=True)
+        present = [name for i, name in enumerate(CLASSES) if (field == i).any()]
+        entries += [Patch(color=COLOURS[name], label=_said(name)) for name in present]
+    elif np.isfinite(field).any():
+        force = made.kind == "normal-force"
+        mesh = axes.pcolormesh(x.edges, y.edges, field, cmap="cividis" if force else "viridis", rasterized=True)
+        page.colorbar(mesh, ax=axes, label="least $g_n$/(m g)" if force else "inverted at t (s)", pad=0.02)
+        if force:
+            entries += _liftoff(axes, x, y, field)
+    if made.kind == "inversion" and np.isnan(field).any():
+        axes.set_facecolor("#e8ebee")
+        entries.append(Patch(color="#e8ebee", label="not inverted in time"))
+    entries += _borders(axes, made)
+    _dress(axes, made, x)
+    axes.set_ylabel(y.label)
+    if y.log:
+        axes.set_yscale("log")
+    axes.set_ylim(y.edges[0], y.edges[-1])
+    if entries:
+        page.legend(handles=entries, loc="outside lower center", ncols=2 if len(entries) < 7 else 3)
+    return page
+
+
+def _liftoff(axes: Any, x: Shown, y: Shown, field: np.ndarray) -> list[Any]:
+    """The border at which the normal force reaches zero."""
+    touches: Any = np.ma.array(field <= TOUCH, dtype=float, mask=np.isnan(field))
+    if min(field.shape) < 2 or not touches.min() < touches.max():
+        return []
+    axes.contour(x.centres, y.centres, touches, [0.5], colors=ALARM, linewidths=1.4)
+    return [Line2D([], [], color=ALARM, lw=1.4, label="liftoff: $g_n$ reaches 0")]
+
+
+def _borders(axes: Any, made: Map) -> list[Any]:
+    """Thresholds as lines over the map, white below black so that they show on every colour."""
+    x, y = (axis.span for axis in made.axes)
+    entries = []
+    for (label, values), style in zip(made.borders.items(), STYLES, strict=False):
+        axes.contour(x, y, values.T, [0.0], colors="white", linewidths=3.0, alpha=0.7)
+        axes.contour(x, y, values.T, [0.0], colors="black", linewidths=1.3, linestyles=[style])
+        entries.append(Line2D([], [], color="black", lw=1.3, ls=style, label=_mathematical(label)))
+    return entries
+
+
+def _over_one(made: Map) -> Figure:
+    page = figure(9.0, 5.0)
+    axes = page.add_subplot()
+    (x,) = made.axes
+    marker = "." if len(x.centres) < 200 else ""
+    if made.kind == "class":
+        kinds, theta = made.fields["class"], made.fields["theta_end"]
+        axes.plot(x.centres, theta, color=QUIET, lw=0.8)
+        for i, name in enumerate(CLASSES):
+            here = kinds == i
+            if (here & np.isfinite(theta)).any():
+                axes.plot(x.centres[here], theta[here], ".", color=COLOURS[name], label=_said(name), ms=7)
+        axes.set(ylabel="θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
+        axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+    elif made.kind == "inversion":
+        for name, colour, words in (("first_equator", LOWER, "θ = π/2"), ("inverted_at", UPPER, "θ = π − 0.1")):
+            axes.plot(x.centres, made.fields[name], color=colour, marker=marker, label=f"first {words}")
+        axes.set_ylabel("t (s)")
+    else:
+        for name, colour, words in (("normal_force_min", RUN, "least"), ("normal_force_max", UPPER, "greatest")):
+            axes.plot(x.centres, made.fields[name], color=colour, marker=marker, label=words)
+        axes.axhline(0, color=ALARM, lw=0.9)
+        axes.set_ylabel("normal force $g_n$/(m g)")
+    for (label, values), style in zip(made.borders.items(), STYLES, strict=False):
+        for at in x.span[:-1][np.diff(np.sign(values)) != 0]:
+            axes.axvline(at, color="black", lw=1.0, ls=style, label=_mathematical(label))
+    _dress(axes, made, x)
+    page.legend(loc="outside lower center", ncols=3)
+    return page
+
+
+def _dress(axes: Any, made: Map, x: Shown) -> None:
+    axes.set_xlabel(x.label)
+    if x.log:
+        axes.set_xscale("log")
+    axes.set_xlim(x.edges[0], x.edges[-1])
+    notes = f"\n{'; '.join(made.notes)}" if made.notes else ""
+    title = TITLES[made.kind] if len(made.axes) == 2 else ONE_AXIS.get(made.kind, TITLES[made.kind])
+    axes.set_title(f"{title} · {made.title}{notes}")
+
+
+def _said(name: str) -> str:
+    """The name of a class."""
+    return "no end: invalid, not finite, stalled" if name == "none" else name.replace("-", " ")
+
+
+def _mathematical(label: str) -> str:
+    """Greek and indices as matplotlib sets them: `λ = λ_u: words`."""
+    symbol, _, words = label.partition(": ")
+    return f"${symbol.replace('λ', chr(92) + 'lambda').replace('_de', '_{de}')}$: {words}"

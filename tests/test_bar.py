@@ -1,0 +1,43 @@
+"""The progress bar: what it counts, how fast, and how long it still takes; nothing where nobody looks."""
+
+import io
+
+import pytest
+
+from tippetop import bar
+
+
+class Terminal(io.StringIO):
+    """A terminal that remembers."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_bar_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was done before does not count: 60 of 100 in 20 s leave 40 for another 20 s at 2 a second."""
+    terminal, clock = Terminal(), iter([100.0, 120.0])
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "100")
+    with bar.shown(True, "tops") as tell:
+        monkeypatch.setattr(bar.time, "monotonic", lambda: next(clock, 120.0))
+        tell(20, 100)
+        tell(60, 100)
+    assert "60/100" in terminal.getvalue()
+    assert "2 tops/s, 0:00:20 left" in terminal.getvalue()
+
+
+def test_no_bar_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    with bar.shown(True, "tops") as tell:
+        tell(1, 2)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_any_callback_is_passed_on() -> None:
+    seen: list[tuple[int, int]] = []
+    with bar.shown(lambda *at: seen.append(at), "tops") as tell:
+        tell(1, 2)
+    with bar.shown(False, "tops") as tell:
+        tell(2, 2)
+    assert seen == [(1, 2)]

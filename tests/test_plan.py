@@ -1,0 +1,191 @@
+"""A plan is the tops that it says: axes, draws and derived numbers keep their laws; bad plans are said in sentences."""
+
+import itertools
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tippetop import plan, scenario, stability
+from tippetop.axes import Axis, Design, Sample
+from tippetop.problem import Problem
+from tippetop.scenario import ScenarioError
+
+
+GRID = [
+    {"of": "initial.omega3", "linspace": [175.0, 100.0], "n": 4},
+    {"of": "friction.mu", "geomspace": [0.1, 0.8], "n": 4},
+    {"of": "run.until", "values": [1.0, 2.0, 0.5]},
+]
+
+
+def made(*axes: dict[str, Any], **more: Any) -> plan.Plan:
+    return plan.of({"scenario": "inverting", "axis": list(axes), **more})
+
+
+def all_numbers(of: plan.Plan) -> dict[str, np.ndarray]:
+    return of.design.numbers(np.arange(of.n))
+
+
+def test_a_grid_is_the_product_with_the_first_axis_slowest() -> None:
+    numbers = all_numbers(made(*GRID))
+    nested = [(w, m, t) for w in (175, 150, 125, 100) for m in (0.1, 0.2, 0.4, 0.8) for t in (1.0, 2.0, 0.5)]
+    for i, key in enumerate(("initial.omega3", "friction.mu", "run.until")):
+        np.testing.assert_allclose(numbers[key], [row[i] for row in nested], rtol=1e-15)
+
+
+@pytest.mark.parametrize("method", ["random", "sobol", "latin-hypercube"])
+def test_a_sample_stays_in_its_box_and_is_drawn_again_by_its_seed(method: str) -> None:
+    axes = (Axis("a", between=(2.0, 3.0)), Axis("b", between=(1e-3, 1e3), log=True), Axis("c", (1.0, 2.0, 3.0)))
+    one, same, other = (Design(axes, Sample(method, 256, seed)) for seed in (5, 5, 6))
+    assert one.n == 768
+    numbers = one.numbers(np.arange(one.n))
+    assert np.all((numbers["a"] >= 2) & (numbers["a"] <= 3))
+    decades = np.bincount(np.floor(np.log10(numbers["b"])).astype(int) + 3, minlength=6)
+    assert np.all(np.abs(decades - 128) < 60)  # six standard deviations of the coarsest method
+    for name, values in numbers.items():
+        assert values.tobytes() == same.numbers(np.arange(one.n))[name].tobytes()
+    assert np.any(numbers["a"] != other.numbers(np.arange(one.n))["a"])
+    np.testing.assert_array_equal(numbers["a"].reshape(3, 256), np.tile(numbers["a"][:256], (3, 1)))
+    if method != "random":  # both put one point into each of 256 equal layers
+        assert sorted(np.floor((numbers["a"][:256] - 2) * 256).astype(int)) == list(range(256))
+
+
+def test_a_chunk_is_a_stretch_of_the_whole() -> None:
+    drawn = {"of": "lambda", "between": [0.5, 2.0]}
+    of = made(*GRID[1:], drawn, sample={"method": "sobol", "n": 8, "seed": 1}, chunk=7)
+    whole = of.columns(np.arange(of.n))
+    assert set(whole) == {"friction.mu", "run.until", "initial.omega3"}
+    for key, values in whole.items():
+        parts = [of.columns(of.tops(chunk))[key] for chunk in range(of.chunks)]
+        assert np.concatenate(parts).tobytes() == values.tobytes()
+
+
+def jellett_of(problem: Problem) -> tuple[float, float]:
+    """Jellett's integral of a start and its threshold, as `check` says them."""
+    body = problem.body(float)
+    found = stability.assessment(problem.system, body, problem.initial)
+    return found["lambda"], found["thresholds"]["lambda_s"].value
+
+
+@pytest.mark.parametrize("theta", [0.1, 2.5])
+def test_derived_numbers_are_those_of_the_tops_that_they_make(theta: float) -> None:
+    """The problems are read back by `check`, which knows nothing of plans."""
+    axes = [
+        {"of": "lambda", "values": [0.4, 2.0, -1.5]},
+        {"of": "gamma", "values": [0.8, 1.2]},
+        {"of": "sigma", "values": [2.2, 3.0]},
+    ]
+    of = made(*axes, set={"initial": {"theta": theta, "phi_dot": 3.0, "theta_dot": 0.2}})
+    numbers = all_numbers(of)
+    for top in range(of.n):
+        problem = of.problem(top)
+        p = problem.parameters
+        assert p["I1"] / p["I3"] == pytest.approx(numbers["gamma"][top], rel=1e-14)
+        assert p["m"] * p["R"] ** 2 / p["I3"] == pytest.approx(numbers["sigma"][top], rel=1e-14)
+        lam, limit = jellett_of(problem)
+        assert lam / limit == pytest.approx(numbers["lambda"][top], rel=1e-12)
+        assert problem.initial["phi_dot"] == 3.0
+
+
+def test_sigma_alone_keeps_gamma() -> None:
+    problem = made({"of": "sigma", "values": [4.0]}).problem(0)
+    assert problem.parameters["I1"] / problem.parameters["I3"] == pytest.approx(131 / 140, rel=1e-14)
+
+
+def test_a_document_is_the_whole_plan(tmp_path: Path) -> None:
+    """Through JSON, as the store keeps it: the same numbers, whatever became of the scenario's file."""
+    (tmp_path / "mine.toml").write_text(scenario.presets()["cohen"])
+    axes = [{"of": "initial.omega3", "values": [1.0, float("nan"), 3.0, float("inf")]}, GRID[1]]
+    one = plan.of({"scenario": "mine.toml", "axis": axes, "keep": ["class"], "runs": [0]}, tmp_path)
+    (tmp_path / "mine.toml").unlink()
+    again = plan.of(json.loads(json.dumps(one.document, allow_nan=False)))
+    assert again.document == one.document
+    assert (again.chunk, again.n, again.keep, again.runs) == (one.chunk, 16, ["class"], [0])
+    for key, values in one.columns(np.arange(one.n)).items():
+        assert values.tobytes() == again.columns(np.arange(one.n))[key].tobytes()
+
+
+@pytest.mark.parametrize(("n", "until"), [(10, 1.0), (1000, 10.0), (1000, 0.01)])
+def test_chunks_hold_every_top_once_and_take_seconds(n: int, until: float) -> None:
+    axes = [
+        {"of": "initial.omega3", "linspace": [100, 175], "n": n},
+        {"of": "friction.mu", "linspace": [0.1, 0.5], "n": n},
+    ]
+    of = made(*axes, set={"run": {"until": until}})
+    ends = [(tops[0], tops[-1]) for tops in map(of.tops, range(of.chunks))]
+    assert ends[0][0] == 0
+    assert ends[-1][1] == n * n - 1
+    assert all(b[0] == a[1] + 1 for a, b in itertools.pairwise(ends))
+    assert of.chunk * of.seconds_per_top < 8
+    if n == 1000:
+        assert of.chunk * of.seconds_per_top > 0.5
+
+
+def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[1] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    (tmp_path / "PLAN.toml").write_text(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[0])
+    of = plan.read(tmp_path / "PLAN.toml")
+    assert (of.n, of.base.until, of.runs) == (24, 8.0, [0])
+
+
+def test_set_changes_the_law_too() -> None:
+    law = {"law": "coulomb", "mu": 0.2, "eps": 1e-3}
+    of = made({"of": "friction.eps", "values": [1e-3, 2e-3]}, set={"friction": law})
+    assert of.problem(1).friction._asdict() == {"mu": 0.2, "eps": 2e-3}
+
+
+OMEGA = {"of": "initial.omega3", "values": [100.0]}
+DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
+
+
+@pytest.mark.parametrize(
+    ("document", "words"),
+    [
+        ({"axis": []}, ["`axis` must have at least 1 items"]),
+        ({}, ["`axis` must be given"]),
+        ({"axis": [OMEGA], "kep": []}, ["`kep` must not be there: known keys are scenario, set, axis"]),
+        ({"axis": [{"of": "friction.mu", "values": []}]}, ["`axis.1.values` must have at least 1 items"]),
+        ({"axis": [{"of": "friction.mu", "values": ["a"]}]}, ["`axis.1.values.0` must be a number"]),
+        ({"axis": [OMEGA, {"of": "friction.mu"}]}, ["`axis.2` must have one of values, linspace"]),
+        ({"axis": [{**OMEGA, "linspace": [1, 2]}]}, ["but has values and linspace"]),
+        ({"axis": [{"of": "friction.mu", "linspace": [1, 2]}]}, ["`axis.1.n` must be given"]),
+        ({"axis": [{"of": "friction.mu", "linspace": [1, 2], "n": 0}]}, ["`axis.1.n` must be at least 1"]),
+        ({"axis": [{**OMEGA, "n": 3}]}, ["`axis.1.n` must stand beside"]),
+        ({"axis": [{**OMEGA, "log": True}]}, ["`axis.1.log` must stand beside between"]),
+        ({"axis": [{"of": "friction.mu", "geomspace": [0, 2], "n": 3}]}, ["two ends of one sign"]),
+        ({"axis": [{**DRAWN, "between": [2, 1]}]}, ["`axis.1.between` must ascend", "`sample` must say method"]),
+        ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 8}}, ["`sample.seed` must be given"]),
+        ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 9, "seed": 1}}, ["power of two"]),
+        ({"axis": [DRAWN], "sample": {"method": "halton", "n": 8, "seed": 1}}, ["'random', 'sobol' or"]),
+        ({"axis": [OMEGA], "sample": {"method": "sobol", "n": 8, "seed": 1}}, ["must have an axis with `between`"]),
+        ({"axis": [OMEGA, OMEGA]}, ["`initial.omega3` must be one axis only"]),
+        ({"axis": [{"of": "initial.spin", "values": [1]}]}, ["`initial.spin` must be one of sigma, gamma, lambda, "]),
+        ({"axis": [OMEGA, {"of": "lambda", "values": [1]}]}, ["`lambda` must stand alone, but `initial.omega3`"]),
+        (
+            {"axis": [{"of": "lambda", "values": [1]}], "scenario": "gliding-heavy-top"},
+            ["must be an axis of tippe-top"],
+        ),
+        ({"axis": [OMEGA], "scenario": "nowhere"}, ["`nowhere` must be a TOML file or one of"]),
+        ({"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}}, ["`frict` must not be there"]),
+        ({"axis": [OMEGA], "keep": ["colour"]}, ["`keep` must be of class, ", "but has 'colour'"]),
+        ({"axis": [OMEGA], "runs": [1]}, ["`runs` must be numbers of tops, 0 to 0, but has 1"]),
+        ({"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]}, ["top 0: `friction.mu` must be at least 0"]),
+        ({"axis": [{**GRID[0], "n": 10**5}, {**GRID[1], "n": 10**5}]}, ["at most 1e+09 tops, but makes 1e+10"]),
+    ],
+)
+def test_what_is_wrong_is_said(document: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(ScenarioError) as error:
+        plan.of({"scenario": "inverting", **document})
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_all_that_is_wrong_is_said_at_once() -> None:
+    axes = [{"of": "friction.mu", "geomspace": [0, 1], "n": 2}, {"of": "gamma"}, {**OMEGA, "n": 2}]
+    with pytest.raises(ScenarioError) as error:
+        plan.of({"scenario": "inverting", "set": {"parameters": {"m": -1}}, "axis": axes, "runs": [3]})
+    assert len(error.value.sentences) == 4

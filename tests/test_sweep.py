@@ -1,0 +1,277 @@
+"""A sweep's store is the ensemble of its tops, bit by bit, whatever interrupts it."""
+
+import json
+import resource
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zarr
+
+import tippetop
+from sweeps import PLAN, assert_same, written
+from tippetop import archive, plan, pool, sweep_lines
+from tippetop.archive import StoreError
+from tippetop.cli import outcome
+from tippetop.scenario import ScenarioError
+from tippetop.sweep_report import open_sweep, report
+
+
+LINES = sweep_lines.lines
+
+
+def computed(monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = lambda chunk: None) -> list[int]:
+    """The chunks that are computed from now on; `change` may raise for one of them."""
+    seen: list[int] = []
+
+    def lines(task: sweep_lines.Task, threads: int = 1) -> dict[str, np.ndarray]:
+        seen.append(task.chunk)
+        change(task.chunk)
+        return LINES(task, threads)
+
+    monkeypatch.setattr(sweep_lines, "lines", lines)
+    return seen
+
+
+# --- what is in it --------------------------------------------------------------------------------------------------
+
+
+def test_the_columns_are_those_of_the_ensemble(whole: Path, file: Path) -> None:
+    """In one go and in other chunks: the same bits."""
+    of = plan.read(file)
+    expected = tippetop.ensemble("inverting", of.columns(np.arange(of.n)), until=0.5, threads=1)
+    found = open_sweep(whole)
+    assert set(expected.variables) < set(found.variables)
+    for name in expected.variables:
+        assert found[name].values.tobytes() == expected[name].values.tobytes(), name
+        assert found[name].attrs == expected[name].attrs
+    assert set(found.coords) == {"initial.omega3", "friction.mu"}
+
+
+def test_a_run_of_its_own_is_the_top(whole: Path) -> None:
+    """The scalar integrator agrees with the lanes, in every variable at the end."""
+    attrs, top = archive.attributes(whole / "runs" / "5"), open_sweep(whole).isel(top=5)
+    assert attrs["initial"]["omega3"] == float(top["initial.omega3"])
+    assert attrs["friction"]["mu"] == float(top["friction.mu"])
+    for name, value in attrs["final_state"].items():
+        scale = 1e-4 if name.startswith("L") else 1.0
+        assert float(top[f"final_{name}"]) == pytest.approx(value, abs=1e-11 * scale), name
+
+
+def test_gridded_has_the_axes_as_dimensions(whole: Path) -> None:
+    table = open_sweep(whole)
+    grid = tippetop.gridded(table[["theta_end", "class"]])
+    assert grid["theta_end"].dims == ("initial.omega3", "friction.mu")
+    for top in (0, 9, 23):
+        one = table.isel(top=top)
+        place = {key: float(one[key]) for key in grid.dims}
+        assert float(grid["theta_end"].sel(place)) == float(one["theta_end"])
+
+
+def test_absurd_tops_spoil_no_other(tmp_path: Path) -> None:
+    axes = [
+        {"of": "initial.omega3", "values": [155.0, float("nan"), 1e300, 150.0]},
+        {"of": "friction.mu", "values": [0.3, -1.0]},
+    ]
+    of = plan.of({"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": axes, "keep": ["final_state"]})
+    found = tippetop.sweep(of, tmp_path / "S.zarr", workers=1)
+    assert "class" not in found
+    status = np.array(found["status"].attrs["flag_meanings"].split())[found["status"].values]
+    assert status.tolist() == ["finished", *["invalid"] * 5, "finished", "invalid"]
+    good = plan.of(
+        {"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": [{**axes[0], "values": [155, 150]}]}
+    )
+    alone = tippetop.sweep(good, tmp_path / "good.zarr", workers=1)
+    for name in found:
+        assert found[name].values[[0, 6]].tobytes() == alone[name].values.tobytes(), name
+    faults = report(tmp_path / "S.zarr")["faults"]
+    assert faults[0] == "top 1: `friction.mu` must be finite, at least 0, but is -1."
+    assert {fault.split(":")[0] for fault in faults} == {f"top {i}" for i in (1, 2, 3, 4, 5)}
+
+
+# --- what interrupts it ---------------------------------------------------------------------------------------------
+
+
+class Stop(Exception):
+    """Something ends the process."""
+
+
+def test_gone_on_with_it_is_bit_identical(
+    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(done: int, of: int) -> None:
+        if done == 14:
+            raise Stop
+
+    store = tmp_path / "S.zarr"
+    with pytest.raises(Stop):
+        tippetop.sweep(file, store, workers=1, progress=stop)
+    assert written(store) == 2
+    assert report(store)["tops_done"] == 14
+    assert report(store)["status"] == "running"
+    seen, told = computed(monkeypatch), []
+    tippetop.sweep(file, store, workers=1, progress=lambda *at: told.append(at))
+    assert seen == [2, 3]
+    assert told == [(14, 24), (21, 24), (24, 24)]
+    assert_same(store, whole)
+    tippetop.sweep(file, store, workers=1)
+    assert seen == [2, 3]
+    assert_same(store, whole)
+
+
+def test_a_kill_between_data_and_status_is_no_harm(
+    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every file that a chunk writes may be the last one."""
+    write, store = zarr.Array.__setitem__, tmp_path / "S.zarr"
+    files_per_chunk = len(open_sweep(whole).variables) + 1
+    for last in (files_per_chunk + 5, files_per_chunk, files_per_chunk + 1, 12):
+        count = [0]
+
+        def killed(array: Any, at: Any, value: Any, count: list[int] = count, last: int = last) -> None:
+            count[0] += 1
+            if count[0] == last:
+                raise Stop
+            write(array, at, value)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(zarr.Array, "__setitem__", killed)
+            with pytest.raises(Stop):
+                tippetop.sweep(file, store, workers=1)
+        (store / "sweep" / "class" / "c" / "0.0123.partial").write_text("zarr was writing this")
+    tippetop.sweep(file, store, workers=1)
+    assert_same(store, whole)
+
+
+def test_lost_statuses_are_found_again(
+    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = tmp_path / "S.zarr"
+    subprocess.run(["cp", "-r", str(whole), str(store)], check=True)
+    (store / "chunk_status" / "c" / "0").write_bytes(b"not this")
+    (store / "sweep" / "steps" / "c" / "3").write_bytes(b"nor this")
+    seen = computed(monkeypatch, lambda chunk: assert_unfinished(store))
+    tippetop.sweep(file, store, workers=1)
+    assert seen == [3]
+    assert_same(store, whole)
+
+
+def assert_unfinished(store: Path) -> None:
+    assert archive.attributes(store)["status"] == "running"
+
+
+@pytest.mark.parametrize("harm", ["flipped", "missing", "cut"])
+def test_what_is_damaged_is_made_again(
+    harm: str, whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = tmp_path / "S.zarr"
+    subprocess.run(["cp", "-r", str(whole), str(store)], check=True)
+    victim = store / "sweep" / "theta_end" / "c" / "2"
+    content = bytearray(victim.read_bytes())
+    if harm == "missing":
+        victim.unlink()
+    else:
+        content[len(content) // 2] ^= 4
+        victim.write_bytes(content if harm == "flipped" else content[:-9])
+    seen = computed(monkeypatch)
+    tippetop.sweep(file, store, workers=1)
+    assert seen == [2]
+    assert_same(store, whole)
+
+
+def test_a_full_disk_is_said_and_costs_nothing(whole: Path, file: Path, tmp_path: Path) -> None:
+    store, limits = tmp_path / "S.zarr", resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def full(done: int, of: int) -> None:
+        if done == 7:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (64, limits[1]))
+
+    try:
+        with pytest.raises(StoreError, match=r"must be writable, but: File too large. What is stored is kept"):
+            tippetop.sweep(file, store, workers=1, progress=full)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    tippetop.sweep(file, store, workers=1)
+    assert_same(store, whole)
+
+
+def test_a_chunk_that_fails_is_named_and_the_others_finish(
+    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def poison(chunk: int) -> None:
+        if chunk == 1:
+            raise ArithmeticError("it will not do")
+
+    store = tmp_path / "S.zarr"
+    words = ["sweep", str(file), "--out", str(store), "--workers", "1", "--json"]
+    with monkeypatch.context() as patched:
+        assert computed(patched, poison) == []
+        assert outcome(words) == 6
+    said = capsys.readouterr()
+    assert "chunk 1 (tops 7 to 13) failed: ArithmeticError: it will not do." in said.err
+    assert "Go on with: tippetop sweep" in said.err
+    found = json.loads(said.out)
+    assert found["chunks"] == {"todo": 0, "done": 3, "failed": 1}
+    assert found["failed"] == {"1": "ArithmeticError: it will not do"}
+    assert outcome(words) == 0
+    assert_same(store, whole)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
+    number: int, code: int, whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    from tippetop import cli
+
+    store = tmp_path / "S.zarr"
+    handler = signal.signal(signal.SIGTERM, cli._terminate)
+    try:
+        with monkeypatch.context() as patched:
+            computed(patched, lambda chunk: signal.raise_signal(number) if chunk == 2 else None)
+            assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == code
+    finally:
+        signal.signal(signal.SIGTERM, handler)
+    assert f"Go on with: tippetop sweep {file} --out {store} --workers 1" in capsys.readouterr().err
+    assert written(store) == 2
+    tippetop.sweep(file, store, workers=1)
+    assert_same(store, whole)
+
+
+def test_another_plan_is_refused(whole: Path, file: Path) -> None:
+    file.write_text(PLAN.replace("175", "170"))
+    with pytest.raises(StoreError, match="must be of the same plan to be gone on with, but differs in axis"):
+        tippetop.sweep(file, whole)
+
+
+def test_other_versions_are_refused(whole: Path, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = {**archive.versions(), "heyoka": "0"}
+    monkeypatch.setattr(archive, "versions", lambda: found)
+    with pytest.raises(StoreError, match="must be gone on with by the same versions"):
+        tippetop.sweep(file, whole)
+
+
+def test_there_is_one_writer(file: Path, tmp_path: Path) -> None:
+    def second(done: int, of: int) -> None:
+        tippetop.sweep(file, tmp_path / "S.zarr", workers=1)
+
+    with pytest.raises(StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
+        tippetop.sweep(file, tmp_path / "S.zarr", workers=1, progress=second)
+
+
+def test_something_else_is_left_alone(file: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(StoreError, match="must be a store of tippetop"):
+        tippetop.sweep(file, tmp_path / "mine", workers=1)
+    assert list((tmp_path / "mine").iterdir()) == []
+
+
+def test_no_scheduler_no_store(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "CONNECT_FOR", "200 ms")
+    for address in ("nonsense", "tcp://127.0.0.1:9"):
+        with pytest.raises(ScenarioError, match="must be the address of a running dask scheduler"):
+            tippetop.sweep(file, tmp_path / "S.zarr", scheduler=address)
+    assert not (tmp_path / "S.zarr").exists()

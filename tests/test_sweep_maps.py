@@ -1,0 +1,150 @@
+"""What is said, exported and drawn of a sweep."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import tippetop
+from sweeps import PLAN, assert_same
+from tippetop import plan, sweep_map, sweeping
+from tippetop.cli import outcome
+from tippetop.plan import Plan
+from tippetop.scenario import ScenarioError
+from tippetop.sweep_report import open_sweep
+
+
+AXIS = {"of": "friction.mu", "geomspace": [0.1, 1.0]}
+
+
+def test_the_commands_know_a_sweep(whole: Path, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["check", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["tops"], found["chunks"], found["tops_per_chunk"]) == (24, 4, 7)
+    assert outcome(["info", str(whole), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["status"], found["tops_done"], found["runs"]) == ("finished", 24, [5])
+    assert sum(found["counts"]["status"].values()) == sum(found["counts"]["class"].values()) == 24
+    assert 0 < found["drift"]["jellett"]["worst"] < 1e-13
+    assert outcome(["check", str(file)]) == outcome(["info", str(whole)]) == 0
+    assert outcome(["info", str(whole / "runs" / "5"), "--json"]) == 0
+    file.write_text(PLAN.replace("chunk", "chnk"))
+    assert outcome(["sweep", str(file), "--out", str(tmp_path / "S.zarr")]) == 2
+    assert not (tmp_path / "S.zarr").exists()
+    assert outcome(["sweep", str(file), "--out", str(tmp_path / "S.zarr"), "--workers", "0"]) == 2
+
+
+def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
+    import pandas as pd
+
+    table = open_sweep(whole)
+    places = {to: tmp_path / f"S.{to}" for to in ("netcdf", "csv", "parquet")}
+    for to, place in places.items():
+        assert outcome(["export", str(whole), "--to", to, "--out", str(place)]) == 0
+    with xr.open_dataset(places["netcdf"], group="sweep", engine="h5netcdf", decode_timedelta=False) as found:
+        for name in table.variables:
+            assert found[name].values.tobytes() == table[name].values.tobytes()
+    for frame in (pd.read_csv(places["csv"], dtype={"final_Lz": str}), pd.read_parquet(places["parquet"])):
+        assert list(frame)[:4] == ["initial.omega3", "friction.mu", "status", "class"]
+        assert frame["class"].tolist() == [
+            table["class"].attrs["flag_meanings"].split()[i] for i in table["class"].values
+        ]
+        np.testing.assert_array_equal(frame["final_Lz"].astype(float), table["final_Lz"])
+    assert outcome(["export", str(whole), "--to", "csv", "--out", str(tmp_path / "E.csv"), "--group", "events"]) == 2
+
+
+@pytest.mark.parametrize("kind", ["class", "inversion", "normal-force"])
+def test_figures_of_a_sweep_are_drawn(kind: str, whole: Path, tmp_path: Path) -> None:
+    assert outcome(["plot", str(whole), kind, "--out", str(tmp_path / "a.png")]) == 0
+    assert (tmp_path / "a.png").stat().st_size > 15_000
+
+
+def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **columns: np.ndarray) -> sweep_map.Map:
+    """A map of made-up columns."""
+    table = xr.Dataset({name: ("top", values) for name, values in columns.items()})
+    table["status"] = ("top", np.ones(of.n, np.int8))
+    table = table.assign_coords({k: ("top", v) for k, v in of.design.numbers(np.arange(of.n)).items()})
+    for axis in of.design.axes:
+        table[axis.key].attrs = {"units": "1", "long_name": axis.key}
+    table.attrs = {"plan": of.document, "status": "finished", "title": "sweep: a top"}
+    monkeypatch.setattr(sweep_map, "open_sweep", lambda path: table)
+    return sweep_map.mapped(tmp_path, next(k for k, v in sweep_map.NEEDED.items() if v[0] in columns))
+
+
+def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Descending and unsorted axes, a slice of a third; the field is a function of the numbers."""
+    axes = [
+        {"of": "initial.omega3", "linspace": [175.0, 100.0], "n": 16},
+        {"of": "friction.mu", "values": [0.3, 0.1, 0.2]},
+        {"of": "initial.theta", "values": [0.1, 0.2, 0.3]},
+    ]
+    of = plan.of({"scenario": "inverting", "axis": axes})
+    w, mu, theta = of.design.numbers(np.arange(of.n)).values()
+    found = synthetic(tmp_path, monkeypatch, of, inverted_at=w + 1000 * mu + 1e6 * theta)
+    x, y = (axis.centres for axis in found.axes)
+    np.testing.assert_allclose(x, np.linspace(100, 175, 16), rtol=1e-14)
+    expected = x[:, None] + 1000 * y + 1e6 * 0.2
+    np.testing.assert_allclose(found.fields["inverted_at"], expected, rtol=1e-13)
+    assert found.notes == ["initial.theta = 0.2 (one of 3)"]
+
+
+def test_borders_are_where_the_threshold_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over lambda itself the border of the inverted spin is the line lambda = 1."""
+    axes = [{"of": "lambda", "linspace": [0.5, 2.0], "n": 5}, {"of": "gamma", "linspace": [0.75, 1.2], "n": 5}]
+    of = plan.of({"scenario": "inverting", "axis": axes})
+    found = synthetic(tmp_path, monkeypatch, of, inverted_at=np.zeros(of.n))
+    values = found.borders["λ = λ_s: inverted spin stable above"]
+    np.testing.assert_allclose(np.exp(values), np.broadcast_to(found.axes[0].span[:, None], values.shape), rtol=1e-12)
+    assert np.nanmin(found.borders["λ = λ_t: tumbling possible above"]) < 0  # a fold below gamma_+ only
+    gamma = found.axes[1].span
+    assert np.isnan(found.borders["λ = λ_t: tumbling possible above"][:, gamma > 0.85]).all()
+
+
+def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    axes = [{"of": "initial.omega3", "between": [100, 200]}, {"of": "friction.mu", "between": [0.1, 1], "log": True}]
+    sample = {"method": "sobol", "n": 4096, "seed": 1}
+    of = plan.of({"scenario": "inverting", "axis": axes, "sample": sample})
+    w, _ = of.design.numbers(np.arange(of.n)).values()
+    found = synthetic(tmp_path, monkeypatch, of, **{"class": np.where(w < 150, 1, 3).astype(np.int8)})
+    kinds = found.fields["class"]
+    assert np.all(kinds[found.axes[0].edges[1:] < 150] == 1)
+    assert np.all(kinds[found.axes[0].edges[:-1] > 150] == 3)
+    assert found.notes == ["most frequent of the tops in a cell"]
+
+
+def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: Any) -> None:
+    from tippetop.figures import sweep as figures
+    from tippetop.figures.style import save, styled
+
+    axes = [{"of": "initial.omega3", "linspace": [100, 175], "n": 1000}, {**AXIS, "n": 1000}]
+    of = plan.of({"scenario": "inverting", "axis": axes})
+    found = synthetic(tmp_path, monkeypatch, of, **{"class": rng.integers(0, 6, of.n).astype(np.int8)})
+    assert found.fields["class"].shape == (1000, 1000)
+    with styled():
+        save(figures.drawn(found), tmp_path / "a.png")
+
+
+def test_what_cannot_be_drawn_is_said(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ScenarioError, match="must be one of class, inversion, normal-force of a sweep"):
+        sweep_map.mapped(whole, "sphere")
+    of = plan.of({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
+    with pytest.raises(ScenarioError, match="must have theta_end, but the plan did not keep it"):
+        synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
+
+
+def test_dask_sleeps_until_workers_are_wanted() -> None:
+    code = "import sys, tippetop.sweeping, tippetop.cli; assert not {'dask', 'distributed'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_without_dask_threads_do_it(whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweeping, "find_spec", lambda name: None)
+    tippetop.sweep(file, tmp_path / "S.zarr", workers=2)
+    assert_same(tmp_path / "S.zarr", whole)
+    with pytest.raises(ScenarioError, match=r"install tippetop\[sweep\]"):
+        tippetop.sweep(file, tmp_path / "S.zarr", scheduler="tcp://127.0.0.1:1")

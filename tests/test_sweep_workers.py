@@ -1,0 +1,168 @@
+"""A sweep's store is the same whoever computes it, and whoever of them is killed."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tippetop
+from sweeps import PLAN, assert_same, chunks, written
+from tippetop import archive, plan, scenario, sweep_lines
+from tippetop.cli import outcome
+from tippetop.sweeping import Unfinished
+
+
+LINES = sweep_lines.lines
+
+
+def test_dask_makes_the_same_store(
+    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its scheduler and two workers, as threads of this process; a chunk that fails, and then all."""
+    from distributed import LocalCluster
+
+    store = tmp_path / "S.zarr"
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0", protocol="tcp://", host="127.0.0.1"
+    ) as cluster:
+        with monkeypatch.context() as patched:
+            patched.setattr(sweep_lines, "lines", failing)
+            assert outcome(["sweep", str(file), "--out", str(store), "--scheduler", cluster.scheduler_address]) == 6
+        assert "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do." in capsys.readouterr().err
+        assert chunks(store) == [1, 1, 2, 1]
+        tippetop.sweep(file, store, scheduler=cluster.scheduler_address)
+    assert_same(store, whole)
+
+
+def failing(task: sweep_lines.Task, threads: int = 1) -> dict[str, np.ndarray]:
+    """Raises for one chunk."""
+    if task.chunk == 2:
+        raise ArithmeticError("it will not do")
+    return LINES(task, threads)
+
+
+@pytest.mark.slow
+def test_two_processes_make_the_same_store(whole: Path, file: Path, tmp_path: Path) -> None:
+    tippetop.sweep(file, tmp_path / "S.zarr", workers=2)
+    assert_same(tmp_path / "S.zarr", whole)
+
+
+def start(file: Path, store: Path, *words: str) -> subprocess.Popen:
+    code = "from tippetop.cli import main; main()"
+    command = [sys.executable, "-c", code, "sweep", str(file), "--out", str(store), *words]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+def children(process: subprocess.Popen) -> list[int]:
+    """Its worker processes."""
+    found = subprocess.run(["pgrep", "-P", str(process.pid), "-f", "spawn_main"], capture_output=True, text=True)
+    return [int(word) for word in found.stdout.split()]
+
+
+@pytest.fixture(scope="module")
+def longer(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A plan of 40 chunks of tenths of a second, and its undisturbed store."""
+    folder = tmp_path_factory.mktemp("longer")
+    text = PLAN.replace("0.5", "4.0").replace("n = 6", "n = 250").replace("chunk = 7", "chunk = 25")
+    (folder / "PLAN.toml").write_text(text)
+    tippetop.sweep(folder / "PLAN.toml", folder / "S.zarr", workers=1)
+    return folder / "PLAN.toml", folder / "S.zarr"
+
+
+def wait_for(process: subprocess.Popen, store: Path, done: int) -> None:
+    """Waits until so many chunks are done."""
+    while not store.exists() or written(store) < done:
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_killed_workers_cost_nothing(longer: tuple[Path, Path], tmp_path: Path) -> None:
+    store = tmp_path / "S.zarr"
+    process = start(longer[0], store, "--workers", "2")
+    for done in (3, 12, 25):
+        wait_for(process, store, done)
+        os.kill(children(process)[0], signal.SIGKILL)
+    _, err = process.communicate()
+    assert (process.returncode, err) == (0, "")
+    assert_same(store, longer[1])
+
+
+@pytest.mark.slow
+def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path, Path], tmp_path: Path) -> None:
+    store = tmp_path / "S.zarr"
+    for done, workers in ((5, "2"), (14, "1"), (25, "3")):
+        process = start(longer[0], store, "--workers", workers)
+        wait_for(process, store, done)
+        process.kill()
+        process.communicate()
+        assert written(store) < 40
+    process = start(longer[0], store)
+    assert process.communicate()[1] == ""
+    assert_same(store, longer[1])
+
+
+def deadly(task: sweep_lines.Task, threads: int = 1) -> dict[str, np.ndarray]:
+    """Kills its worker for one chunk, raises for another."""
+    if task.chunk == 1:
+        os._exit(1)
+    return failing(task, threads)
+
+
+@pytest.mark.slow
+def test_a_chunk_that_kills_its_workers_takes_no_other_with_it(
+    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = tmp_path / "S.zarr"
+    with monkeypatch.context() as patched:
+        patched.setattr(sweep_lines, "lines", deadly)
+        with pytest.raises(Unfinished) as error:
+            tippetop.sweep(file, store, workers=2)
+    assert sorted(error.value.sentences) == [
+        "chunk 1 (tops 7 to 13) failed: every worker that tried it died.",
+        "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do.",
+    ]
+    assert chunks(store) == [1, 2, 2, 1]
+    tippetop.sweep(file, store, workers=1)
+    assert_same(store, whole)
+
+
+@pytest.mark.slow
+def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> None:
+    store, address = tmp_path / "S.zarr", "tcp://127.0.0.1:8797"
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "8797"]
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    scheduler = subprocess.Popen([*dask, "--no-dashboard"], **quiet)
+    workers = [subprocess.Popen([*worker, "--no-nanny"], **quiet) for _ in range(2)]
+    try:
+        process = start(longer[0], store, "--scheduler", address)
+        wait_for(process, store, 4)
+        workers[0].kill()
+        wait_for(process, store, 10)
+        scheduler.kill()
+        _, err = process.communicate()
+        assert process.returncode == 6
+        assert "tippetop: the scheduler went away; what it gave back is stored." in err
+    finally:
+        for other in (scheduler, *workers):
+            other.kill()
+            other.wait()
+    assert 10 <= written(store) < 40
+    tippetop.sweep(longer[0], store, workers=1)
+    assert_same(store, longer[1])
+
+
+def test_a_worker_of_other_versions_is_refused(file: Path) -> None:
+    """Its bits could differ."""
+    of = plan.read(file)
+    task = sweep_lines.Task(
+        0, scenario.resolved(of.base), of.columns(of.tops(0)), None, {**archive.versions(), "heyoka": "0"}
+    )
+    with pytest.raises(sweep_lines.OtherVersions, match="other versions of heyoka than the sweep was begun with"):
+        sweep_lines.lines(task)
