@@ -148,3 +148,16 @@ def test_without_dask_threads_do_it(whole: Path, file: Path, tmp_path: Path, mon
     assert_same(tmp_path / "S.zarr", whole)
     with pytest.raises(ScenarioError, match=r"install tippetop\[sweep\]"):
         tippetop.sweep(file, tmp_path / "S.zarr", scheduler="tcp://127.0.0.1:1")
+
+
+def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
+    """Upright below lambda_u, inverted above lambda_s, neither between: within 2 %, after 200 s from a small tilt."""
+    upright = 0.36044375  # lambda_u/lambda_s of the canonical top [section 6]
+    values = [*(upright * np.array([0.95, 0.98, 1.04])), 0.5, 0.98, 1.02, 1.05]
+    axis = {"of": "lambda", "values": [float(v) for v in values]}
+    start = {"run": {"until": 200.0}, "initial": {"theta": 0.02}, "friction": {"mu": 1.0}}
+    found = tippetop.sweep(plan.of({"scenario": "inverting", "set": start, "axis": [axis]}), tmp_path / "S.zarr")
+    names = np.array(found["class"].attrs["flag_meanings"].split())[found["class"].values]
+    assert names[:2].tolist() == ["upright"] * 2
+    assert not {"upright", "inverted"} & set(names[2:5])
+    assert names[5:].tolist() == ["inverted"] * 2

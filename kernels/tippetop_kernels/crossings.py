@@ -71,7 +71,7 @@ def ranges(c, shift, factors, low, high, monotone, work):
         high[lane] = max(p0, last) if steady else max(max(p0, b1), max(b2, b3)) + beyond
 
 
-@inlined
+@kernel
 def crossings(p, positive, found, work, monotone):
     """Sign changes of p on [0, 1), ascending, into `found`; how many there are, and whether p is positive at the end.
 
@@ -186,7 +186,7 @@ def jet(p, x):
     )
 
 
-@inlined
+@kernel
 def extremes(p, low, high, samples, monotone):
     """The smallest value of p on [0, 1] if it may lie below `low`, else `low`; and likewise the greatest.
 

@@ -23,7 +23,7 @@ from .systems import SYSTEMS
 from .tops import Tops
 
 
-LANES = 16  # two vectors of eight doubles; 8 and 32 take a tenth longer a top
+LANES = 32  # two threads share the lock of Python better than with 16; alone 16 are as fast, 8 and 64 slower
 LONGEST, SHORTEST = 64, 8  # steps of a slice: overhead against idle lanes, and coefficients that stay in the cache
 AT_ONCE = 32  # slices between two looks at the invariants: a look takes 0.2 ms whatever its length
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
