@@ -22,11 +22,12 @@ from tippetop.tops import Tops
 from .measure import elapsed, interleaved, ratio, timed
 from .minimal import Minimal, theta_of
 from .ours import OURS, TAYLOR
-from .peers import COMPILED, FIELD, sentence
+from .peers import CALLING, COMPILED, FIELD, scipy_formulas, sentence
 
 
 CHECKED = 8  # tops that are held against 80-bit runs
 MIDST, END = 6.0, 10.0  # [s]
+PYTHON = "DOP853, SciPy, formulas in Python"
 PEERS = ("DOP853, C++", "DOP853, numbalsoda", "LSODA, numbalsoda")
 
 
@@ -66,6 +67,7 @@ def compare(quick: bool) -> dict[str, Any]:
             _enter(entry, works, peer, spins, some, exact)
         except Exception as error:  # a peer that breaks is a result, not the end of the others
             entry["missing"] = sentence(error)
+    _enter_python(found["contestants"], works, float(spins[0]), exact[0])
     for (name, i), times in interleaved(works, 3 if quick else 5).items():
         found["contestants"][name]["points"][i] |= {"rounds": times, "seconds": statistics.median(times)}
     return found | _threads(tops_at(spins, END), 3 if quick else 7)
@@ -81,6 +83,16 @@ def _enter(entry: dict, works: dict, peer: Any, spins: np.ndarray, some: np.ndar
         solvers = [solver(tolerance) for solver in paced]
         works[peer.name, len(entry["points"])] = lambda solvers=solvers: _one_by_one(solvers)
         entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
+
+
+def _enter_python(contestants: dict, works: dict, spin: float, exact: np.longdouble) -> None:
+    """SciPy with the formulas in Python: one top is enough to be slow."""
+    entry = contestants[PYTHON] = {"kind": CALLING, "points": []}
+    checked, paced = (scipy_formulas(_minimal(spin, until)) for until in (MIDST, END))
+    for tolerance in (1e-13, 3e-14):
+        works[PYTHON, len(entry["points"])] = partial(_one_by_one, [paced(tolerance)])
+        error = abs(float(checked(tolerance).theta()[-1] - exact))
+        entry["points"].append({"tolerance": tolerance, "error": error})
 
 
 def _minimal(spin: float, until: float) -> Minimal:

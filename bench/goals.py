@@ -59,6 +59,24 @@ def _ensemble(result: dict[str, Any]) -> tuple[str, bool]:
     return _against(contestants, best_peer(contestants, contestants[LANES], ERROR), LANES, ERROR, 12)
 
 
+def _python(result: dict[str, Any]) -> tuple[str, bool]:
+    return _against(result["contestants"], "DOP853, SciPy, formulas in Python", LANES, ERROR, 1000)
+
+
+def _workers(result: dict[str, Any]) -> tuple[str, bool]:
+    return f"{result['efficiency_of_2_workers']:.2f}", result["efficiency_of_2_workers"] >= 0.9
+
+
+def _overhead(result: dict[str, Any]) -> tuple[str, bool]:
+    added = result["ways"]["into a store, by a worker of dask"]["processor"] - 1
+    return f"{100 * added:.1f} % of the processor's time", added <= 0.05
+
+
+def _storing(result: dict[str, Any]) -> tuple[str, bool]:
+    name, least = min(result["runs"].items(), key=lambda item: item[1]["stored / bare"])
+    return f"{least['stored / bare']:.3g} times at best, {name}", least["stored / bare"] <= 1.25
+
+
 def _scipy(result: dict[str, Any]) -> tuple[str, bool]:
     return _against(result["contestants"], "DOP853, SciPy", BARE, ERROR, 200)
 
@@ -71,22 +89,47 @@ def _plain_events(result: dict[str, Any]) -> tuple[str, bool]:
     return _against(result["contestants"], HAND, EVENTS, ERROR, 1)
 
 
-def _surface(result: dict[str, Any]) -> tuple[str, None]:
-    return f"{result['F_in_V']:.3g} evaluations of V", None
+def _surface(result: dict[str, Any]) -> tuple[str, bool]:
+    return f"{result['F_in_V']:.3g} evaluations of V", result["F_in_V"] <= 12
 
 
-def _golden(result: dict[str, Any]) -> tuple[str, None]:
-    times = result["times_faster_than"]["golden section, jitted"]["1 thread"]
-    return f"{times:.3g} times, thread against thread", None
+def _golden(result: dict[str, Any]) -> tuple[str, bool]:
+    return _faster(result, "golden section, jitted", "1 thread", 8)
+
+
+def _golden_numpy(result: dict[str, Any]) -> tuple[str, bool]:
+    return _faster(result, "golden section, NumPy", "1 thread", 50)
+
+
+def _minimize(result: dict[str, Any]) -> tuple[str, bool]:
+    return _faster(result, "scipy", "2 threads", 20_000)
+
+
+def _faster(result: dict[str, Any], peer: str, threads: str, factor: float) -> tuple[str, bool]:
+    times = result["times_faster_than"][peer][threads]
+    return f"{times:.0f} times, on {threads}", times >= factor
+
+
+def _threads(result: dict[str, Any]) -> tuple[str, bool]:
+    times, best = result["scaling_1_to_2_threads"], result["best_ns_per_point"]
+    said = f"{times:.3g} times; by the best repetitions {best['F, 1 thread'] / best['F, 2 threads']:.3g}"
+    return said, times >= 1.7
 
 
 GOALS: tuple[tuple[str, str, str, Any], ...] = (
     ("one canonical inversion at 1e-13, against the best compiled peer", ">= 4 times", "inversion", _inversion),
     ("the same at the smallest error that the peer reaches", ">= 2 times, two digits more", "inversion", _smallest),
     ("ensemble, per core, against the best compiled peer per core", ">= 12 times", "ensemble", _ensemble),
+    ("the same against SciPy's solve_ivp, formulas in Python", ">= 1000 times", "ensemble", _python),
+    ("two workers of a sweep, efficiency", ">= 0.9", "sweep", _workers),
+    ("dask and the store of a sweep, added to the tops alone", "<= 5 %", "sweep", _overhead),
+    ("a run stored at 1 kHz with all it does, against its equations alone", "<= 1.25 times", "storing", _storing),
     ("against SciPy's solve_ivp with a jitted right-hand side", ">= 200 times", "inversion", _scipy),
     ("against heyoka written by hand (no events, no store)", ">= 1.3 times", "inversion", _plain),
     ("with turning and liftoff events on, against the same without them", ">= 1 times", "inversion", _plain_events),
-    ("F at a point of a grid, one thread", "", "surface", _surface),
-    ("F against a jitted golden section", "", "surface", _golden),
+    ("F at a point of a grid, one thread", "<= 12 of V", "surface", _surface),
+    ("F against a jitted golden section", ">= 8 times", "surface", _golden),
+    ("F against a golden section in NumPy", ">= 50 times", "surface", _golden_numpy),
+    ("F against scipy.optimize.minimize_scalar on a jitted V", ">= 20000 times", "surface", _minimize),
+    ("F by two threads against one", ">= 1.7 times", "surface", _threads),
 )  # fmt: skip

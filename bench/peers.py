@@ -162,6 +162,30 @@ def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
     return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
 
 
+def scipy_formulas(minimal: Minimal) -> Callable[[float], Solver]:
+    """solve_ivp's DOP853 with the formulas called in Python, as one would first write it; states at 0 and the end."""
+    from scipy.integrate import solve_ivp
+
+    form, body = minimal.problem.form, minimal.body
+    places, rest = [form.units._fields.index(name) for name in minimal.names], [0.0] * len(form.units)
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        full = rest.copy()
+        for place, value in zip(places, y.tolist(), strict=True):
+            full[place] = value
+        found = form.rates(form.units._make(full), body)
+        return [found[place] for place in places]
+
+    def rows(tolerance: float) -> np.ndarray:
+        span = (minimal.times[0], minimal.times[-1])
+        with warnings.catch_warnings(action="ignore"):
+            return (
+                solve_ivp(rates, span, minimal.start, method="DOP853", rtol=tolerance, atol=tolerance).y[:, [0, -1]].T
+            )
+
+    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
+
+
 def scipy_lsoda(minimal: Minimal) -> Callable[[float], Solver]:
     """solve_ivp's LSODA."""
     from scipy.integrate import solve_ivp

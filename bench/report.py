@@ -162,7 +162,10 @@ def sweep(result: dict[str, Any]) -> str:
         "by the wall clock, to plain",
         "of the processor, to plain",
     ]
-    return table(head, rows)
+    one, two = result["seconds_by_1_and_2_workers"]
+    efficiency = f"efficiency {result['efficiency_of_2_workers']:.2f}"
+    said = f"In chunks of 512: {number(one)} s by one worker, {number(two)} s by two, {efficiency}."
+    return f"{table(head, rows)}\n\n{said}"
 
 
 def surface(result: dict[str, Any]) -> str:

@@ -36,19 +36,22 @@ def used(client: Any) -> float:
 def tops(n: int) -> plan.Plan:
     """Canonical tops of 10 s with other spins, in chunks of some four seconds, as a large sweep has them."""
     axis = {"of": "initial.omega3", "linspace": [100.0, 160.0], "n": n}
-    return plan.of({"scenario": "inverting", "axis": [axis], "chunk": min(n, 2048)})
+    return plan.of({"scenario": "inverting", "axis": [axis], "chunk": min(n, 4096)})
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Runs all, interleaved: the medians, and those of the ratios pair by pair."""
-    made, rounds = tops(2048 if quick else 6144), 3 if quick else 5
-    with pool.own(1) as client:
+    """Runs all, interleaved: the medians, and those of the ratios pair by pair; and what a second worker brings."""
+    made, rounds = tops(4096 if quick else 8192), 3 if quick else 5
+    with pool.own(1) as client, pool.own(2) as both:
         plain(tops(64))
-        swept(tops(64), client)
+        for warm in (client, both):
+            swept(small(256), warm)
         rows = [(plain(made), swept(made), swept(made, client)) for _ in range(rounds)]
+        shared = small(made.n)
+        pairs = [(swept(shared, client)[0], swept(shared, both)[0]) for _ in range(rounds)]
     ways = ("plain", "into a store", "into a store, by a worker of dask")
     return {
-        "title": "Canonical tops of 10 s, 2048 to a chunk",
+        "title": "Canonical tops of 10 s, 4096 to a chunk",
         "tops": made.n,
         "ways": {
             way: {
@@ -58,4 +61,11 @@ def compare(quick: bool) -> dict[str, Any]:
             }
             for i, way in enumerate(ways)
         },
+        "seconds_by_1_and_2_workers": [statistics.median(pair[i] for pair in pairs) for i in range(2)],
+        "efficiency_of_2_workers": statistics.median(one / two for one, two in pairs) / 2,
     }
+
+
+def small(n: int) -> plan.Plan:
+    """As many in small chunks, so that two workers end together."""
+    return plan.of({**tops(n).document, "chunk": 512})

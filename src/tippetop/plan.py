@@ -17,11 +17,11 @@ from .wording import worded
 
 
 MOST_TOPS = 10**9
-CHUNK_SECONDS = 1.0, 4.0  # of one core: writing a chunk takes 0.03 s, whatever its size
+CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk takes 0.03 s, whatever its size
 LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks leave few cores idle
-MICROSECONDS_PER_STEP = 1.6  # of one lane; measured on two shared cores of an AMD EPYC
+MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
-CHUNKS = 64, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
+CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
