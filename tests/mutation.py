@@ -18,8 +18,15 @@ import laws
 
 ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore[arg-type]
 GLIDING = tuple(f"systems.gliding.{name}" for name in ("body", "vector", "euler", "chart", "names"))
-ORDER = ("friction", *GLIDING, "systems.gliding", "systems.tippe_top", "systems.rolling", "systems.rolling_tippe_top")
-ORDER += ("systems.heavy_top", "systems.gliding_heavy_top", "systems.cylinder", "systems.rolling_cylinder", "systems")
+ORDER = ("friction", *GLIDING, "systems.gliding", "systems.tippe_top", "systems.rolling", "systems.reduced")
+ORDER += (
+    "systems.rolling_tippe_top",
+    "systems.heavy_top",
+    "systems.gliding_heavy_top",
+    "systems.cylinder",
+    "systems.rolling_cylinder",
+    "systems",
+)
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
 

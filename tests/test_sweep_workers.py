@@ -59,8 +59,9 @@ def start(file: Path, store: Path, *words: str) -> subprocess.Popen:
 
 
 def children(process: subprocess.Popen) -> list[int]:
-    """Its worker processes."""
-    found = subprocess.run(["pgrep", "-P", str(process.pid), "-f", "spawn_main"], capture_output=True, text=True)
+    """Its worker processes; with setproctitle installed they carry dask's name."""
+    names = "spawn_main|dask worker"
+    found = subprocess.run(["pgrep", "-P", str(process.pid), "-f", names], capture_output=True, text=True)
     return [int(word) for word in found.stdout.split()]
 
 
