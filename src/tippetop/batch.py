@@ -81,9 +81,9 @@ def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, flo
     """Index of the variable that an expression is, give or take a number (shift 0), or is the rate of (shift 1); its
     scale, and that number."""
     for index, (variable, rate) in enumerate(equations):
-        if hy.get_variables(function) == [str(variable)] and hy.diff(function, variable) == hy.expression(1.0):
-            offset = hy.cfunc([function], vars=[variable])([0.0], pars=[0.0] * len(hy.get_params(function)))[0]
-            return index, 0, 1.0, float(offset)
+        alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
+        if alone and hy.diff(function, variable) == hy.expression(1.0):
+            return index, 0, 1.0, float(hy.cfunc([function], vars=[variable])([0.0])[0])
         for scale in (1.0, QUADRATURE_SCALE):
             if hy.expression(scale) * function == rate:
                 return index, 1, scale, 0.0
