@@ -82,7 +82,7 @@ class Minimal:
         return f"static inline void slope(const double* __restrict y, double* __restrict d) {{\n  {text}\n}}\n"
 
     @cached_property
-    def library(self) -> ctypes.CDLL:
+    def built(self) -> ctypes.CDLL:
         """The right-hand side as a shared library: `rhs(t, y, d, p)`, as the C solvers call it."""
         return built(
             "#include <cmath>\n" + self.source + 'extern "C" void rhs(double, const double* y, double* d, void*)'

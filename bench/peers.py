@@ -73,7 +73,7 @@ def numbalsoda(method: str, minimal: Minimal) -> Callable[[float], Solver]:
     """The compiled LSODA and DOP853 of numbalsoda, on a C function."""
     import numbalsoda as package
 
-    address = ctypes.cast(minimal.library.rhs, ctypes.c_void_p).value
+    address = ctypes.cast(minimal.built.rhs, ctypes.c_void_p).value
     function = getattr(package, method)
 
     def rows(tolerance: float) -> np.ndarray:

@@ -57,7 +57,7 @@ def test_peers_integrate_the_equations_of_the_engine(name: str) -> None:
     minimal = made(name)
     n = len(minimal.names)
     exact = by_heyoka(minimal, STATES[:, :n])
-    rhs = minimal.library.rhs
+    rhs = minimal.built.rhs
     rhs.argtypes = [ctypes.c_double, *[ctypes.c_void_p] * 3]
     for state, wanted in zip(STATES[:, :n], exact, strict=True):
         y, d = np.ascontiguousarray(state), np.empty(n)

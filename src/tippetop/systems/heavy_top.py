@@ -171,7 +171,7 @@ def euler_scalars(e, b):
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=L3 / b.I1 * precession - z * axis_speed2,
+        fall=gliding.torque_free(L3, precession, axis_speed2, z, b),
         precession=precession,
         axis_speed2=axis_speed2,
         L3=L3,

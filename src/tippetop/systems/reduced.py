@@ -42,7 +42,7 @@ def free_scalars(q, b):
     Lz = (q.lam + b.c * L3) / b.R
     precession = (Lz - L3 * z) / b.I1
     axis_speed2 = (q.z_dot * q.z_dot + precession * precession) / s2
-    fall = L3 / b.I1 * precession - z * axis_speed2
+    fall = gliding.torque_free(L3, precession, axis_speed2, z, b)
     return rolling.Scalars(z, s2, q.z_dot, fall, precession, axis_speed2, L3, Lz, 0, 0)
 
 
@@ -60,16 +60,15 @@ def reduced_scalars(q, b):
 def reduced_rates(q, b):
     """z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
     s = free_scalars(q, b)
-    sine = sqrt(s.s2)
-    along_e = -(q.z_dot * (b.R - b.c * q.z)) / sine
-    along_2 = -(sine * (b.R * (s.L3 / b.I3))) - (b.c - b.R * q.z) * s.precession / sine
+    sine, phi_dot = sqrt(s.s2), s.precession / s.s2
+    along_e, along_2 = gliding.rolling_velocity(-(q.z_dot / sine), phi_dot, s.L3 / b.I3, sine, q.z, b)
     ex, ey = cos(q.phi), sin(q.phi)
     return ReducedState(
         q.z_dot,
         rolling.z_dot2(s, b),
         0 * q.D,
         0 * q.lam,
-        s.precession / s.s2,
+        phi_dot,
         along_e * ex - along_2 * ey,
         along_e * ey + along_2 * ex,
         rolling.normal_force(s, b),

@@ -252,7 +252,7 @@ def euler_scalars(e, b):
     h, q = b.R - b.c * z, b.c - b.R * z
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
     turn = b.R * e.omega3 + e.phi_dot * q
-    along_e, along_2 = e.theta_dot * h, -(s * turn)
+    along_e, along_2 = gliding.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
     push_e = theta_dot2 * h + b.c * (e.theta_dot**2 * s) - e.phi_dot * along_2
     push_2 = e.phi_dot * along_e - (
         e.theta_dot * z * turn + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
@@ -264,7 +264,7 @@ def euler_scalars(e, b):
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=L3 / b.I1 * precession - z * axis_speed2,
+        fall=gliding.torque_free(L3, precession, axis_speed2, z, b),
         precession=precession,
         axis_speed2=axis_speed2,
         L3=L3,
@@ -279,7 +279,7 @@ def euler_rates(e, b):
     """The equations in Euler angles. [T 4.2-4.4]"""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
-    along_e, along_2 = e.theta_dot * (b.R - b.c * z), -(s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z)))
+    along_e, along_2 = gliding.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
     return EulerState(
         e.theta_dot,
         theta_dot2,

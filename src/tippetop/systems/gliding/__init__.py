@@ -19,7 +19,9 @@ from .body import height_energy as height_energy
 from .body import jellett as jellett
 from .body import modified_energy as modified_energy
 from .body import modified_energy_rate as modified_energy_rate
+from .body import rolling_velocity as rolling_velocity
 from .body import rotation_energy as rotation_energy
+from .body import torque_free as torque_free
 from .body import vertical_inertia as vertical_inertia
 from .body import vertical_potential as vertical_potential
 from .body import yielding as yielding

@@ -47,6 +47,18 @@ class Scalars(NamedTuple):
 
 
 @formula
+def torque_free(L3, precession, axis_speed2, z, b):
+    """z'' of the axis if no torque acted [1/s^2]: L_3 phi' sin(theta)^2/I1 - z |3hat'|^2."""
+    return L3 / b.I1 * precession - z * axis_speed2
+
+
+@formula
+def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
+    """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0. [section 3.2]"""
+    return theta_dot * (b.R - b.c * z), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
+
+
+@formula
 def yielding(s, b):
     """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u

@@ -12,7 +12,7 @@ from ...system import (
     RADIAN,
     RADIAN_PER_SECOND,
 )
-from .body import Scalars, friction_power, g_n
+from .body import Scalars, friction_power, g_n, rolling_velocity, torque_free
 
 
 class EulerState(NamedTuple):
@@ -39,8 +39,8 @@ EULER_UNITS = EulerState._make(
 @formula
 def centre_velocity(e, s, z, b):
     """Components of the velocity of the centre of mass along e and 2hat [m/s]. [section 3.2]"""
-    along_e = e.nu_x + e.theta_dot * (b.R - b.c * z)
-    return along_e, e.nu_y - s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z))
+    along_e, along_2 = rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
+    return e.nu_x + along_e, e.nu_y + along_2
 
 
 @formula
@@ -55,7 +55,7 @@ def euler_scalars(e, b):
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=L3 / b.I1 * precession - z * axis_speed2,
+        fall=torque_free(L3, precession, axis_speed2, z, b),
         precession=precession,
         axis_speed2=axis_speed2,
         L3=L3,
