@@ -1,6 +1,8 @@
 """Minima over a grid of points, row by row on all threads, neighbouring points in the lanes of one instruction."""
 
+import itertools
 import os
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -14,24 +16,32 @@ from .roots import crossings, swing
 
 STAGED = 8  # doubles that a stage may hand to the next
 STEPS = 2  # of Halley, for every point: almost all points of a dense grid are then at rest
+ALONE = 64  # a step of one point by itself costs as much as that of so many in a block
+FRESH = 32  # rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid
 
 
 @kernel
-def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough):
-    """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`."""
+def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough, near, far, ahead):
+    """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`.
+
+    It starts `ahead` times as far from the q of the row `near` as that is from the row `far`; without them, from a guess.
+    """
     like = prepare(x, ys[0], r)
     points, stages, last = np.empty(width(like) * BLOCK), np.empty(STAGED * BLOCK), np.empty(BLOCK)
     for start in range(0, ys.size, BLOCK):
         s = slice(start, min(start + BLOCK, ys.size))
         prepared(prepare, x, ys[s], r, points)
-        guesses(guess, like, r, q[s], points, stages)
+        if ahead:
+            carried_on(near[s], far[s], ahead, q[s])
+        else:
+            guesses(guess, like, r, q[s], points, stages)
         steps(slopes, like, r, q[s], last, points, stages, count, enough)
         values(value, like, r, q[s], F[s], points, stages)
         if judged(ends, like, x, ys[s], r, last, status[s], points, enough) or several:
             for j in range(start, s.stop):
                 if several or status[j]:
                     k = slice(j, j + 1)
-                    closer(prepare, guess, slopes, value, several, x, ys[j], r, F[k], q[k], status[k])
+                    closer(prepare, guess, slopes, value, several, x, ys[j], r, F[k], q[k], status[k], ahead != 0)
 
 
 @kernel
@@ -55,13 +65,22 @@ def guesses(guess, like, r, q, points, stages):
 
 
 @kernel
+def carried_on(near, far, ahead, q):
+    """q of the points of a block, carried on from two rows: q linearly if small, 1/q if large, as on the way to a pole."""
+    for j in range(q.size):
+        step = ahead * (near[j] - far[j])
+        small = near[j] < 1
+        q[j] = clipped((near[j] + step if small else near[j] * far[j]) / (1.0 if small else far[j] - step))
+
+
+@kernel
 def steps(slopes, like, r, q, last, points, stages, count, enough):
     """Steps q of the points of a block until most are at rest; those that are stay, whatever their neighbours do."""
     n = restless = q.size
     one = first(slopes, 1.0, like, r)
     two = second(slopes, one, 1.0, like, r)
     for step in range(8):
-        if step >= count and 8 * restless <= n:
+        if step >= count and ALONE * restless <= n:
             break
         for j in range(n):
             put(stages, j, first(slopes, q[j], get(points, j, like), r))
@@ -103,8 +122,8 @@ def judged(ends, like, x, ys, r, last, status, points, enough):
 
 
 @kernel
-def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
-    """A point that needs a closer look; F, q and status are arrays of one."""
+def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
+    """A point that needs a closer look, from a guess if `anew`; F, q and status are arrays of one."""
     if not (np.isfinite(x) and np.isfinite(y)):
         F[0], q[0], status[0] = np.nan, np.nan, Status.UNDEFINED
         return
@@ -113,7 +132,7 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
     if several:
         q[0], count = lowest(slopes, value, p, r)
     else:
-        q[0] = settled(slopes, q[0], p, r)
+        q[0] = settled(slopes, clipped(guess(p, r)) if anew else q[0], p, r)
         if np.isnan(q[0]):
             q[0] = minimise(slopes, guess, p, r)
     F[0] = value(q[0], p, r)
@@ -129,31 +148,57 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status):
 def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status):
     """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
     for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST)
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST, ys, ys, 0.0)
 
 
 @kernel
 def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
-    """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits."""
-    q = np.empty(ys.size)
+    """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits.
+
+    Most rows start from the q of the two before them. So the last bit of F may depend on the grid that a point is in.
+    """
+    q = np.empty((3, ys.size))
     for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q, status[i], 1, NEARLY)
+        near, far, ahead = q[(i - 1) % 3], q[(i - 2) % 3], 0.0
+        if i % FRESH >= 2:
+            ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2])
+        row(
+            prepare, guess, slopes, value, ends, several,
+            xs[i], ys, r, F[i], q[i % 3], status[i], 1, NEARLY, near, far, ahead,
+        )  # fmt: skip
 
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
-    """Calls work(slice of rows) on all threads; kernels release the interpreter's lock.
+    """Calls work(slice of rows) on all threads, this one among them; kernels release the interpreter's lock.
 
-    Not numba's prange: it does not take records of records, and compiles three times as long.
+    Slices begin at multiples of `FRESH` and shrink towards the end: a call takes some 40 us to unpack its records, and
+    no thread should wait long for another. Not numba's prange: it does not take records of records, and compiles three
+    times as long.
     """
     threads = threads or os.cpu_count() or 1
     if threads == 1 or rows == 1:
         work(slice(0, rows))
         return
-    step = max(1, rows // (4 * threads))  # small enough to balance; a call takes some 40 us to unpack its records
-    pieces = [slice(i, min(i + step, rows)) for i in range(0, rows, step)]
+    ends, end = [0], 0
+    while end < rows:
+        end += max(1, (rows - end) // (2 * threads * FRESH)) * FRESH
+        ends.append(min(end, rows))
+    pieces = (slice(*pair) for pair in itertools.pairwise(ends))
+    lock = threading.Lock()
+
+    def take() -> None:
+        while True:
+            with lock:
+                piece = next(pieces, None)
+            if piece is None:
+                return
+            work(piece)
+
     with ThreadPoolExecutor(threads) as pool:
-        for _ in pool.map(work, pieces):
-            pass
+        helpers = [pool.submit(take) for _ in range(threads - 1)]
+        take()
+        for helper in helpers:
+            helper.result()
 
 
 @kernel
@@ -208,7 +253,7 @@ def turnings(
     how = np.empty(1, np.int8)
     for i in range(xs.size):
         k = slice(i, i + 1)
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST)
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST, ys, ys, 0.0)
         p = prepare(xs[i], ys[i], r)
         low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
         bends[i] = bend(q[i], p, r)
