@@ -65,7 +65,7 @@ class Problem:
         A power of two, so that times convert without rounding: output and event times are exact.
         """
         body = self.body(self.exact)
-        mass, length = self.system.scales(body)
+        mass, length = self.system.units(body, self.form)
         time = 2.0 ** round(math.log2(math.sqrt(float(length) / float(body.g))))
         return Scales(mass, length, self.exact(time))
 
@@ -75,7 +75,7 @@ class Problem:
         body = self.body(self.exact)
         units = leaves(self.system.body_units(self.friction_units))
         scaled = iter([value / self.scales.of(unit) for value, unit in zip(leaves(body), units, strict=True)])
-        return refill(body, scaled)._replace(**{name: self.exact(v) for name, v in self.system.folded.items()})
+        return refill(body, scaled)._replace(**{name: self.exact(v) for name, v in self.system.folds(self.form).items()})
 
     def weights(self, form: Form) -> list:
         """SI value of one internal unit of each integrated variable."""

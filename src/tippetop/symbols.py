@@ -21,7 +21,7 @@ def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list
     record = type(form.units)(*scaled)
     template = system.body({name: 1.0 for name in system.parameters}, friction(*(1.0 for _ in friction._fields)))
     count = iter(range(len(leaves(template))))
-    body = refill(template, (hy.par[i] for i in count))._replace(**system.folded)
+    body = refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
     rates = form.rates(record, body)
     equations = [
         (v, hy.expression(0.0) + (QUADRATURE_SCALE * rate if name in form.quadratures else rate))

@@ -107,6 +107,8 @@ class Form:
     to_angles: Callable  # to_angles(q, b) -> record of angles
     quadratures: tuple[str, ...] = ()  # variables that the equations do not read: they must not control the step
     hazards: tuple[Hazard, ...] = ()  # where the form or the model breaks down
+    stretch: float = 1.0  # the form's unit of length, in that of the system
+    unfolded: tuple[str, ...] = ()  # what is then no longer 1
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,15 @@ class System:
     potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
     theta_inertia: Callable | None = None
     momenta: tuple[str, ...] = ()  # the quantities that V takes
+
+    def units(self, b: Any, form: Form) -> tuple[Any, Any]:
+        """Mass [kg] and length [m] that become 1 in a form."""
+        mass, length = self.scales(b)
+        return mass, length * form.stretch
+
+    def folds(self, form: Form) -> dict[str, float]:
+        """What is 0 or 1 in the units of a form by construction."""
+        return {name: value for name, value in self.folded.items() if name not in form.unfolded}
 
     @property
     def frictional(self) -> bool:

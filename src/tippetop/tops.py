@@ -53,7 +53,7 @@ class Tops:
     @cached_property
     def scales(self) -> Scales:
         """Internal units, as `Problem.scales`."""
-        mass, length = self.base.system.scales(self.body)
+        mass, length = self.base.system.units(self.body, self.base.form)
         ratio = np.sqrt(length.astype(float) / self.body.g.astype(float))
         return Scales(mass, length, 2.0 ** np.round(np.log2(ratio)).astype(np.longdouble))
 
@@ -62,7 +62,7 @@ class Tops:
         """Leaves of the internal bodies, (leaves, n)."""
         units = leaves(self.base.system.body_units(self.base.friction_units))
         scaled = iter([v / self.scales.of(u) for v, u in zip(leaves(self.body), units, strict=True)])
-        body = refill(self.body, scaled)._replace(**self.base.system.folded)
+        body = refill(self.body, scaled)._replace(**self.base.system.folds(self.base.form))
         return np.array([np.broadcast_to(leaf, (self.n,)) for leaf in leaves(body)], dtype=float)
 
     @cached_property
@@ -159,7 +159,7 @@ class Tops:
     @cached_property
     def internal_body(self) -> Any:
         """The bodies in internal units, as formulas take them."""
-        return refill(self.base.internal_body, iter(self.pars))._replace(**self.base.system.folded)
+        return refill(self.base.internal_body, iter(self.pars))._replace(**self.base.system.folds(self.base.form))
 
     def _jammed(self) -> np.ndarray:
         """Where the model has no solution at the start."""

@@ -98,7 +98,7 @@ DECOMPOSITION = {
     ("tippe-top", "vector"): 101,
     ("tippe-top", "euler"): 135,
     ("rolling-tippe-top", "vector"): 151,
-    ("rolling-tippe-top", "reduced"): 83,
+    ("rolling-tippe-top", "reduced"): 89,
     ("rolling-tippe-top", "euler"): 89,
     ("gliding-heavy-top", "vector"): 86,
     ("gliding-heavy-top", "contact"): 129,
