@@ -10,9 +10,11 @@ from tippetop.figures import style
 
 
 LOOKS = {  # colour, marker, line
+    "tippetop, motion alone": (style.RUN, "D", "-"),
+    "tippetop, motion, turnings, liftoff": (style.RUN, "D", "--"),
     "tippetop, equations only": (style.RUN, "o", "-"),
     "tippetop, lanes": (style.RUN, "o", "-"),
-    "tippetop, lanes, equations only": (style.RUN, "s", "--"),
+    "tippetop, lanes, motion alone": (style.RUN, "s", "--"),
     "tippetop, events on": (style.RUN, "s", "--"),
     "tippetop, whole run without rows": (style.RUN, "v", ":"),
     "tippetop, whole run with rows": (style.RUN, "^", ":"),

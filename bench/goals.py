@@ -7,7 +7,7 @@ from .equal import best_peer, common, points, ratio
 
 
 ERROR = 1e-13
-BARE, EVENTS, LANES = "tippetop, equations only", "tippetop, events on", "tippetop, lanes"
+BARE, EVENTS, LANES = "tippetop, motion alone", "tippetop, motion, turnings, liftoff", "tippetop, lanes"
 HAND = "heyoka by hand"
 
 

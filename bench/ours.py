@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -11,7 +13,7 @@ from tippetop.operand import leaves
 from tippetop.problem import Problem
 from tippetop.solve import Course, Memory, solve
 from tippetop.symbols import variables
-from tippetop.system import SECOND
+from tippetop.system import SECOND, Event
 
 from .minimal import Minimal, theta_of
 from .peers import Peer, Solver
@@ -49,6 +51,36 @@ def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
     _, _, sys = variables(problem.system, problem.form, problem.friction.__class__)
     pars = [float(leaf) for leaf in leaves(problem.internal_body)]
     return hy.taylor_adaptive(sys, problem.start(), pars=pars, tol=problem.tolerance or 2.0**-52, high_accuracy=True)
+
+
+def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver]:
+    """The engine's own equations of motion without quadratures, as a peer gets them; and events of some kinds."""
+    problem = minimal.problem
+    record, body, sys = variables(problem.system, problem.form, problem.friction.__class__)
+    sys = [(v, rate) for v, rate in sys if str(v) in minimal.names]
+    pars = [float(leaf) for leaf in leaves(problem.internal_body)][: max(_pars_of(sys), default=-1) + 1]
+    scalars = problem.form.scalars(record, body)
+    wanted = [event for event in problem.system.events if event.name in kinds]
+    hooks = {
+        "nt_events": [_event(hy.nt_event, e, scalars, body, engine.Log(e.name)) for e in wanted if not e.stops],
+        "t_events": [_event(hy.t_event, e, scalars, body) for e in wanted if e.stops],
+    }
+
+    def solver(tolerance: float) -> Solver:
+        options = {"tol": tolerance or 2.0**-52, "high_accuracy": True, **(hooks if wanted else {})}
+        made = hy.taylor_adaptive(sys, minimal.start, pars=pars, **options)
+        return _driven(minimal, made, minimal.theta)
+
+    return solver
+
+
+def _pars_of(sys: list[tuple]) -> list[int]:
+    return [int(str(p)[1:]) for p in hy.get_params([rate for _, rate in sys])]
+
+
+def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: engine.Log) -> Any:
+    ways = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
+    return kind(engine.EVENT_SCALE * event.formula(scalars, body), *log, direction=ways[event.direction])
 
 
 def equations(minimal: Minimal) -> Callable[[float], Solver]:
@@ -171,6 +203,8 @@ def tippe_top_by_hand(minimal: Minimal) -> tuple[list, hy.expression, hy.express
 
 
 ENGINE = (
+    Peer("tippetop, motion alone", OURS, partial(motion, ()), tolerances=TAYLOR),
+    Peer("tippetop, motion, turnings, liftoff", OURS, partial(motion, ("turning", "liftoff")), tolerances=TAYLOR),
     Peer("tippetop, equations only", OURS, equations, tolerances=TAYLOR),
     Peer("tippetop, events on", OURS, with_events, tolerances=TAYLOR),
     Peer("tippetop, whole run without rows", OURS, followed, tolerances=WHOLE),

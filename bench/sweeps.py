@@ -45,10 +45,10 @@ def compare(quick: bool) -> dict[str, Any]:
     with pool.own(1) as client, pool.own(2) as both:
         plain(tops(64))
         for warm in (client, both):
-            swept(small(256), warm)
+            swept(shared(1024, 256), warm)
         rows = [(plain(made), swept(made), swept(made, client)) for _ in range(rounds)]
-        shared = small(made.n)
-        pairs = [(swept(shared, client)[0], swept(shared, both)[0]) for _ in range(rounds)]
+        many = shared(2 * made.n, 1024 if quick else 2048)
+        pairs = [(swept(many, client)[0], swept(many, both)[0]) for _ in range(3)]
     ways = ("plain", "into a store", "into a store, by a worker of dask")
     return {
         "title": "Canonical tops of 10 s, 4096 to a chunk",
@@ -66,6 +66,6 @@ def compare(quick: bool) -> dict[str, Any]:
     }
 
 
-def small(n: int) -> plan.Plan:
-    """As many in small chunks, so that two workers end together."""
-    return plan.of({**tops(n).document, "chunk": 512})
+def shared(n: int, chunk: int) -> plan.Plan:
+    """So many, in chunks that two workers can share evenly."""
+    return plan.of({**tops(n).document, "chunk": chunk})

@@ -75,7 +75,8 @@ class Problem:
         body = self.body(self.exact)
         units = leaves(self.system.body_units(self.friction_units))
         scaled = iter([value / self.scales.of(unit) for value, unit in zip(leaves(body), units, strict=True)])
-        return refill(body, scaled)._replace(**{name: self.exact(v) for name, v in self.system.folds(self.form).items()})
+        folds = self.system.folds(self.form).items()
+        return refill(body, scaled)._replace(**{name: self.exact(v) for name, v in folds})
 
     def weights(self, form: Form) -> list:
         """SI value of one internal unit of each integrated variable."""

@@ -137,7 +137,7 @@ def growth(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     for words, values, color in curves:
         axes.loglog(t, np.maximum(np.maximum.accumulate(values[1:]), 1e-17), color=color, lw=1.3, label=words)
     _rounding_unit(axes)
-    walk = np.median([float(values.max()) for _, values, _ in curves])
+    walk = max(float(values.max()) for _, values, _ in curves)
     axes.loglog(t, walk * np.sqrt(t / t[-1]), color=QUIET, lw=1.0, ls="--", label="∝ √t")
     axes.set(xlabel="t (s)", ylabel="worst relative change up to t", title=_title(attrs), xlim=(t[0], t[-1]))
     axes.set_ylim(0.6e-17, max(1e-14, 100 * max(float(values.max()) for _, values, _ in curves)))

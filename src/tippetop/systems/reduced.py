@@ -12,9 +12,10 @@ from ..system import ANGULAR_MOMENTUM, JELLETT, METRE, NEWTON_SECOND, ONE, PER_S
 from . import gliding, rolling, tippe_top
 from .gliding import POLE
 
+
 STRETCH = math.pi / 3
-"""The unit of length, per R. With R itself the parameters would be simple fractions (alpha = 3/10, I3 = 2/5), and products
-with simple fractions do not round evenly: in very long runs the energy then drifts linearly instead of walking at random."""
+"""The unit of length, per R. With R itself the parameters are often simple fractions (alpha = 3/10, I3 = 2/5), by which
+products do not round evenly: in very long runs the energy then drifts linearly, instead of walking at random."""
 
 
 class ReducedState(NamedTuple):
