@@ -11,7 +11,7 @@ import numpy as np
 from tippetop import engine
 from tippetop.operand import leaves
 from tippetop.problem import Problem
-from tippetop.solve import Course, Memory, solve
+from tippetop.solve import Course, Nowhere, solve
 from tippetop.symbols import variables
 from tippetop.system import SECOND, Event
 
@@ -22,13 +22,6 @@ from .peers import Peer, Solver
 OURS, PLAIN = "tippetop", "heyoka"
 TAYLOR = (1e-8, 1e-11, 1e-13, 1e-15, 0.0)  # 0: to rounding
 WHOLE = (1e-8, 1e-13, 0.0)
-
-
-class Nothing(Memory):
-    """A sink that keeps nothing: events, drift and extremes are still worked out."""
-
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Drops rows."""
 
 
 def at(minimal: Minimal, tolerance: float) -> Problem:
@@ -113,7 +106,7 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        return Solver(lambda _: Course(problem).run(Nothing()), lambda: _solved(problem))
+        return Solver(lambda _: Course(problem).run(Nowhere()), lambda: _solved(problem))
 
     return solver
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from tippetop import record, scenario
 from tippetop.problem import Problem
-from tippetop.solve import Course
+from tippetop.solve import Course, Nowhere
 
 from .measure import elapsed, interleaved, ratio
-from .ours import Nothing, alone, end_of
+from .ours import alone, end_of
 
 
 RUNS = {
@@ -32,7 +32,7 @@ def bare(problem: Problem) -> float:
 def followed(problem: Problem) -> float:
     """Seconds of the run without rows."""
     course = Course(problem)
-    return elapsed(lambda: course.run(Nothing()))
+    return elapsed(lambda: course.run(Nowhere()))
 
 
 def stored(problem: Problem) -> float:

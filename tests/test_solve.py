@@ -30,6 +30,15 @@ def test_output_never_changes_the_run() -> None:
     np.testing.assert_array_equal(rows[-1], plain.rows[-1])
 
 
+def test_a_run_reports_the_same_if_nothing_is_kept() -> None:
+    problem = load(until=6.5, times=np.linspace(0, 6.5, 1001))
+    kept, dropped = solve(problem), solve(problem, keep=False)
+    assert dropped.report == kept.report
+    np.testing.assert_array_equal(dropped.final, kept.final)
+    assert len(kept.rows) == 1001
+    assert len(dropped.rows) == len(dropped.times) == len(dropped.events.time) == 0
+
+
 def test_slices_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = solve(load(until=3.0))
     monkeypatch.setattr(engine, "STEPS_PER_SLICE", 7)

@@ -21,11 +21,13 @@ FRESH = 32  # rows after which `heights` guesses anew: what it gives does not de
 
 
 @kernel
-def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough, near, far, ahead):
+def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough, before):
     """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`.
 
-    It starts `ahead` times as far from the q of the row `near` as that is from the row `far`; without them, from a guess.
+    It starts from guesses; or, `before` being (near, far, ahead), `ahead` times as far from the q of the row `near` as
+    those are from the row `far`.
     """
+    near, far, ahead = before
     like = prepare(x, ys[0], r)
     points, stages, last = np.empty(width(like) * BLOCK), np.empty(STAGED * BLOCK), np.empty(BLOCK)
     for start in range(0, ys.size, BLOCK):
@@ -66,7 +68,7 @@ def guesses(guess, like, r, q, points, stages):
 
 @kernel
 def carried_on(near, far, ahead, q):
-    """q of the points of a block, carried on from two rows: q linearly if small, 1/q if large, as on the way to a pole."""
+    """q of the points of a block, carried on from two rows: q if small, 1/q if large, as each is linear at its pole."""
     for j in range(q.size):
         step = ahead * (near[j] - far[j])
         small = near[j] < 1
@@ -147,8 +149,9 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
 @kernel
 def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status):
     """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
+    guessed = (ys, ys, 0.0)
     for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST, ys, ys, 0.0)
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST, guessed)
 
 
 @kernel
@@ -159,13 +162,9 @@ def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
     """
     q = np.empty((3, ys.size))
     for i in range(xs.size):
-        near, far, ahead = q[(i - 1) % 3], q[(i - 2) % 3], 0.0
-        if i % FRESH >= 2:
-            ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2])
-        row(
-            prepare, guess, slopes, value, ends, several,
-            xs[i], ys, r, F[i], q[i % 3], status[i], 1, NEARLY, near, far, ahead,
-        )  # fmt: skip
+        ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2]) if i % FRESH >= 2 else 0.0
+        before = (q[(i - 1) % 3], q[(i - 2) % 3], ahead)
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i % 3], status[i], 1, NEARLY, before)
 
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
@@ -250,10 +249,26 @@ def turnings(
     status,
 ):
     """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
-    how = np.empty(1, np.int8)
+    how, guessed = np.empty(1, np.int8), (ys, ys, 0.0)
     for i in range(xs.size):
         k = slice(i, i + 1)
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST, ys, ys, 0.0)
+        row(
+            prepare,
+            guess,
+            slopes,
+            value,
+            ends,
+            several,
+            xs[i],
+            ys[k],
+            r,
+            F[k],
+            q[k],
+            how,
+            STEPS,
+            AT_REST,
+            (ys, ys, 0.0),
+        )
         p = prepare(xs[i], ys[i], r)
         low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
         bends[i] = bend(q[i], p, r)

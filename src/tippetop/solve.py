@@ -65,6 +65,16 @@ class Memory:
         return log
 
 
+class Nowhere(Memory):
+    """Keeps nothing: for those who want what a run reports, however long it is."""
+
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Drops rows, which then are not even made."""
+
+    def events(self, table: EventTable, marks: list[int]) -> None:
+        """Drops rows of the event log."""
+
+
 class Course:
     """A run on its way: all that an interruption must not lose."""
 
@@ -229,9 +239,12 @@ class Run:
         return "\n".join([self.problem.system.title, *(f"{name:16}{text}" for name, text in said)])
 
 
-def solve(problem: Problem, progress: Callable[[Course], None] | None = None) -> Run:
-    """Integrates a problem to its end, gathering rows and events in memory. `progress` is called after every slice."""
-    course, memory = Course(problem), Memory()
+def solve(problem: Problem, progress: Callable[[Course], None] | None = None, *, keep: bool = True) -> Run:
+    """Integrates a problem to its end, gathering rows and events in memory, unless not told to keep them.
+
+    `progress` is called after every slice.
+    """
+    course, memory = Course(problem), Memory() if keep else Nowhere()
     course.run(memory, progress)
     assert course.status is not None
     return Run(

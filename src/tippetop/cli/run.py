@@ -59,7 +59,7 @@ def run(
         from tippetop.solve import solve
 
         with Progress(problem.until) as progress:
-            done = solve(problem, progress.update)
+            done = solve(problem, progress.update, keep=figure is not None)
         attrs = archive.finite(results.attributes(problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
