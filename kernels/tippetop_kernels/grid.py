@@ -252,23 +252,7 @@ def turnings(
     how, guessed = np.empty(1, np.int8), (ys, ys, 0.0)
     for i in range(xs.size):
         k = slice(i, i + 1)
-        row(
-            prepare,
-            guess,
-            slopes,
-            value,
-            ends,
-            several,
-            xs[i],
-            ys[k],
-            r,
-            F[k],
-            q[k],
-            how,
-            STEPS,
-            AT_REST,
-            (ys, ys, 0.0),
-        )
+        row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST, guessed)
         p = prepare(xs[i], ys[i], r)
         low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
         bends[i] = bend(q[i], p, r)
