@@ -5,13 +5,12 @@ Each case writes bench/results/NAME.json (quick ones bench/results/quick/NAME.js
 """
 
 import argparse
-import json
-import time
+import multiprocessing
+import sys
 from pathlib import Path
 
-from .cases import CASES
+from .cases import CASES, carry_out
 from .goals import goals
-from .measure import machine
 from .report import RESULTS, read
 
 
@@ -25,13 +24,12 @@ def main() -> None:
     folder = options.results or (RESULTS / "quick" if options.quick else RESULTS)
     folder.mkdir(parents=True, exist_ok=True)
     for name in options.case or CASES:
-        before, clock = machine(), time.perf_counter()
-        found = CASES[name](options.quick)
-        took = time.perf_counter() - clock
-        whole = {"case": name, "quick": options.quick, "machine": before, "took": round(took, 1), **found}
-        path = folder / f"{name}.json"
-        path.write_text(json.dumps(whole, indent=1, default=float) + "\n", encoding="utf-8")
-        print(f"{name:12}{took:6.0f} s  {path}", flush=True)
+        # each in a process of its own: threads, heaps and compiled code that one leaves behind would slow the next
+        process = multiprocessing.get_context("spawn").Process(target=carry_out, args=(name, options.quick, folder))
+        process.start()
+        process.join()
+        if process.exitcode:
+            sys.exit(process.exitcode)
     for goal in goals(read(folder)):
         met = {True: "met", False: "not met", None: ""}[goal.met]
         print(f"{goal.what}\n    {goal.goal or 'no goal':32}{met:10}{goal.measured}")

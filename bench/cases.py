@@ -1,10 +1,14 @@
 """The named cases: each gives a table of numbers, and writes it to results/NAME.json."""
 
+import json
+import time
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from . import ensemble, formulations, landscape, precision, scaling, startup, storing, sweeps
+from .measure import machine
 from .precision import Course
 
 
@@ -24,3 +28,14 @@ CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
     "startup": startup.compare,
     "scaling": scaling.compare,
 }
+
+
+def carry_out(name: str, quick: bool, folder: Path) -> None:
+    """Runs a case, writes its JSON."""
+    before, clock = machine(), time.perf_counter()
+    found = CASES[name](quick)
+    took = time.perf_counter() - clock
+    whole = {"case": name, "quick": quick, "machine": before, "took": round(took, 1), **found}
+    path = folder / f"{name}.json"
+    path.write_text(json.dumps(whole, indent=1, default=float) + "\n", encoding="utf-8")
+    print(f"{name:12}{took:6.0f} s  {path}", flush=True)

@@ -1,5 +1,6 @@
 """What dask and the store cost a sweep: one worker through both against `ensembles.measure`, on the same tops."""
 
+import logging
 import statistics
 import tempfile
 import time
@@ -41,6 +42,7 @@ def tops(n: int) -> plan.Plan:
 
 def compare(quick: bool) -> dict[str, Any]:
     """Runs all, interleaved: the medians, and those of the ratios pair by pair; and what a second worker brings."""
+    logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every connection
     made, rounds = tops(4096 if quick else 8192), 3 if quick else 5
     with pool.own(1) as client, pool.own(2) as both:
         plain(tops(64))

@@ -23,7 +23,7 @@ from tippetop.problem import Problem
 SETS = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # it turns for ever
 UNTIL = 400.0
 PRELUDE = (
-    "import tippetop.record as r, tippetop.archive as a; r.COMMIT_EVERY = 0.02; r.ROWS_PER_CHUNK = 5000;"
+    "import tippetop.record as r, tippetop.archive as a; r.COMMIT_EVERY = 0.02; r.MOST_ROWS = 5000;"
     "r.EVENTS_PER_CHUNK = 1000; import sys; from tippetop.cli import main;"
 )
 
@@ -120,7 +120,7 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
 def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path, tmp_path: Path) -> None:
     """A file-size limit makes a write fail in the middle, as a full disk does."""
     store = tmp_path / "run.zarr"
-    code = f"{PRELUDE} r.ROWS_PER_CHUNK = 5000; main({running(store)!r})"
+    code = f"{PRELUDE} r.MOST_ROWS = 5000; main({running(store)!r})"
     limits = (30_000, 30_000)
     process = subprocess.run(
         [sys.executable, "-c", f"import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); {code}"],
@@ -151,7 +151,7 @@ def test_two_writers_are_refused_with_the_holder_named(tmp_path: Path, capsys: p
 def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A store that was interrupted after some chunks."""
     store = tmp_path / "run.zarr"
-    for name, value in (("COMMIT_EVERY", 0.0), ("ROWS_PER_CHUNK", 5000), ("EVENTS_PER_CHUNK", 1000)):
+    for name, value in (("COMMIT_EVERY", 0.0), ("MOST_ROWS", 5000), ("EVENTS_PER_CHUNK", 1000)):
         monkeypatch.setattr(record, name, value)
     seen = []
 

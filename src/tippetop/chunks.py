@@ -146,7 +146,7 @@ def digest(path: str | Path, group: str, key: str | None = None, most: int = 400
     total = min((array.shape[0] for array in arrays.values()), default=0)
     size = -(-total // (most // 2)) if total > most else 1
     kept: dict[str, list[np.ndarray]] = {name: [] for name in arrays}
-    for piece in pieces(path, group, list(arrays), rows=(1 << 18) // size * size):
+    for piece in pieces(path, group, list(arrays), rows=(1 << 19) // size * size):
         picked = _picked(piece.get(key) if key else None, len(next(iter(piece.values()))), size)
         for name, values in piece.items():
             kept[name].append(values[picked])

@@ -15,7 +15,9 @@ from .events import EventTable
 from .monitor import SAMPLES_PER_SLICE, Monitor
 from .problem import Problem
 from .report import lines
+from .stability import will_leave
 from .system import SECOND
+from .systems.gliding import Body
 from .trajectory import View
 from .watch import Extremes
 
@@ -106,7 +108,7 @@ class Course:
             self._follow(piece, force, sink)
             if self.status is not None:
                 break
-            if problem.stop_when == "settled" and self._settled_long(piece):
+            if problem.stop_when == "settled" and self._settled_long():
                 self.status = Status.SETTLED
                 break
             sink.slice_done(self)
@@ -149,10 +151,14 @@ class Course:
         sink.rows(times, lambda: states)
         self.filled += len(times)
 
-    def _settled_long(self, piece: Slice) -> bool:
+    def _settled_long(self) -> bool:
         if not self.log.settled(self.last):
             return False
-        return self.t_end - self.log.tally["settled"][1] > SETTLED_FOR * self.second
+        if not self.t_end - self.log.tally["settled"][1] > SETTLED_FOR * self.second:
+            return False
+        last = self.view.values(self.last)
+        gliding = isinstance(self.view.body, Body)
+        return not (gliding and will_leave(float(last["theta"][0]), float(last["omega3"][0]), self.view.body))
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json`, as far as the run has come."""

@@ -198,6 +198,16 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     return modes[np.argsort(-modes.real)]
 
 
+def will_leave(theta: float, omega3: float, b: Body) -> bool:
+    """Whether a gliding body so near a pole that its motion is linear is about to leave it: a mode there grows."""
+    inverted = theta > math.pi / 2
+    near = min(theta, math.pi - theta) < LINEAR
+    return near and bool(linear_modes(omega3, b, inverted=inverted)[0].real > 0)
+
+
+LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
+
+
 def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
     """The two rates p near a spinning state of a body whose contact is at rest (rolling, or a fixed tip) [1/s]."""
     up = -1 if inverted else 1
