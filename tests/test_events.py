@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 import tippetop
+from tippetop import scenario
+from tippetop.engine import Status
 from tippetop.events import NOISE_FLOOR, Confirmation
+from tippetop.solve import solve
 
 
 def confirmed(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> list[int]:
@@ -81,6 +84,17 @@ def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
     assert turning.significant.sum() == 395
     assert (~turning.significant).sum() > 100
     assert turning.time[turning.significant].max() < 10 < turning.time[~turning.significant].min()
+
+
+def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its sliding dies at 1.67 s and returns half a minute later, when the unstable mode has grown: then it inverts."""
+    sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
+    problem = scenario.load("inverting", sets, until=400.0)
+    run = solve(problem, keep=False)
+    assert run.status is Status.SETTLED
+    assert run.report["theta_end"] > np.pi - 1e-6
+    monkeypatch.setattr("tippetop.solve.will_leave", lambda *_: False)
+    assert solve(problem, keep=False).report["theta_end"] < 1e-5
 
 
 def test_sliding_that_dies_for_a_moment_has_not_settled() -> None:

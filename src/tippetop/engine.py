@@ -148,19 +148,22 @@ def terminal_kinds(problem: Problem) -> tuple[str, ...]:
     return tuple(e.name for e in problem.system.events if e.stops and problem.on_liftoff == "stop")
 
 
-def slices(integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",)) -> Iterator[Slice]:
-    """Drives an integrator to the internal time `end`; the last slice carries the status. `terminal` are its kinds.
+def slices(
+    integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",), steps: int | None = None
+) -> Iterator[Slice]:
+    """Drives an integrator to the internal time `end`, so many steps at a time; the last slice carries the status.
+    `terminal` are the kinds of the events that end it.
 
     Slices of a number of steps are bit-identical to one long call; slices of time would not be.
     """
-    stop = hy.taylor_outcome
+    stop, steps = hy.taylor_outcome, steps or STEPS_PER_SLICE
     status: Status | None
     logs = [event.callback for event in integrator.nt_events] if integrator.with_events else []
     while True:
         for log in logs:
             log.zeros.clear()
         start, clock = integrator.time, time.perf_counter()
-        outcome, *_, output, _ = integrator.propagate_until(end, max_steps=STEPS_PER_SLICE, c_output=True)
+        outcome, *_, output, _ = integrator.propagate_until(end, max_steps=steps, c_output=True)
         wall = time.perf_counter() - clock
         zeros = [zero for log in logs for zero in log.zeros]
         if outcome == stop.time_limit:
@@ -168,7 +171,7 @@ def slices(integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",)) 
         elif outcome == stop.err_nf_state:
             status = Status.NON_FINITE
         elif outcome == stop.step_limit:
-            status = Status.STALLED if output.times[-1] - start < STEPS_PER_SLICE * 1e-10 else None
+            status = Status.STALLED if output.times[-1] - start < steps * 1e-10 else None
         else:
             kind = terminal[-int(outcome) - 1]  # heyoka numbers the terminal events -1, -2, ...
             status = Status.LIFTOFF if kind == "liftoff" else Status.FALLEN

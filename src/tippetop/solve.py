@@ -9,7 +9,17 @@ from typing import Any, Protocol
 import numpy as np
 
 from . import exact
-from .engine import Slice, Status, fingerprint, grazing, integrator_of, normal_force, rows_at, slices, terminal_kinds
+from .engine import (
+    Slice,
+    Status,
+    fingerprint,
+    grazing,
+    integrator_of,
+    normal_force,
+    rows_at,
+    slices,
+    terminal_kinds,
+)
 from .eventlog import EventLog
 from .events import EventTable
 from .monitor import SAMPLES_PER_SLICE, Monitor
@@ -22,6 +32,7 @@ from .trajectory import View
 from .watch import Extremes
 
 
+SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
 SETTLED_FOR = 200.0  # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
 
 
@@ -100,7 +111,8 @@ class Course:
         end = problem.number(problem.until) / problem.number(self.second)
         if self.fresh and problem.output != "times":
             self._write(sink, np.array([0.0]), self.first)
-        for found in slices(self.integrator, end, terminal_kinds(problem)):
+        steps = SETTLED_SLICE if problem.stop_when == "settled" else None
+        for found in slices(self.integrator, end, terminal_kinds(problem), steps):
             force = normal_force(found, problem) if len(found.times) > 1 else Extremes()
             piece = grazing(found, force, problem)
             self.seconds["integrate"] += piece.wall
