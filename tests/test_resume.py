@@ -1,5 +1,7 @@
 """Long runs cannot be lost: whatever interrupts them, the finished store is that of an undisturbed run."""
 
+import contextlib
+import dataclasses
 import json
 import os
 import resource
@@ -18,6 +20,7 @@ from tippetop import archive, record, scenario
 from tippetop.archive import StoreError
 from tippetop.cli import outcome
 from tippetop.problem import Problem
+from tippetop.solve import Course, Memory, solve
 
 
 SETS = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # it turns for ever
@@ -212,8 +215,6 @@ def test_a_finished_store_is_not_resumed(undisturbed: Path, capsys: pytest.Captu
 
 
 def test_a_store_equals_the_run_in_memory(undisturbed: Path) -> None:
-    from tippetop.solve import solve
-
     run = solve(problem())
     columns = run.columns()
     trajectory = xr.open_zarr(undisturbed, group="trajectory", consolidated=False)
@@ -244,6 +245,42 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
         record.record(short, broken, progress=stop)
     record.resume(broken)
     assert_same(broken, whole)
+
+
+class HandedOver(Exception):
+    """A run was stopped after a slice."""
+
+
+def handed_over_after_every_slice(made: Problem) -> Memory:
+    """A run that a new process takes over, from a checkpoint, before its first slice and after each."""
+    memory, course = Memory(), Course(made)
+
+    def stop(_: Course) -> None:
+        raise HandedOver
+
+    while course.status is None:
+        kept = json.loads(json.dumps(course.snapshot(), allow_nan=False))
+        course = Course(made)
+        course.restore(kept)
+        with contextlib.suppress(HandedOver):
+            course.run(memory, stop)
+    return memory
+
+
+@pytest.mark.parametrize("output", ["times", "events", "steps"])
+@pytest.mark.parametrize("start", [[], ["initial.theta_dot=2.0"]], ids=["at rest", "on its way"])
+def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
+    output: str, start: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It starts on a zero of theta', whose first step is searched in another way than the later ones."""
+    monkeypatch.setattr("tippetop.engine.STEPS_PER_SLICE", 3)
+    made = dataclasses.replace(problem(1.0, *start), output=output)
+    memory, whole = handed_over_after_every_slice(made), solve(made)
+    np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
+    np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)
+    for name, values in memory.table()._asdict().items():
+        np.testing.assert_array_equal(values, getattr(whole.events, name), err_msg=name)
+    assert len(whole.events.time) > 10
 
 
 def test_rows_at_events_or_steps(tmp_path: Path) -> None:

@@ -160,7 +160,8 @@ class EventLog:
         waiting = self.confirmation
         return {"tally": self.tally, "waiting": [waiting.row, waiting.theta, waiting.sign]}
 
-    def restore(self, kept: dict[str, Any]) -> None:
-        """Goes on from a checkpoint."""
+    def restore(self, kept: dict[str, Any], *, fresh: bool) -> None:
+        """Goes on from a checkpoint; unless fresh, the first step of the run is over."""
+        self.starts_on = self.starts_on if fresh else set()
         self.tally = kept["tally"]
         self.confirmation.row, self.confirmation.theta, self.confirmation.sign = kept["waiting"]

@@ -224,8 +224,8 @@ class Course:
         self.last = integrator.state.copy()[None, :]
         self.filled, self.t_end = kept["filled"], exact.unpacked(kept["t_end"])
         self.monitor.restore(exact.unpacked(kept["monitor"]))
-        self.log.restore(exact.unpacked(kept["log"]))
-        self.fresh = False
+        self.fresh = self.t_end == 0  # it was killed before its first slice
+        self.log.restore(exact.unpacked(kept["log"]), fresh=self.fresh)
 
 
 def terminal_kinds_of_model(problem: Problem) -> bool:
