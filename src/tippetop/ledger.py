@@ -116,7 +116,7 @@ def follow(times, tcs, sources, rules, books, samples):
             upto = 1.0
             if not quiet[lane] >= 0:
                 for e in ORDER:
-                    if sources.row[e] < 0 or (e != 1 and (low[e, lane] if known[e, lane] > 0 else -high[e, lane]) > 0):
+                    if sources.row[e] < 0 or _silent(e, low, high, known, lane):
                         continue
                     shift, unit, monotone = sources.shift[e], 1.0 / sources.scale[e], steady[e, lane] > 0
                     p[size - 1] = 0.0
@@ -156,20 +156,24 @@ def _recall(book, sources, known, lane):
     known[KIND_COUNT + 1, lane] = book.force_max * sources.scale[1]
 
 
+@inlined
+def _silent(e, low, high, known, lane):
+    """Whether a function keeps its sign over a step; the force also its extremes."""
+    keeps = (low[e, lane] if known[e, lane] > 0 else -high[e, lane]) > 0
+    inside = low[1, lane] >= known[KIND_COUNT, lane] and high[1, lane] <= known[KIND_COUNT + 1, lane]
+    return keeps and (e != 1 or inside)
+
+
 @kernel
 def _silence(low, high, known, sources, quiet):
-    """Not negative for lanes in whose step no function changes sign and the force stays within its extremes."""
+    """Not negative for lanes in whose step no function says anything new."""
     lanes = len(quiet)
     for lane in range(lanes):
         quiet[lane] = 1.0
     for e in range(KIND_COUNT):
         if sources.row[e] >= 0:
             for lane in range(lanes):
-                quiet[lane] = quiet[lane] if (low[e, lane] if known[e, lane] > 0 else -high[e, lane]) > 0 else -1.0
-    if sources.row[1] >= 0:
-        for lane in range(lanes):
-            inside = low[1, lane] >= known[KIND_COUNT, lane] and high[1, lane] <= known[KIND_COUNT + 1, lane]
-            quiet[lane] = quiet[lane] if inside else -1.0
+                quiet[lane] = quiet[lane] if _silent(e, low, high, known, lane) else -1.0
 
 
 @kernel
