@@ -164,7 +164,7 @@ def sweep(result: dict[str, Any]) -> str:
     ]
     one, two = result["seconds_by_1_and_2_workers"]
     efficiency = f"efficiency {result['efficiency_of_2_workers']:.2f}"
-    said = f"In chunks of 512: {number(one)} s by one worker, {number(two)} s by two, {efficiency}."
+    said = f"In chunks that two can share: {number(one)} s by one worker, {number(two)} s by two, {efficiency}."
     return f"{table(head, rows)}\n\n{said}"
 
 

@@ -247,6 +247,26 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
     assert_same(broken, whole)
 
 
+def test_what_a_checkpoint_acknowledges_is_on_the_disk_before_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in (("COMMIT_EVERY", 0.0), ("MOST_ROWS", 5000), ("EVENTS_PER_CHUNK", 1000)):
+        monkeypatch.setattr(record, name, value)
+    store, synced, late = tmp_path / "run.zarr", {}, []
+    monkeypatch.setattr("tippetop.chunks.synced", lambda path: synced.update({path: path.stat().st_mtime_ns}))
+    replaced = archive.replace_text
+
+    def checked(path: Path, text: str) -> None:
+        chunks = [p for p in store.rglob("*") if p.is_file() and "c" in p.relative_to(store).parts]
+        late.extend(p for p in chunks if synced.get(p) != p.stat().st_mtime_ns)
+        replaced(path, text)
+
+    monkeypatch.setattr(archive, "replace_text", checked)
+    record.record(problem(), store)
+    assert len(synced) > 100
+    assert late == []
+
+
 class HandedOver(Exception):
     """A run was stopped after a slice."""
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import zarr
 
-from .archive import StoreError
+from .archive import StoreError, synced
 from .trajectory import Column
 
 
@@ -18,11 +18,13 @@ class Appender:
     store do not depend on when it was flushed.
     """
 
-    def __init__(self, group: Any, chunk: int):
+    def __init__(self, group: Any):
         self.arrays = dict(group.arrays())
-        self.chunk, self.written, self.waiting = chunk, 0, 0  # rows in full chunks, rows in memory
+        self.chunk = chunk = next(iter(self.arrays.values())).chunks[0]
+        self.written, self.waiting = 0, 0  # rows in full chunks, rows in memory
         self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
         self.unflushed = False
+        self.unsynced: set[int] = set()  # first rows of the chunks that may not have reached the disk
 
     @classmethod
     def created(cls, root: Any, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
@@ -39,7 +41,7 @@ class Appender:
                 fill_value=np.nan if column.values.dtype.kind == "f" else 0,
                 compressors=codecs(),
             )
-        return cls(group, chunk)
+        return cls(group)
 
     @property
     def rows(self) -> int:
@@ -71,6 +73,18 @@ class Appender:
             if array.shape[0] < end:
                 array.resize((end, *array.shape[1:]))
             array[self.written : end] = self.buffers[name][:count]
+        self.unsynced.add(self.written)
+
+    def sync(self) -> None:
+        """Waits until the disk itself has what was written: then a power failure cannot take it back."""
+        if not self.unsynced:
+            return
+        for array in self.arrays.values():
+            folder = array.store_path.store.root.joinpath(array.store_path.path)
+            files = [folder / _chunk_file(array, start) for start in sorted(self.unsynced)]
+            for path in (*files, *{file.parent for file in files}, folder / "zarr.json", folder):
+                synced(path)
+        self.unsynced.clear()
 
     def mark(self, name: str, rows: list[int]) -> None:
         """Sets a column of flags to true in some rows, written or waiting."""
@@ -80,6 +94,7 @@ class Appender:
         older = [row for row in rows if row < self.written]
         if older:
             self.arrays[name].set_coordinate_selection(np.array(older), np.ones(len(older), dtype=bool))
+            self.unsynced |= {row // self.chunk * self.chunk for row in older}
 
     def cut(self, rows: int) -> None:
         """Cuts the arrays to the rows that a checkpoint acknowledges."""

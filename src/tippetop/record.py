@@ -65,11 +65,12 @@ class Recorder:
         self.behind.append(self.thread.submit(work))
 
     def _written(self) -> None:
-        """Waits until all that was queued is written."""
+        """Waits until all that was queued is written, and on the disk."""
         while self.behind:
             self.behind.popleft().result()
-        self.trajectory.flush()
-        self.log.flush()
+        for appender in (self.trajectory, self.log):
+            appender.flush()
+            appender.sync()
 
     def slice_done(self, course: Course) -> None:
         """Commits now and then; stops at a commit if asked to."""
@@ -157,8 +158,8 @@ def _run(
     try:
         with zarr.config.set({"array.write_empty_chunks": True}):  # a chunk of zeros is data too: its absence is damage
             root = zarr.open_group(store=str(target), mode="r+", zarr_format=3)
-            trajectory = Appender(root["trajectory"], rows_per_chunk(course.problem))
-            events = Appender(root["events"], EVENTS_PER_CHUNK)
+            trajectory = Appender(root["trajectory"])
+            events = Appender(root["events"])
         with Recorder(target, course, trajectory, events, lock) as recorder:
             if resumed:
                 _go_back(target, root, recorder)
