@@ -116,7 +116,9 @@ def follow(times, tcs, sources, rules, books, samples):
             upto = 1.0
             if not quiet[lane] >= 0:
                 for e in ORDER:
-                    if sources.row[e] < 0 or _silent(e, low, high, known, lane):
+                    if sources.row[e] < 0:
+                        continue
+                    if _keeps(e, low, high, known, lane) and (e != 1 or _inside(low, high, known, lane)):
                         continue
                     shift, unit, monotone = sources.shift[e], 1.0 / sources.scale[e], steady[e, lane] > 0
                     p[size - 1] = 0.0
@@ -157,11 +159,15 @@ def _recall(book, sources, known, lane):
 
 
 @inlined
-def _silent(e, low, high, known, lane):
-    """Whether a function keeps its sign over a step; the force also its extremes."""
-    keeps = (low[e, lane] if known[e, lane] > 0 else -high[e, lane]) > 0
-    inside = low[1, lane] >= known[KIND_COUNT, lane] and high[1, lane] <= known[KIND_COUNT + 1, lane]
-    return keeps and (e != 1 or inside)
+def _keeps(e, low, high, known, lane):
+    """Whether a function keeps its sign over a step."""
+    return (low[e, lane] if known[e, lane] > 0 else -high[e, lane]) > 0
+
+
+@inlined
+def _inside(low, high, known, lane):
+    """Whether the force stays within its extremes."""
+    return low[1, lane] >= known[KIND_COUNT, lane] and high[1, lane] <= known[KIND_COUNT + 1, lane]
 
 
 @kernel
@@ -173,7 +179,10 @@ def _silence(low, high, known, sources, quiet):
     for e in range(KIND_COUNT):
         if sources.row[e] >= 0:
             for lane in range(lanes):
-                quiet[lane] = quiet[lane] if _silent(e, low, high, known, lane) else -1.0
+                quiet[lane] = quiet[lane] if _keeps(e, low, high, known, lane) else -1.0
+    if sources.row[1] >= 0:
+        for lane in range(lanes):
+            quiet[lane] = quiet[lane] if _inside(low, high, known, lane) else -1.0
 
 
 @kernel
