@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tippetop import record, scenario
+from tippetop.memory import keep_memory
 from tippetop.problem import Problem
 from tippetop.solve import Course, Nowhere
 
@@ -43,6 +44,7 @@ def stored(problem: Problem) -> float:
 
 def compare(quick: bool) -> dict[str, Any]:
     """Seconds of each run, bare, followed and stored."""
+    keep_memory()  # as `tippetop run` does
     found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import json
 import os
 import sys
@@ -51,13 +49,14 @@ def run(
     """
     from tippetop import archive, results
     from tippetop import scenario as door
+    from tippetop.memory import keep_memory
 
     from .text import Progress
 
     problem = door.load(scenario, set_, until)
     if figure is not None:
         _check_picture(figure)
-    _keep_memory()
+    keep_memory()
     if out is None:
         from tippetop.solve import solve
 
@@ -81,24 +80,16 @@ def run(
 def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
     """Continue an interrupted run: the finished store is that of an undisturbed one, bit by bit."""
     from tippetop import archive
+    from tippetop.memory import keep_memory
     from tippetop.record import resume as go_on
 
     from .text import Progress
 
-    _keep_memory()
+    keep_memory()
     until = archive.attributes(store)["run"]["until"]
     with Progress(until) as progress:
         course, attrs = _interruptible(lambda: go_on(store, progress.update), store)
     return _say(attrs, course.seconds, {"store": store}, as_json)
-
-
-def _keep_memory() -> None:
-    """Lets the C library keep what is freed: every slice takes and frees some 20 MB, a fifth of the time if the system
-    has to hand them out anew, page by page."""
-    trim, mmap = -1, -3  # M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of glibc
-    with contextlib.suppress(AttributeError):  # another C library
-        ctypes.CDLL(None).mallopt(trim, 1 << 30)
-        ctypes.CDLL(None).mallopt(mmap, 32 << 20)
 
 
 def _interruptible(work: Callable[[], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
