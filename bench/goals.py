@@ -68,7 +68,7 @@ def _workers(result: dict[str, Any]) -> tuple[str, bool]:
 
 
 def _overhead(result: dict[str, Any]) -> tuple[str, bool]:
-    added = result["ways"]["into a store, by a worker of dask"]["processor"] - 1
+    added = result["ways"]["into a store, by the worker"]["processor"] - 1
     return f"{100 * added:.1f} % of the processor's time", added <= 0.05
 
 
