@@ -12,6 +12,7 @@ import xarray as xr
 
 from tippetop import certify, chunks, record, scenario
 from tippetop.cli import outcome
+from tippetop.figures import run as run_figures
 from tippetop.solve import solve
 
 
@@ -131,3 +132,14 @@ def test_energy_of_the_reduced_form_walks_at_random() -> None:
     """With parameters that are simple fractions it would drift by 9.5e-13 over this span; a walk makes 1.1e-13."""
     sets = ["form=reduced", "run.tolerance=1e-18", "run.events=[]", "run.output_step=50000.0"]
     assert solve(scenario.load("rolling", sets, until=5e4), keep=False).report["drift"]["energy"] < 4e-13
+
+
+def test_a_band_of_more_turnings_than_can_be_seen_is_one_piece(rng: np.random.Generator) -> None:
+    """Thinned logs have gaps everywhere: a piece for each took 10 ms to draw."""
+    t = np.cumsum(rng.exponential(1.0, (25_000, 2)).ravel())
+    low, high = (t[::2], np.full(25_000, 0.5)), (t[1::2], np.full(25_000, 1.0))
+    assert len(run_figures._bands(tuple(x[:500] for x in low), tuple(x[:500] for x in high))) > 10
+    ((when, bottom, top),) = run_figures._bands(low, high)
+    assert (when[0], when[-1]) == (t[0], t[-1])
+    assert (bottom == 0.5).all()
+    assert (top == 1.0).all()

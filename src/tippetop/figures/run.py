@@ -28,7 +28,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         (high, UPPER, "maxima: upper envelope"),
         (low, LOWER, "minima: lower envelope"),
     ):
-        axes.scatter(when, where, s=size, color=color, lw=0, zorder=3, label=words)
+        axes.scatter(*_thinned(when, where), s=size, color=color, lw=0, zorder=3, label=words)
     axes.set(ylabel="θ (rad)", title=_title(attrs), xlim=_span(t))
     if np.min(angle) >= 0 and np.max(angle) <= np.pi + 0.01 and np.max(angle) > 0.8:
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
@@ -39,7 +39,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
     swing = events["amplitude"].values[turning]
     if len(swing):
-        below.plot(events["time"].values[turning], swing, color=UPPER, lw=0.9, marker=".", ms=2)
+        below.plot(*_thinned(events["time"].values[turning], swing), color=UPPER, lw=0.9, marker=".", ms=2)
         if swing.max() > 10 * swing.min():
             below.set_yscale("log")
         else:
@@ -214,10 +214,14 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
 
 
 def _bands(low: Any, high: Any) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Pieces of the band between the envelopes, broken where turnings pause: theta is monotone there."""
+    """Pieces of the band between the envelopes, broken where turnings pause: theta is monotone there. One piece, if
+    turnings are more than can be seen: a pause would be narrower than a line."""
     times = np.union1d(low[0], high[0])
     if len(low[0]) < 2 or len(high[0]) < 2:
         return []
+    if len(times) > MOST_POINTS:
+        grid = np.linspace(times[0], times[-1], 2000)
+        return [(grid, np.interp(grid, *low), np.interp(grid, *high))]
     gaps = np.diff(times)
     usual = np.array([np.median(gaps[max(0, i - 10) : i + 11]) for i in range(len(gaps))])
     pieces = []
