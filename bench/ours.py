@@ -72,8 +72,8 @@ def _pars_of(sys: list[tuple]) -> list[int]:
 
 
 def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: engine.Log) -> Any:
-    ways = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
-    return kind(engine.EVENT_SCALE * event.formula(scalars, body), *log, direction=ways[event.direction])
+    function = engine.EVENT_SCALE * event.formula(scalars, body)
+    return kind(function, *log, direction=engine.DIRECTIONS[event.direction])
 
 
 def equations(minimal: Minimal) -> Callable[[float], Solver]:

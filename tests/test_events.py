@@ -86,6 +86,14 @@ def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
     assert turning.time[turning.significant].max() < 10 < turning.time[~turning.significant].min()
 
 
+def test_settling_is_told_in_wider_numbers_too() -> None:
+    """The stability of the pole is asked in doubles, whatever the run's precision: no eigenvalues in 80 bits."""
+    sets = ["friction.mu=0.1", "initial.theta=0.1", "run.stop_when=settled", "run.precision=longdouble"]
+    run = solve(scenario.load("inverting", sets, until=400.0), keep=False)
+    assert run.status is Status.SETTLED
+    assert run.report["theta_end"] > np.pi - 1e-6
+
+
 def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its sliding dies at 1.67 s and returns half a minute later, when the unstable mode has grown: then it inverts."""
     sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]

@@ -193,7 +193,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
                 return
             work(piece)
 
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(threads - 1) as pool:
         helpers = [pool.submit(take) for _ in range(threads - 1)]
         take()
         for helper in helpers:

@@ -27,6 +27,7 @@ hy.set_logger_level_critical()  # heyoka warns on stdout, which is ours; every o
 
 STEPS_PER_SLICE = 8192  # about 20 ms of work and 18 MB of dense output, which costs 1.2 ms a call: heyoka compiles it
 LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of compilation pay
+DIRECTIONS = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
 EVENT_SCALE = 2.0**-24  # events must not control the step either: with and without them, a run has the same bits
 
 
@@ -89,8 +90,7 @@ def compiled(
         expression = hy.expression(EVENT_SCALE) * event.formula(scalars, body)
         if not hy.get_variables(expression):  # it never changes: without friction, sliding dissipates nothing
             continue
-        direction = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
-        options = {"direction": direction[event.direction], "fp_type": number}
+        options = {"direction": DIRECTIONS[event.direction], "fp_type": number}
         if event.stops and stop:
             terminal.append(hy.t_event(expression, **options))
         else:

@@ -168,9 +168,10 @@ class Course:
             return False
         if not self.t_end - self.log.tally["settled"][1] > SETTLED_FOR * self.second:
             return False
-        last = self.view.values(self.last)
-        gliding = isinstance(self.view.body, Body)
-        return not (gliding and will_leave(float(last["theta"][0]), float(last["omega3"][0]), self.view.body))
+        b, last = self.problem.body(), self.view.values(self.last)
+        if not isinstance(b, Body):
+            return True
+        return not will_leave(float(last["theta"][0]), float(last["omega3"][0]) / self.second, b)
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json`, as far as the run has come."""

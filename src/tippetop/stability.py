@@ -198,14 +198,15 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     return modes[np.argsort(-modes.real)]
 
 
+LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
+
+
 def will_leave(theta: float, omega3: float, b: Body) -> bool:
-    """Whether a gliding body so near a pole that its motion is linear is about to leave it: a mode there grows."""
+    """Whether a gliding body at theta [rad] with spin omega3 [rad/s] is about to leave the pole: it is so near that its
+    motion is linear, and a mode grows there. [section 6]"""
     inverted = theta > math.pi / 2
     near = min(theta, math.pi - theta) < LINEAR
     return near and bool(linear_modes(omega3, b, inverted=inverted)[0].real > 0)
-
-
-LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
 
 
 def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
