@@ -13,11 +13,12 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop import ensembles, scenario
-from tippetop.batch import LANES
-from tippetop.solve import solve
-from tippetop.symbols import variables
-from tippetop.tops import Tops
+from tippetop.engine.expressions import variables
+from tippetop.ensembles import ensemble
+from tippetop.ensembles.lanes import LANES
+from tippetop.ensembles.tops import Tops
+from tippetop.runs.run import solve
+from tippetop.scenario import build
 
 from .measure import elapsed, interleaved, ratio, timed
 from .minimal import Minimal, theta_of
@@ -33,7 +34,7 @@ PEERS = ("DOP853, C++", "DOP853, numbalsoda", "LSODA, numbalsoda")
 
 def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Tops:
     """Canonical tops with these spins [rad/s]."""
-    tops, faults = ensembles.tops_of("inverting", {"initial.omega3": spins}, until)
+    tops, faults = ensemble.tops_of("inverting", {"initial.omega3": spins}, until)
     assert not faults
     return Tops(replace(tops.base, tolerance=tolerance or tops.base.tolerance), tops.columns)
 
@@ -48,7 +49,7 @@ def compare(quick: bool) -> dict[str, Any]:
     works: dict = {}
     entry = found["contestants"]["tippetop, lanes"] = {"kind": OURS, "points": []}
     for tolerance in TAYLOR:
-        theta = ensembles.measure(tops_at(spins[some], MIDST, tolerance), threads=1).columns["theta_end"]
+        theta = ensemble.measure(tops_at(spins[some], MIDST, tolerance), threads=1).columns["theta_end"]
         tops = tops_at(spins, END, tolerance)
         works["tippetop, lanes", len(entry["points"])] = partial(_lanes, tops)
         entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
@@ -96,11 +97,11 @@ def _enter_python(contestants: dict, works: dict, spin: float, exact: np.longdou
 
 
 def _minimal(spin: float, until: float) -> Minimal:
-    return Minimal(scenario.load("inverting", [f"initial.omega3={spin!r}"], until), np.array([until]))
+    return Minimal(build.load("inverting", [f"initial.omega3={spin!r}"], until), np.array([until]))
 
 
 def _exact(spin: float) -> np.longdouble:
-    wide = scenario.load("inverting", ["run.precision=longdouble", f"initial.omega3={spin!r}"], MIDST)
+    wide = build.load("inverting", ["run.precision=longdouble", f"initial.omega3={spin!r}"], MIDST)
     return theta_of(wide, solve(replace(wide, times=np.array([MIDST]))).rows)[0]
 
 
@@ -129,7 +130,7 @@ def batched(tops: Tops) -> Callable[[], np.ndarray]:
 
 
 def _lanes(tops: Tops) -> float:
-    return timed(lambda: ensembles.measure(tops, threads=1)) / tops.n
+    return timed(lambda: ensemble.measure(tops, threads=1)) / tops.n
 
 
 def _one_by_one(solvers: list) -> float:
@@ -138,10 +139,10 @@ def _one_by_one(solvers: list) -> float:
 
 def _threads(tops: Tops, rounds: int) -> dict[str, Any]:
     """What a second thread brings, by the wall clock."""
-    works = {k: partial(elapsed, partial(ensembles.measure, tops, threads=k)) for k in (1, 2)}
+    works = {k: partial(elapsed, partial(ensemble.measure, tops, threads=k)) for k in (1, 2)}
     seconds = interleaved(works, rounds)
     return {
         "seconds_per_top_by_the_wall": {k: statistics.median(times) / tops.n for k, times in seconds.items()},
         "efficiency_of_2_threads": ratio(seconds[1], seconds[2]) / 2,
-        "occupancy": ensembles.measure(tops, threads=1).occupancy,
+        "occupancy": ensemble.measure(tops, threads=1).occupancy,
     }

@@ -12,10 +12,10 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop import scenario
-from tippetop.operand import leaves
+from tippetop.engine.expressions import variables
+from tippetop.mechanics.operand import leaves
 from tippetop.problem import Problem
-from tippetop.symbols import variables
+from tippetop.scenario import build
 
 from .ensemble import MIDST
 from .measure import interleaved, timed
@@ -95,7 +95,7 @@ def ways() -> dict[str, Tried]:
 
 
 def _inverting(*settings: str) -> Problem:
-    return scenario.load("inverting", [*settings, f"run.output_step={MIDST}"], MIDST)
+    return build.load("inverting", [*settings, f"run.output_step={MIDST}"], MIDST)
 
 
 def _system(problem: Problem) -> tuple[list, np.ndarray, list[float]]:

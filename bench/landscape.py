@@ -10,8 +10,8 @@ import numpy as np
 import scipy.optimize
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
-from tippetop import landscape
-from tippetop.systems import tippe_top
+from tippetop.landscape import body as bodies
+from tippetop.mechanics.systems import tippe_top
 from tippetop_kernels.jit import kernel
 
 from .measure import elapsed, ratio
@@ -89,8 +89,8 @@ def grids(n, D, lam):
 
 def compete(n, repeats):
     """Nanoseconds per point of every contestant, by repetition."""
-    t = landscape.top(FIGURE)
-    b, k, r = t.body, landscape.kernels(), t.relief
+    t = bodies.top(FIGURE)
+    b, k, r = t.body, bodies.kernels(), t.relief
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     box = D, D * FIGURE["R"]
     out = {}
@@ -136,7 +136,7 @@ def compete(n, repeats):
             out.setdefault(name, []).append(1e9 * elapsed(work) / m**2)
     errors = {}
     for name, table in tables.items():
-        exact = landscape.minimal_surface(FIGURE, *axes[name]).F.values
+        exact = surface.minimal_surface(FIGURE, *axes[name]).F.values
         errors[name] = float(np.max(np.abs(table / exact - 1)))
     looked = count_closer(t, xs, ys)
     return out, errors, looked
@@ -147,7 +147,7 @@ def count_closer(t, xs, ys):
     from tippetop_kernels import grid
     from tippetop_kernels.minimise import NEARLY
 
-    f = landscape.kernels().formulas
+    f = bodies.kernels().formulas
 
     @kernel
     def count(lean, guess, slopes, xs, ys, r):
@@ -168,8 +168,8 @@ def pieces(n, repeats):
     from tippetop_kernels import grid
     from tippetop_kernels.lanes import BLOCK
 
-    t = landscape.top(FIGURE)
-    f, r, many = landscape.kernels().formulas, t.relief, n * n // BLOCK
+    t = bodies.top(FIGURE)
+    f, r, many = bodies.kernels().formulas, t.relief, n * n // BLOCK
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     x, ys = 0.3 * D, np.linspace(0.3 * D, 0.4 * D, BLOCK) * FIGURE["R"]
     like = f["lean"](x, ys[0], r)

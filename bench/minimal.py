@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from tippetop.engine.observables import View
 from tippetop.problem import Problem
-from tippetop.trajectory import View
 
 
 COMPILER = shutil.which("c++")

@@ -8,12 +8,15 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop import engine
-from tippetop.operand import leaves
+from tippetop.engine import taylor
+from tippetop.engine.expressions import variables
+from tippetop.mechanics.operand import leaves
+from tippetop.mechanics.system import Event
+from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem
-from tippetop.solve import Course, Nowhere, solve
-from tippetop.symbols import variables
-from tippetop.system import SECOND, Event
+from tippetop.runs.integration import Course
+from tippetop.runs.run import solve
+from tippetop.runs.sinks import Nowhere
 
 from .minimal import Minimal, theta_of
 from .peers import Peer, Solver
@@ -55,7 +58,7 @@ def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver
     scalars = problem.form.scalars(record, body)
     wanted = [event for event in problem.system.events if event.name in kinds]
     hooks = {
-        "nt_events": [_event(hy.nt_event, e, scalars, body, engine.Log(e.name)) for e in wanted if not e.stops],
+        "nt_events": [_event(hy.nt_event, e, scalars, body, taylor.Log(e.name)) for e in wanted if not e.stops],
         "t_events": [_event(hy.t_event, e, scalars, body) for e in wanted if e.stops],
     }
 
@@ -71,9 +74,9 @@ def _pars_of(sys: list[tuple]) -> list[int]:
     return [int(str(p)[1:]) for p in hy.get_params([rate for _, rate in sys])]
 
 
-def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: engine.Log) -> Any:
-    function = engine.EVENT_SCALE * event.formula(scalars, body)
-    return kind(function, *log, direction=engine.DIRECTIONS[event.direction])
+def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: taylor.Log) -> Any:
+    function = taylor.EVENT_SCALE * event.formula(scalars, body)
+    return kind(function, *log, direction=taylor.DIRECTIONS[event.direction])
 
 
 def equations(minimal: Minimal) -> Callable[[float], Solver]:
@@ -95,7 +98,7 @@ def with_events(minimal: Minimal) -> Callable[[float], Solver]:
         return Solver(
             lambda made: made.propagate_until(end),
             lambda: _solved(problem),
-            lambda: engine.integrator_of(problem),
+            lambda: taylor.integrator_of(problem),
         )
 
     return solver

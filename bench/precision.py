@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop import scenario
-from tippetop.solve import solve
+from tippetop.runs.run import solve
+from tippetop.scenario import build
 
 from . import ours
 from .measure import interleaved, timed
@@ -45,7 +45,7 @@ def compare(course: Course, quick: bool) -> dict[str, Any]:
     """Errors and seconds of all contestants."""
     until = course.quick if quick else course.until
     samples = until * np.arange(1, SAMPLES + 1) / SAMPLES
-    problem = scenario.load(course.preset, [*course.assignments], until)
+    problem = build.load(course.preset, [*course.assignments], until)
     minimal = Minimal(problem, samples)
     exact = reference(course, samples)
     found: dict[str, Any] = {"title": course.title, "until": until, "reference": course.wide, "contestants": {}}
@@ -106,6 +106,6 @@ def once(solver: Any) -> float:
 def reference(course: Course, samples: np.ndarray) -> np.ndarray:
     """theta at the samples [rad], by the engine in wider numbers; the tests hold the engine against an independent
     multi-precision integration."""
-    wide = scenario.load(course.preset, [*course.assignments, f"run.precision={course.wide}"], float(samples[-1]))
+    wide = build.load(course.preset, [*course.assignments, f"run.precision={course.wide}"], float(samples[-1]))
     wide = replace(wide, times=samples)
     return theta_of(wide, solve(wide).rows)

@@ -14,9 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from tippetop import engine, ensembles, landscape, scenario, surface_store
-from tippetop.engine import slices, terminal_kinds
-from tippetop.solve import solve
+from tippetop.engine import taylor
+from tippetop.engine.taylor import slices, terminal_kinds
+from tippetop.ensembles import ensemble
+from tippetop.landscape import body as bodies
+from tippetop.landscape import recording, surface
+from tippetop.runs.run import solve
+from tippetop.scenario import build
 
 from .ensemble import tops_at
 from .landscape import FIGURE
@@ -60,23 +64,23 @@ def grown(what: str, sizes: Iterable[float], cost: Callable[[float], float], lim
 
 def span(until: float) -> float:
     """A heavy top for so long, with its events, dense output and memory that does not grow."""
-    problem = scenario.load("heavy-top", None, until)
-    made, kinds = engine.integrator_of(problem), terminal_kinds(problem)
+    problem = build.load("heavy-top", None, until)
+    made, kinds = taylor.integrator_of(problem), terminal_kinds(problem)
     return timed(lambda: [None for _ in slices(made, end_of(problem), kinds)])
 
 
 def tops(n: float) -> float:
     """So many canonical tops for 10 s, on one thread."""
     many = tops_at(np.linspace(150, 164, int(n)), 10.0)
-    return timed(lambda: ensembles.measure(many, threads=1))
+    return timed(lambda: ensemble.measure(many, threads=1))
 
 
 def grid(points: float) -> float:
     """F over so many points, on one thread."""
-    t, n = landscape.top(FIGURE), round(math.sqrt(points))
+    t, n = bodies.top(FIGURE), round(math.sqrt(points))
     D = 6 * math.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     x, y = np.linspace(-D, D, n), np.linspace(-D * FIGURE["R"], D * FIGURE["R"], round(points / n))
-    return timed(lambda: landscape.heights(t, x, y, 1))
+    return timed(lambda: surface.heights(t, x, y, 1))
 
 
 def tolerance(every: int) -> dict[str, Any]:
@@ -89,14 +93,14 @@ def tolerance(every: int) -> dict[str, Any]:
         *(("longdouble", k) for k in range(6, 19, every)),
     ]:
         sets = [f"run.precision={precision}"]
-        problem = replace(scenario.load("inverting", sets, 8.0), times=times)
+        problem = replace(build.load("inverting", sets, 8.0), times=times)
         if exact is None:
             exact = theta_of(problem, solve(problem).rows)
             continue
         problem = replace(problem, tolerance=10.0**-digits)
         error = np.abs(theta_of(problem, solve(problem).rows) - exact).max()
         end = problem.number(end_of(problem))
-        seconds = [timed(partial(engine.integrator_of(problem).propagate_until, end)) for _ in range(5)]
+        seconds = [timed(partial(taylor.integrator_of(problem).propagate_until, end)) for _ in range(5)]
         row = {"tolerance": 10.0**-digits, "precision": precision, "error": float(error)}
         rows.append({**row, "seconds": statistics.median(seconds)})
     return {"rows": rows, "exponents": {p: _exponent(rows, p) for p in ("double", "longdouble")}}
@@ -114,6 +118,6 @@ def streamed(n: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "F.zarr"
         x, y = np.linspace(-8e-4, 9e-4, n), np.linspace(0, 8e-6, n)
-        seconds = timed(lambda: surface_store.write(path, FIGURE, x, y, threads=1))
+        seconds = timed(lambda: recording.write(path, FIGURE, x, y, threads=1))
         size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
     return {"points": n**2, "seconds": seconds, "stored_MB": size / 1e6}

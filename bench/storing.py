@@ -8,10 +8,12 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from tippetop import record, scenario
-from tippetop.memory import keep_memory
+from tippetop.cli.memory import keep_memory
 from tippetop.problem import Problem
-from tippetop.solve import Course, Nowhere
+from tippetop.runs import recording
+from tippetop.runs.integration import Course
+from tippetop.runs.sinks import Nowhere
+from tippetop.scenario import build
 
 from .measure import elapsed, interleaved, ratio
 from .ours import alone, end_of
@@ -39,7 +41,7 @@ def followed(problem: Problem) -> float:
 def stored(problem: Problem) -> float:
     """Seconds of the run into a store."""
     with tempfile.TemporaryDirectory() as folder:
-        return elapsed(lambda: record.record(problem, Path(folder) / "run.zarr"))
+        return elapsed(lambda: recording.record(problem, Path(folder) / "run.zarr"))
 
 
 def compare(quick: bool) -> dict[str, Any]:
@@ -48,7 +50,7 @@ def compare(quick: bool) -> dict[str, Any]:
     found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])
-        problem = scenario.load(preset, sets, until / 10 if quick else until)
+        problem = build.load(preset, sets, until / 10 if quick else until)
         works = {f.__name__: lambda f=f, p=problem: f(p) for f in (bare, followed, stored)}
         seconds = interleaved(works, 3)
         found["runs"][name] = {

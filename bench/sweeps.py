@@ -9,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from tippetop import ensembles, plan, pool, sweeping
+from tippetop.ensembles import ensemble
+from tippetop.sweeps import plan, sweep, workers
 
 
 def plain(document: dict[str, Any]) -> tuple[float, float]:
     """Seconds by the wall clock and of the processor, of the tops of a plan in one call, one thread."""
     made, clock, processor = plan.of(document), time.perf_counter(), time.process_time()
-    tops, _ = ensembles.varied(made.base, made.columns(np.arange(made.n)))
-    ensembles.measure(tops, threads=1)
+    tops, _ = ensemble.varied(made.base, made.columns(np.arange(made.n)))
+    ensemble.measure(tops, threads=1)
     return time.perf_counter() - clock, time.process_time() - processor
 
 
@@ -24,7 +25,7 @@ def swept(made: plan.Plan, client: Any) -> tuple[float, float]:
     """The same into a new store, by the workers of a client, which are warm; processor: workers and writer."""
     with tempfile.TemporaryDirectory() as folder:
         before, clock = used(client), time.perf_counter()
-        sweeping.sweep(made, Path(folder) / "S.zarr", scheduler=client.scheduler.address)
+        sweep.sweep(made, Path(folder) / "S.zarr", scheduler=client.scheduler.address)
         return time.perf_counter() - clock, used(client) - before
 
 
@@ -43,12 +44,12 @@ def compare(quick: bool) -> dict[str, Any]:
     """Runs all, interleaved: the medians, and those of the ratios pair by pair; and what a second worker brings."""
     logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every connection
     made, rounds = tops(4096 if quick else 8192), 3 if quick else 5
-    with pool.own(1) as client:
+    with workers.own(1) as client:
         swept(shared(1024, 256), client)
         # both in the same process: from one to the next, equal work differs by up to a tenth
         rows = [(client.submit(plain, made.document, pure=False).result(), swept(made, client)) for _ in range(rounds)]
         many = shared(2 * made.n, 1024 if quick else 2048)
-        with pool.own(2) as both:
+        with workers.own(2) as both:
             swept(shared(1024, 256), both)
             pairs = [(swept(many, client)[0], swept(many, both)[0]) for _ in range(3)]
     ways = ("plain, in the worker", "into a store, by the worker")

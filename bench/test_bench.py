@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tippetop import scenario
-from tippetop.symbols import variables
+from tippetop.engine.expressions import variables
+from tippetop.scenario import build
 
 from . import report
 from .cases import COURSES
@@ -28,7 +28,7 @@ STATES = np.random.default_rng(1).uniform(0.2, 0.9, (20, 12))
 def made(name: str, until: float = 0.5) -> Minimal:
     """The minimal problem of a course, shortened."""
     course = COURSES[name]
-    return Minimal(scenario.load(course.preset, [*course.assignments], until), np.array([until / 2, until]))
+    return Minimal(build.load(course.preset, [*course.assignments], until), np.array([until / 2, until]))
 
 
 def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:

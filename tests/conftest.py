@@ -25,9 +25,9 @@ def file(tmp_path: Path) -> Path:
 @pytest.fixture(scope="session")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Its store, which nothing has disturbed."""
-    from tippetop import sweeping
+    from tippetop.sweeps import sweep
 
     folder = tmp_path_factory.mktemp("whole")
     (folder / "PLAN.toml").write_text(PLAN)
-    sweeping.sweep(folder / "PLAN.toml", folder / "S.zarr", workers=1)
+    sweep.sweep(folder / "PLAN.toml", folder / "S.zarr", workers=1)
     return folder / "S.zarr"

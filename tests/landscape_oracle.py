@@ -5,8 +5,8 @@ import math
 import mpmath as mp
 import numpy as np
 
-from tippetop.friction import Frictionless
-from tippetop.systems import spinning, tippe_top
+from tippetop.mechanics.friction import Frictionless
+from tippetop.mechanics.systems import spinning, tippe_top
 
 
 mp.mp.dps = 60

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop.operand import leaves, refill
+from tippetop.mechanics.operand import leaves, refill
 
 
 STEP = 1e-30  # complex step: exact for any step this small
@@ -264,7 +264,7 @@ def main_equation(case: Case) -> Pairs:
     rate = b.m * np.sum(arm_speed[:2] * change.v[:2], axis=0)
     yield "E~'", case.along(lambda x: case.quantity("modified_energy", x)), rate
     s = case.form.scalars(q, b)
-    gliding = importlib.import_module("tippetop.systems.gliding")
+    gliding = importlib.import_module("tippetop.mechanics.contact.body")
     v_u = np.sum(m.u[:2] * change.v[:2], axis=0)  # (dv_A/dt).3hat
     v_n = m.u[0] * change.v[1] - m.u[1] * change.v[0]  # (zhat x 3hat).dv_A/dt
     yield "E~' as a formula", gliding.modified_energy_rate(v_u, v_n, s, b), rate
@@ -277,10 +277,10 @@ def main_equation(case: Case) -> Pairs:
         yield "vertical potential", gliding.vertical_potential(z, s.Lz, s.L3, b), left
     yield "METT", case.quantity("modified_energy"), system.theta_inertia(z, b) * s.z_dot**2 / s2 + V
     if case.has("routh"):
-        tippe_top = importlib.import_module("tippetop.systems.tippe_top")
+        tippe_top = importlib.import_module("tippetop.mechanics.systems.tippe_top")
         yield "D'", case.along(lambda x: case.quantity("routh", x)), tippe_top.routh_rate(z, v_n, b)
     elif case.system.frictional and case.has("Lz"):
-        gliding_heavy_top = importlib.import_module("tippetop.systems.gliding_heavy_top")
+        gliding_heavy_top = importlib.import_module("tippetop.mechanics.systems.gliding_heavy_top")
         found = case.along(lambda x: case.quantity("Lz", x))
         yield "L_z' by dv_A/dt", gliding_heavy_top.Lz_rate(v_n, b), found
 
@@ -291,7 +291,7 @@ def general_system(case: Case) -> Pairs:
 
     if case.form.name != "euler" or not case.system.frictional:
         return
-    rolling = importlib.import_module("tippetop.systems.rolling")
+    rolling = importlib.import_module("tippetop.mechanics.contact.rolling.euler")
     e, b = case.state, case.body
     rates = case.form.rates(e, b)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
@@ -439,7 +439,7 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
         speeds = {name: rng.uniform(0.3, 1.0, n) for name in record if name in ("eps", "v_s", "v_k")}
         friction = friction._replace(**speeds)
     else:
-        from tippetop.friction import Frictionless
+        from tippetop.mechanics.friction import Frictionless
 
         friction = Frictionless()
     ranges = {"theta": (0.2, np.pi - 0.2), "phi": (-3.0, 3.0)}

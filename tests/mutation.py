@@ -17,15 +17,17 @@ import laws
 
 
 ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore[arg-type]
-GLIDING = tuple(f"systems.gliding.{name}" for name in ("body", "vector", "euler", "chart", "names"))
-ORDER = ("friction", *GLIDING, "systems.gliding", "systems.tippe_top", "systems.rolling", "systems.reduced")
-ORDER += (
-    "systems.rolling_tippe_top",
-    "systems.heavy_top",
-    "systems.gliding_heavy_top",
-    "systems.cylinder",
-    "systems.rolling_cylinder",
-    "systems",
+CONTACT = "mechanics.contact"
+GLIDING = tuple(f"{CONTACT}.gliding.{name}" for name in ("vector", "euler", "chart", "catalogue"))
+ROLLING = tuple(f"{CONTACT}.rolling.{name}" for name in ("reaction", "vector", "euler", "chart", "catalogue"))
+TOPS = ("tippe_top", "tippe_top_reduced", "rolling_tippe_top", "heavy_top", "gliding_heavy_top")
+ORDER = (
+    "mechanics.friction",
+    f"{CONTACT}.body",
+    *GLIDING,
+    *ROLLING,
+    *(f"mechanics.systems.{name}" for name in (*TOPS, "cylinder", "rolling_cylinder")),
+    "mechanics.systems",
 )
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
@@ -71,7 +73,7 @@ def loaded(name: str, tree: ast.Module, codes: dict[str, CodeType]) -> dict:
         sys.modules[full] = fresh
         setattr(sys.modules[parent], own, fresh)
         exec(compile(tree, full, "exec") if module == name else codes[module], fresh.__dict__)
-    return sys.modules["tippetop.systems"].SYSTEMS
+    return sys.modules["tippetop.mechanics.systems"].SYSTEMS
 
 
 def source(module: str) -> str:
@@ -82,7 +84,7 @@ def source(module: str) -> str:
 
 def main(names: list[str]) -> int:
     """Runs the check and prints the survivors."""
-    importlib.import_module("tippetop.systems")
+    importlib.import_module("tippetop.mechanics.systems")
     codes: dict[str, CodeType] = {module: compile(source(module), module, "exec") for module in ORDER}
     wanted = [m for m in ORDER if not names or m.split(".")[-1] in names]
     alive = 0

@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from tippetop import bar
+from tippetop import progress
 
 
 class Terminal(io.StringIO):
@@ -20,8 +20,8 @@ def test_a_bar_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr("sys.stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "100")
-    with bar.shown(True, "tops") as tell:
-        monkeypatch.setattr(bar.time, "monotonic", lambda: next(clock, 120.0))
+    with progress.shown(True, "tops") as tell:
+        monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock, 120.0))
         tell(20, 100)
         tell(60, 100)
     assert "60/100" in terminal.getvalue()
@@ -29,15 +29,15 @@ def test_a_bar_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_no_bar_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    with bar.shown(True, "tops") as tell:
+    with progress.shown(True, "tops") as tell:
         tell(1, 2)
     assert capsys.readouterr() == ("", "")
 
 
 def test_any_callback_is_passed_on() -> None:
     seen: list[tuple[int, int]] = []
-    with bar.shown(lambda *at: seen.append(at), "tops") as tell:
+    with progress.shown(lambda *at: seen.append(at), "tops") as tell:
         tell(1, 2)
-    with bar.shown(False, "tops") as tell:
+    with progress.shown(False, "tops") as tell:
         tell(2, 2)
     assert seen == [(1, 2)]

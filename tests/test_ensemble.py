@@ -8,12 +8,14 @@ import pytest
 import xarray as xr
 
 import tippetop
-from tippetop import batch, ensembles, scenario
-from tippetop.ensembles import CLASSES, STATUSES, measure, tops_of
-from tippetop.operand import leaves
-from tippetop.scenario import ScenarioError
-from tippetop.solve import solve
-from tippetop.tops import Tops
+from tippetop.ensembles import lanes, outcomes
+from tippetop.ensembles.ensemble import measure, tops_of
+from tippetop.ensembles.outcomes import CLASSES, STATUSES
+from tippetop.ensembles.tops import Tops
+from tippetop.errors import InputError
+from tippetop.mechanics.operand import leaves
+from tippetop.runs.run import solve
+from tippetop.scenario import build, reading
 
 
 def kinds(found: xr.Dataset, name: str = "class") -> np.ndarray:
@@ -51,9 +53,9 @@ def test_tops_are_those_of_single_problems(mixed: dict[str, np.ndarray]) -> None
     columns = {**mixed, "parameters.R": np.geomspace(0.002, 0.5, 40)}
     scale = (columns["parameters.R"] / 0.02) ** 2
     columns |= {"parameters.I1": 3e-6 * scale, "parameters.I3": 3.2e-6 * scale}
-    tops = Tops(scenario.load("inverting"), columns)
+    tops = Tops(build.load("inverting"), columns)
     for i in range(40):
-        problem = scenario.load("inverting", [f"{key}={column[i]!r}" for key, column in plain(columns).items()])
+        problem = build.load("inverting", [f"{key}={column[i]!r}" for key, column in plain(columns).items()])
         assert problem.start().tobytes() == tops.start[:, i].copy().tobytes()
         numbers = [float(v) for v in leaves(problem.internal_body)]
         assert numbers == tops.pars[:, i].tolist()
@@ -68,7 +70,7 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
     """The scalar integrator, its event detection and its logs share no code with the batch but the formulas."""
     columns = plain(mixed)
     for i in range(40):
-        run = solve(scenario.load("inverting", [f"{key}={column[i]!r}" for key, column in columns.items()]))
+        run = solve(build.load("inverting", [f"{key}={column[i]!r}" for key, column in columns.items()]))
         report, top = run.report, found.isel(top=i)
         assert kinds(found, "status")[i] == run.status.value
         assert float(top["t_end"]) == pytest.approx(report["t_end"], abs=1e-11)
@@ -97,7 +99,7 @@ def test_a_turning_right_after_a_start_at_rest_is_found() -> None:
     data = {"initial.omega3": 65.94886167813415, "initial.theta": 0.022550316141261836, "friction.mu": 0.25}
     data |= {"initial.phi_dot": -3.450667221634134, "run.until": 1.0}
     top = tippetop.ensemble("inverting", {key: np.array([value]) for key, value in data.items()})
-    problem = scenario.load("inverting", [f"{key}={value!r}" for key, value in data.items()])
+    problem = build.load("inverting", [f"{key}={value!r}" for key, value in data.items()])
     dense = solve(dataclasses.replace(problem, times=np.linspace(0, 1, 100_001))).columns()["theta"].values
     moves = np.sign(np.diff(dense))
     assert int(top["turnings"][0]) == np.sum(moves[1:] != moves[:-1])
@@ -107,7 +109,7 @@ def test_a_turning_right_after_a_start_at_rest_is_found() -> None:
 def test_neither_threads_nor_slices_nor_order_change_a_bit(
     mixed: dict[str, np.ndarray], found: xr.Dataset, threads: int, longest: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(batch, "LONGEST", longest)
+    monkeypatch.setattr(lanes, "LONGEST", longest)
     order = np.random.default_rng(threads).permutation(40)
     shuffled = {key: column[order] for key, column in mixed.items()}
     again = tippetop.ensemble("inverting", shuffled, threads=threads)
@@ -117,7 +119,7 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
 @pytest.mark.parametrize("lanes", [4, 8])
 def test_the_number_of_lanes_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset, lanes: int) -> None:
     measured = measure(tops_of("inverting", mixed, None)[0], threads=1, lanes=lanes)
-    assert same(ensembles.dataset(measured, []), found)
+    assert same(outcomes.dataset(measured, []), found)
 
 
 def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
@@ -125,7 +127,7 @@ def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: 
     tops, _ = tops_of("inverting", mixed, None)
     spoilt = np.arange(40) % 3 == 1
     tops.pars[3, spoilt] = np.where(np.arange(spoilt.sum()) % 2, np.nan, 1e-280)
-    other = ensembles.dataset(measure(tops, threads=1), [])
+    other = outcomes.dataset(measure(tops, threads=1), [])
     status = kinds(other, "status")
     assert set(status[spoilt]) <= {"non-finite", "stalled", "liftoff"}
     assert "non-finite" in status[spoilt]
@@ -163,7 +165,7 @@ def test_a_fast_top_without_contact_ends_at_the_start() -> None:
 
 
 def test_a_settled_top_stops_and_leaves_its_lane(tmp_path: Path) -> None:
-    text = scenario.presets()["inverting"].replace("until = 10.0", 'until = 1000.0\nstop_when = "settled"')
+    text = reading.presets()["inverting"].replace("until = 10.0", 'until = 1000.0\nstop_when = "settled"')
     path = tmp_path / "settling.toml"
     path.write_text(text)
     found = tippetop.ensemble(str(path), {"initial.omega3": np.array([100.0, 130.0, 155.0])})
@@ -185,7 +187,7 @@ def test_a_settled_top_stops_and_leaves_its_lane(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_vary_is_said_in_a_sentence(variations: dict, word: str) -> None:
-    with pytest.raises(ScenarioError, match=word):
+    with pytest.raises(InputError, match=word):
         tippetop.ensemble("inverting", variations)
 
 

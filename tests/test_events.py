@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import tippetop
-from tippetop import scenario
-from tippetop.engine import Status
-from tippetop.events import NOISE_FLOOR, Confirmation
-from tippetop.solve import solve
+from tippetop.engine.status import Status
+from tippetop.mechanics.system import NOISE_FLOOR
+from tippetop.runs.events import Confirmation
+from tippetop.runs.run import solve
+from tippetop.scenario import build
 
 
 def confirmed(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> list[int]:
@@ -89,7 +90,7 @@ def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
 def test_settling_is_told_in_wider_numbers_too() -> None:
     """The stability of the pole is asked in doubles, whatever the run's precision: no eigenvalues in 80 bits."""
     sets = ["friction.mu=0.1", "initial.theta=0.1", "run.stop_when=settled", "run.precision=longdouble"]
-    run = solve(scenario.load("inverting", sets, until=400.0), keep=False)
+    run = solve(build.load("inverting", sets, until=400.0), keep=False)
     assert run.status is Status.SETTLED
     assert run.report["theta_end"] > np.pi - 1e-6
 
@@ -97,11 +98,11 @@ def test_settling_is_told_in_wider_numbers_too() -> None:
 def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its sliding dies at 1.67 s and returns half a minute later, when the unstable mode has grown: then it inverts."""
     sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
-    problem = scenario.load("inverting", sets, until=400.0)
+    problem = build.load("inverting", sets, until=400.0)
     run = solve(problem, keep=False)
     assert run.status is Status.SETTLED
     assert run.report["theta_end"] > np.pi - 1e-6
-    monkeypatch.setattr("tippetop.solve.will_leave", lambda *_: False)
+    monkeypatch.setattr("tippetop.runs.integration.will_leave", lambda *_: False)
     assert solve(problem, keep=False).report["theta_end"] < 1e-5
 
 

@@ -7,8 +7,9 @@ import scipy.optimize
 import xarray as xr
 
 import landscape_oracle as oracle
-from tippetop import landscape
-from tippetop.systems import heavy_top, spinning, tippe_top
+from tippetop.landscape import body as bodies
+from tippetop.landscape import marked_lines, potential, surface, turning
+from tippetop.mechanics.systems import heavy_top, spinning, tippe_top
 from tippetop_kernels.minimise import Status
 from tippetop_kernels.roots import Level
 
@@ -27,7 +28,7 @@ def test_potential_keeps_its_digits(z, line):
     b, lam = oracle.body(oracle.FIGURE), 4e-6
     for away in (0.0, 1e-13, 1e-7, 0.3):
         D = 2.2e-4 if line == 0 else float(spinning.slope(line, b)) * lam * (1 + away)
-        found = landscape.potential(oracle.FIGURE, z, D, lam)
+        found = potential.potential(oracle.FIGURE, z, D, lam)
         exact = oracle.potential(mp.mpf(z), mp.mpf(D), mp.mpf(lam), b)
         assert oracle.ulps(found.V.item(), exact) <= 6
         slope = mp.diff(lambda z, D=D: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), h=mp.mpf(10) ** -25)
@@ -38,15 +39,15 @@ def test_potential_keeps_its_digits(z, line):
 def test_second_derivative_of_the_potential():
     b = oracle.body(oracle.FIGURE)
     for z, D, lam in ((0.3, 1e-4, 2e-6), (-0.8, -3e-4, 5e-6), (0.95, 4e-4, 1e-7)):
-        found = landscape.potential(oracle.FIGURE, z, D, lam)
+        found = potential.potential(oracle.FIGURE, z, D, lam)
         exact = mp.diff(lambda z, D=D, lam=lam: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), 2)
         assert found.V_zz.item() == pytest.approx(float(exact), rel=1e-12)
 
 
 def test_potential_of_the_relief_is_the_formula_of_the_house():
     z, D, lam = np.linspace(-0.99, 0.99, 41), np.linspace(-4e-4, 5e-4, 7), np.linspace(0, 8e-6, 5)
-    found = landscape.potential(CANONICAL, z, D, lam)
-    body = landscape.top(CANONICAL).body
+    found = potential.potential(CANONICAL, z, D, lam)
+    body = bodies.top(CANONICAL).body
     labelled = [xr.DataArray(v, dims=d) for v, d in ((z, "z"), (D, "D"), (lam, "lambda"))]
     exact = tippe_top.potential(*labelled, body).transpose("z", "D", "lambda")
     np.testing.assert_allclose(found.V, exact, rtol=1e-12)
@@ -58,7 +59,7 @@ def test_potential_of_the_relief_is_the_formula_of_the_house():
 def test_potential_of_heavy_tops(system):
     """L3^2/2I3 + (Lz - L3 z)^2/(2 I1* (1 - z^2)) + m g l z. [T 2.38]"""
     z, L3, Lz = np.array([-0.9, 0.2, 0.9]), np.array([-0.005, 0.01]), np.array([0.004, 0.009])
-    found = landscape.potential(HEAVY, z, L3, Lz, system)
+    found = potential.potential(HEAVY, z, L3, Lz, system)
     tip = HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2
     Z, A, B = np.meshgrid(z, L3, Lz, indexing="ij")
     exact = (
@@ -67,7 +68,7 @@ def test_potential_of_heavy_tops(system):
     np.testing.assert_allclose(found.V, exact, rtol=1e-14)
     assert found.V.dims == ("z", "L3", "Lz")
     h = 1e-5
-    up, down = (landscape.potential(HEAVY, z + s, L3, Lz, system).V.values for s in (h, -h))
+    up, down = (potential.potential(HEAVY, z + s, L3, Lz, system).V.values for s in (h, -h))
     np.testing.assert_allclose(found.V_z, (up - down) / (2 * h), rtol=1e-6, atol=1e-6)
 
 
@@ -89,8 +90,8 @@ def test_critical_function_is_the_slope_of_the_potential():
 
 def test_surface_lies_below_every_potential():
     z, D, lam = np.cos(np.linspace(0.01, 3.13, 201)), np.linspace(-6e-4, 8e-4, 21), np.linspace(-6e-6, 7e-6, 17)
-    F = landscape.minimal_surface(CANONICAL, D, lam).F
-    V = landscape.potential(CANONICAL, np.sort(z), D, lam).V
+    F = surface.minimal_surface(CANONICAL, D, lam).F
+    V = potential.potential(CANONICAL, np.sort(z), D, lam).V
     assert (F <= V).all()
     assert float((V.min("z") - F).max()) < 5e-3  # and not far below: the spacing of z
 
@@ -98,15 +99,15 @@ def test_surface_lies_below_every_potential():
 def test_surface_does_not_know_the_grid():
     """A point has the same F, to the bit, alone, in a row and on two threads."""
     D, lam = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
-    one, two = (landscape.minimal_surface(CANONICAL, D, lam, threads=n) for n in (1, 2))
+    one, two = (surface.minimal_surface(CANONICAL, D, lam, threads=n) for n in (1, 2))
     xr.testing.assert_identical(one, two)
-    t = landscape.top(CANONICAL)
-    F, status = landscape.heights(t, D, lam, 1)
-    np.testing.assert_array_equal(F, landscape.heights(t, D, lam, 2)[0])
+    t = bodies.top(CANONICAL)
+    F, status = surface.heights(t, D, lam, 1)
+    np.testing.assert_array_equal(F, surface.heights(t, D, lam, 2)[0])
     np.testing.assert_allclose(F, one.F, rtol=3e-16)
     np.testing.assert_array_equal(status, one.status)
     for i, j in ((0, 0), (17, 30), (36, 52)):
-        alone = landscape.minimal_surface(CANONICAL, D[i], lam[j])
+        alone = surface.minimal_surface(CANONICAL, D[i], lam[j])
         assert alone.F.item() == one.F[i, j].item()
         assert alone.z.item() == one.z[i, j].item()
 
@@ -125,12 +126,12 @@ TWO_MINIMA = oracle.parameters(0.3, 3.0, 4.0)  # alpha, gamma, sigma: above gamm
 @pytest.mark.parametrize("even", [True, False])
 def test_rows_that_start_from_rows_before_them_end_at_the_same_surface(parameters, system, box, even):
     """F alone, whose rows are carried on from one to the next over both marked lines, against F with its minimum."""
-    t = landscape.top(parameters, system)
+    t = bodies.top(parameters, system)
     assert t.several == (parameters is TWO_MINIMA)
     x = np.linspace(-1, 1, 201) if even else np.sort(np.random.default_rng(3).uniform(-1, 1, 201))
     x, y = (box[1] + box[0] + x * (box[1] - box[0])) / 2, np.linspace(box[2], box[3], 67)
-    exact, q, known = landscape.minima(t, x, y)
-    F, status = landscape.heights(t, x, y)
+    exact, q, known = surface.minima(t, x, y)
+    F, status = surface.heights(t, x, y)
     np.testing.assert_array_equal(status, known)
     np.testing.assert_allclose(F, exact, rtol=3e-16)
     assert q.min() < 1e-2 < 1e2 < q.max()
@@ -139,8 +140,8 @@ def test_rows_that_start_from_rows_before_them_end_at_the_same_surface(parameter
 def test_reflection_leaves_the_surface():
     """(D, lambda) -> (-D, -lambda): reflection in a vertical plane. [section 1]"""
     D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(-3e-6, 7e-6, 23)
-    here = landscape.minimal_surface(CANONICAL, D, lam)
-    there = landscape.minimal_surface(CANONICAL, -D[::-1], -lam[::-1])
+    here = surface.minimal_surface(CANONICAL, D, lam)
+    there = surface.minimal_surface(CANONICAL, -D[::-1], -lam[::-1])
     np.testing.assert_array_equal(here.F, there.F[::-1, ::-1])
     np.testing.assert_array_equal(here.F_D, -there.F_D[::-1, ::-1])
 
@@ -148,9 +149,9 @@ def test_reflection_leaves_the_surface():
 def test_upright_line_lies_on_the_surface():
     """D = rho_+ lambda: approached at theta = 0, F = V(1), for every lambda. [section 5]"""
     lam = np.linspace(-8e-6, 8e-6, 41)
-    lines = landscape.marked_lines(CANONICAL, lam)
+    lines = marked_lines.marked_lines(CANONICAL, lam)
     for i, value in enumerate(lam):
-        found = landscape.minimal_surface(CANONICAL, lines.D[0, i].item(), value)
+        found = surface.minimal_surface(CANONICAL, lines.D[0, i].item(), value)
         assert found.status.item() == Status.AT_LOWER_END
         assert found.theta.item() == 0
         assert found.z.item() == 1
@@ -159,12 +160,12 @@ def test_upright_line_lies_on_the_surface():
 
 def test_inverted_line_lies_on_the_surface_from_lambda_pi():
     """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is attained and strictly lower. (5.1)"""
-    lam_pi = landscape.marked_lines(CANONICAL, 0.0).lambda_pi
+    lam_pi = marked_lines.marked_lines(CANONICAL, 0.0).lambda_pi
     assert lam_pi == pytest.approx(1.70683e-6, rel=1e-5)  # section 14
     lam = lam_pi * np.array([0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 3.0, 10.0])
-    lines = landscape.marked_lines(CANONICAL, lam)
+    lines = marked_lines.marked_lines(CANONICAL, lam)
     for i, value in enumerate(lam):
-        found, E = landscape.minimal_surface(CANONICAL, lines.D[1, i].item(), value), lines.E[1, i].item()
+        found, E = surface.minimal_surface(CANONICAL, lines.D[1, i].item(), value), lines.E[1, i].item()
         if value < lam_pi:
             assert found.status.item() == Status.ATTAINED
             assert found.F.item() < E * (1 - 1e-9)
@@ -191,7 +192,7 @@ def test_boundary_values():
     p, w0 = CANONICAL, 155.0
     gamma, sigma, a = p["I1"] / p["I3"], p["m"] * p["R"] ** 2 / p["I3"], p["alpha"]
     L0, weight = p["I3"] * w0, p["m"] * p["g"] * p["R"]
-    lines = landscape.marked_lines(p, p["R"] * (1 - a) * L0)
+    lines = marked_lines.marked_lines(p, p["R"] * (1 - a) * L0)
     ratio = (1 - a) / (1 + a)
     np.testing.assert_allclose(lines.omega3[:, 0], [w0, -ratio * w0], rtol=1e-14)
     D = [L0 * np.sqrt(gamma + sigma * (1 - a) ** 2), -ratio * L0 * np.sqrt(gamma + sigma * (1 + a) ** 2)]
@@ -202,7 +203,7 @@ def test_boundary_values():
 
 def test_nothing_moves_at_rest():
     """D = lambda = 0: the infimum m g R (1 - alpha) is approached at theta = 0."""
-    found = landscape.minimal_surface(CANONICAL, [-1e-300, 0.0, 1e-30], [-1e-30, 0.0, 1e-300])
+    found = surface.minimal_surface(CANONICAL, [-1e-300, 0.0, 1e-30], [-1e-30, 0.0, 1e-300])
     weight = CANONICAL["m"] * CANONICAL["g"] * CANONICAL["R"] * 0.7
     np.testing.assert_allclose(found.F, weight, rtol=3e-16)
     assert found.status[1, 1] == Status.AT_LOWER_END
@@ -211,14 +212,14 @@ def test_nothing_moves_at_rest():
 
 @pytest.mark.parametrize(("D", "lam"), [(0.0, 3e-6), (2e-4, 0.0), (-2e-4, 0.0), (0.0, -1e-9)])
 def test_axes_of_the_plane_are_ordinary(D, lam):
-    found = landscape.minimal_surface(oracle.FIGURE, D, lam)
+    found = surface.minimal_surface(oracle.FIGURE, D, lam)
     q = np.tan(found.theta.item() / 2) ** 2
     assert oracle.ulps(found.F.item(), oracle.minimum(D, lam, oracle.body(oracle.FIGURE), q)[0]) <= 4
     assert found.status.item() == Status.ATTAINED
 
 
 def test_what_is_not_finite_is_undefined():
-    found = landscape.minimal_surface(CANONICAL, [1e-4, np.nan, np.inf], [0.0, 1e-6, np.nan])
+    found = surface.minimal_surface(CANONICAL, [1e-4, np.nan, np.inf], [0.0, 1e-6, np.nan])
     undefined = found.status == Status.UNDEFINED
     np.testing.assert_array_equal(undefined, [[False, False, True], [True] * 3, [True] * 3])
     for name in ("F", "z", "theta", "F_D", "F_lambda"):
@@ -228,18 +229,18 @@ def test_what_is_not_finite_is_undefined():
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: landscape.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6), "Argument `D` must ascend, but does not."),
-        (lambda: landscape.minimal_surface(CANONICAL, [], 1e-6), "Argument `D` must be a number or a one-dimensional"),
+        (lambda: surface.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6), "Argument `D` must ascend, but does not."),
+        (lambda: surface.minimal_surface(CANONICAL, [], 1e-6), "Argument `D` must be a number or a one-dimensional"),
         (
-            lambda: landscape.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
+            lambda: surface.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
             "Argument `lambda` must be a number or a one-dim",
         ),
-        (lambda: landscape.minimal_surface({}, 1e-4, 1e-6), "Argument `parameters` must have 'm'"),
-        (lambda: landscape.top({**CANONICAL, "g": np.nan}), "Argument `parameters.g` must be finite"),
-        (lambda: landscape.top({**CANONICAL, "alpha": 1.5}), "alpha in \\(0, 1\\)"),
-        (lambda: landscape.top({**CANONICAL, "I1": -1.0}), "Argument `parameters.I1` must be positive"),
-        (lambda: landscape.top({**HEAVY, "l": -0.1}, "heavy-top"), "Argument `parameters.l` must be positive"),
-        (lambda: landscape.top(CANONICAL, "cylinder"), "Argument `system` must be one of tippe-top"),
+        (lambda: surface.minimal_surface({}, 1e-4, 1e-6), "Argument `parameters` must have 'm'"),
+        (lambda: bodies.top({**CANONICAL, "g": np.nan}), "Argument `parameters.g` must be finite"),
+        (lambda: bodies.top({**CANONICAL, "alpha": 1.5}), "alpha in \\(0, 1\\)"),
+        (lambda: bodies.top({**CANONICAL, "I1": -1.0}), "Argument `parameters.I1` must be positive"),
+        (lambda: bodies.top({**HEAVY, "l": -0.1}, "heavy-top"), "Argument `parameters.l` must be positive"),
+        (lambda: bodies.top(CANONICAL, "cylinder"), "Argument `system` must be one of tippe-top"),
     ],
 )
 def test_one_clear_sentence(call, sentence):
@@ -249,8 +250,8 @@ def test_one_clear_sentence(call, sentence):
 
 def test_surface_of_a_heavy_top_against_a_bounded_minimiser():
     L3, Lz = np.array([-0.006, 0.0, 0.01]), np.array([-0.008, 0.003, 0.009])
-    found = landscape.minimal_surface(HEAVY, L3, Lz, "heavy-top")
-    body = landscape.top(HEAVY, "heavy-top").body
+    found = surface.minimal_surface(HEAVY, L3, Lz, "heavy-top")
+    body = bodies.top(HEAVY, "heavy-top").body
     for i, j in np.ndindex(3, 3):
         best = scipy.optimize.minimize_scalar(
             heavy_top.potential,
@@ -267,7 +268,7 @@ def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
     """L3 = Lz: theta = 0 is the infimum iff L3^2 >= 4 m g l I1*. [section 8]"""
     threshold = np.sqrt(4 * HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * (HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2))
     for factor, status in ((0.9, Status.ATTAINED), (1.1, Status.AT_UPPER_END)):
-        found = landscape.minimal_surface(HEAVY, factor * threshold, factor * threshold, "heavy-top")
+        found = surface.minimal_surface(HEAVY, factor * threshold, factor * threshold, "heavy-top")
         assert found.status.item() == status
         assert (found.theta.item() == 0) == (factor > 1)
 
@@ -277,7 +278,7 @@ def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
 
 def test_rolling_top_swings_as_its_reference_run():
     """Reference case 6: period and band of a rolling tippe top integrated with 200 bits (section 14)."""
-    found = landscape.turning_angles(
+    found = turning.turning_angles(
         CANONICAL, 3.176113719312522795797e-4, 1.770830502934459498575855e-6, 1.810356427261974764621e-2
     )
     assert found.theta_min.item() == pytest.approx(0.512263136142123, rel=2e-14)
@@ -291,7 +292,7 @@ def test_heavy_top_swings_as_its_closed_form():
     L3, z0 = 0.01, np.cos(0.6)
     heavy = {"m": 0.1, "l": 0.04, "I1": 8 / 100000, "I3": 5e-5, "g": 9.82}
     E = L3**2 / 2 / heavy["I3"] + heavy["m"] * heavy["g"] * heavy["l"] * z0
-    found = landscape.turning_angles(heavy, L3, L3 * z0, E, "heavy-top")
+    found = turning.turning_angles(heavy, L3, L3 * z0, E, "heavy-top")
     assert found.theta_min.item() == pytest.approx(0.6, rel=1e-12)
     assert found.theta_max.item() == pytest.approx(0.7376469624934865, rel=1e-12)
     assert found.period.item() == pytest.approx(0.1786029610277087905, rel=1e-11)
@@ -299,8 +300,8 @@ def test_heavy_top_swings_as_its_closed_form():
 
 def test_small_nutations_have_the_period_of_the_second_derivative():
     D, lam = 3e-4, 4e-6
-    F = landscape.minimal_surface(CANONICAL, D, lam).F.item()
-    found = landscape.turning_angles(CANONICAL, D, lam, F * (1 + np.array([1e-3, 1e-4, 1e-5])))
+    F = surface.minimal_surface(CANONICAL, D, lam).F.item()
+    found = turning.turning_angles(CANONICAL, D, lam, F * (1 + np.array([1e-3, 1e-4, 1e-5])))
     away = np.abs(found.period / found.small_period - 1).values
     assert away[2] < 1e-5
     np.testing.assert_allclose(away[:-1] / away[1:], 10, rtol=0.05)  # the square of the amplitude
@@ -309,9 +310,9 @@ def test_small_nutations_have_the_period_of_the_second_derivative():
 def test_turning_angles_are_where_the_potential_takes_the_energy():
     rng, b = np.random.default_rng(7), oracle.body(CANONICAL)
     D, lam = rng.uniform(-5e-4, 5e-4, 15), rng.uniform(1e-7, 7e-6, 15)
-    F = np.array([landscape.minimal_surface(CANONICAL, x, y).F.item() for x, y in zip(D, lam, strict=True)])
+    F = np.array([surface.minimal_surface(CANONICAL, x, y).F.item() for x, y in zip(D, lam, strict=True)])
     E = F * (1 + 10 ** rng.uniform(-10, 1, 15))
-    found = landscape.turning_angles(CANONICAL, D, lam, E)
+    found = turning.turning_angles(CANONICAL, D, lam, E)
     assert (found.theta_min < found.theta_star).all()
     assert (found.theta_star < found.theta_max).all()
     for i in range(15):
@@ -324,8 +325,8 @@ def test_turning_angles_are_where_the_potential_takes_the_energy():
 
 
 def test_levels_say_how_the_energy_lies():
-    F = landscape.minimal_surface(CANONICAL, 3e-4, 4e-6).F.item()
-    found = landscape.turning_angles(CANONICAL, 3e-4, 4e-6, [2 * F, F * (1 + 1e-13), 0.5 * F, np.nan])
+    F = surface.minimal_surface(CANONICAL, 3e-4, 4e-6).F.item()
+    found = turning.turning_angles(CANONICAL, 3e-4, 4e-6, [2 * F, F * (1 + 1e-13), 0.5 * F, np.nan])
     assert found.level.values.tolist() == [Level.ABOVE, Level.TOUCHING, Level.BELOW, Level.UNDEFINED]
     assert found.theta_min[1] == found.theta_max[1] == found.theta_star[1]
     np.testing.assert_array_equal(np.isnan(found.theta_min), [False, False, True, True])
@@ -334,27 +335,27 @@ def test_levels_say_how_the_energy_lies():
 def test_a_swing_through_the_pole_reaches_it():
     """At D = lambda = 0 the top swings as a plane pendulum, through theta = 0."""
     weight = CANONICAL["m"] * CANONICAL["g"] * CANONICAL["R"]
-    found = landscape.turning_angles(CANONICAL, 0.0, 0.0, weight * (1 - 0.3 * np.cos(1.0)))
+    found = turning.turning_angles(CANONICAL, 0.0, 0.0, weight * (1 - 0.3 * np.cos(1.0)))
     assert found.theta_min.item() < 1e-14
     assert found.theta_max.item() == pytest.approx(1.0, rel=1e-14)
 
 
 def test_shapes_and_labels_are_kept():
     D = xr.DataArray(np.full((2, 3), 1e-4), dims=("run", "time"), coords={"time": [0.0, 1.0, 2.0]})
-    found = landscape.turning_angles(CANONICAL, D, 2e-6, 0.05)
+    found = turning.turning_angles(CANONICAL, D, 2e-6, 0.05)
     assert found.theta_max.dims == ("run", "time")
     assert found.theta_max.attrs["units"] == "rad"
-    assert landscape.turning_angles(CANONICAL, np.full((2, 1), 1e-4), 2e-6, [0.05, 0.06, 0.07]).period.shape == (2, 3)
+    assert turning.turning_angles(CANONICAL, np.full((2, 1), 1e-4), 2e-6, [0.05, 0.06, 0.07]).period.shape == (2, 3)
 
 
 # --- along a run ----------------------------------------------------------------------------------------------------
 
 
 def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
-    from tippetop import inversion
+    from tippetop.landscape import along_run
 
     groups, attrs = inverting_run
-    found, logged, _ = inversion.band(groups["trajectory"], groups["events"], attrs)
+    found, logged, _ = along_run.band(groups["trajectory"], groups["events"], attrs)
     theta = found.theta.values
     assert (theta >= found.theta_min.values - 1e-6).all()  # the square root of the rounding of E~, at a touch
     assert (theta <= found.theta_max.values + 1e-6).all()
@@ -366,17 +367,17 @@ def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
 @pytest.fixture(scope="module")
 def inverting_run():
     import tippetop
-    from tippetop import results
+    from tippetop.runs import attributes
 
     run = tippetop.run("inverting", until=8)
-    groups = results.datasets(run)
+    groups = attributes.datasets(run)
     return groups, groups["trajectory"].attrs
 
 
 def test_band_of_a_rolling_top_stands_still():
     """In pure rolling D, lambda and E~ are constant, and theta swings from edge to edge."""
     import tippetop
-    from tippetop import scenario
+    from tippetop.scenario import build
 
     tables = {
         "system": "rolling-tippe-top",
@@ -384,8 +385,8 @@ def test_band_of_a_rolling_top_stands_still():
         "initial": {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0},
         "run": {"until": 0.5, "output_step": 0.001},
     }
-    run = tippetop.datasets(tippetop.integrate(scenario.problem(tables)))
-    found = landscape.band(CANONICAL, run["trajectory"], "rolling-tippe-top")
+    run = tippetop.datasets(tippetop.integrate(build.problem(tables)))
+    found = turning.band(CANONICAL, run["trajectory"], "rolling-tippe-top")
     for name in ("theta_min", "theta_max", "period"):
         assert float(np.ptp(found[name].values)) < 1e-10
     turnings = run["events"].theta.values[run["events"].kind.values == 0]
@@ -394,9 +395,9 @@ def test_band_of_a_rolling_top_stands_still():
 
 
 def test_figures_of_a_run_in_its_landscape(inverting_run, tmp_path):
-    from tippetop import figures
+    from tippetop.figures import catalogue
 
     groups, attrs = inverting_run
     for kind in ("band", "surface", "potential", "inversion"):
-        figures.draw(kind, groups, attrs, tmp_path / f"{kind}.png")
+        catalogue.draw(kind, groups, attrs, tmp_path / f"{kind}.png")
         assert (tmp_path / f"{kind}.png").stat().st_size > 20_000

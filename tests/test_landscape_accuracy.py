@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import landscape_oracle as oracle
-from tippetop import landscape
-from tippetop.systems import spinning
+from tippetop.landscape import body as bodies
+from tippetop.landscape import formulas, marked_lines, surface
+from tippetop.mechanics.systems import spinning
 from tippetop_kernels.minimise import Status
 
 
@@ -24,7 +25,7 @@ EXTREME = {
 }
 
 
-def pointwise(t, D, lam, over=landscape.minima):
+def pointwise(t, D, lam, over=surface.minima):
     """F, q, status at points (D[i], lam[i])."""
     return tuple(
         np.concatenate(a).ravel()
@@ -34,18 +35,18 @@ def pointwise(t, D, lam, over=landscape.minima):
 
 def worst(parameters, points):
     """The largest error of F in ulp, found with q and alone, and of q relative to its conditioning, over the points."""
-    t, b = landscape.top(parameters), oracle.body(parameters)
+    t, b = bodies.top(parameters), oracle.body(parameters)
     D, lam = points
     F, q, status = pointwise(t, D, lam)
-    alone, status_alone = pointwise(t, D, lam, landscape.heights)
+    alone, status_alone = pointwise(t, D, lam, surface.heights)
     np.testing.assert_array_equal(status, status_alone)
     assert not np.isin(status, [Status.UNSETTLED, Status.UNDEFINED]).any()
     errors = []
     for i in range(D.size):
         exact, q_exact = oracle.minimum(D[i], lam[i], b, q[i])
-        p = landscape.surface.lean(D[i], lam[i], t.relief)
+        p = formulas.lean(D[i], lam[i], t.relief)
         # rounding of the slope, some units of F, over its rate of change
-        condition = F[i] / landscape.surface.bend(q[i], p, t.relief)
+        condition = F[i] / formulas.bend(q[i], p, t.relief)
         in_ulp = max(oracle.ulps(F[i], exact), oracle.ulps(alone[i], exact))
         errors.append((in_ulp, float(abs(q[i] / q_exact - 1)) / (2**-52 * max(condition, 1))))
     return np.max(errors, axis=0)
@@ -77,7 +78,7 @@ def test_gradient_is_that_of_the_exact_surface():
     D, lam = oracle.boxed(oracle.FIGURE, 60, seed=4)
     b = oracle.body(oracle.FIGURE)
     for x, y in zip(D, lam, strict=True):
-        found = landscape.minimal_surface(oracle.FIGURE, x, y)
+        found = surface.minimal_surface(oracle.FIGURE, x, y)
         F, q = oracle.minimum(x, y, b, np.tan(found.theta.item() / 2) ** 2)
         z = oracle.z_of(q)
         by_D = mp.diff(lambda D, z=z, y=y: oracle.potential(z, D, mp.mpf(y), b), mp.mpf(x))
@@ -90,7 +91,7 @@ def test_gradient_is_the_slope_of_the_surface():
     """The envelope theorem itself: a central difference of exact F."""
     b, h = oracle.body(oracle.FIGURE), mp.mpf("1e-12")
     for x, y in zip(*oracle.boxed(oracle.FIGURE, 10, seed=5), strict=True):
-        found = landscape.minimal_surface(oracle.FIGURE, x, y)
+        found = surface.minimal_surface(oracle.FIGURE, x, y)
         q = np.tan(found.theta.item() / 2) ** 2
         step = h * abs(mp.mpf(y))
         up, down = (oracle.minimum(x, mp.mpf(y) + s, b, q)[0] for s in (step, -step))
@@ -101,14 +102,14 @@ def test_two_minima_and_the_lower_of_them():
     """alpha = 0.3, gamma = 3, sigma = 4: above gamma* [section 5, item 4]."""
     parameters = oracle.parameters(0.3, 3.0, 4.0)
     b = oracle.body(parameters)
-    t = landscape.top(parameters)
+    t = bodies.top(parameters)
     assert t.several
     lam = 1.02 * float(spinning.lambda_pi(b))
     D = float(spinning.slope(-1, b)) * lam
-    found = landscape.minimal_surface(parameters, [D * (1 + 1e-4), D, D * (1 - 1e-4)], lam)  # D < 0
+    found = surface.minimal_surface(parameters, [D * (1 + 1e-4), D, D * (1 - 1e-4)], lam)  # D < 0
     q = np.geomspace(1e-12, 1e12, 200_001)
     for x, F, status in zip(found.D.values, found.F.values.ravel(), found.status.values.ravel(), strict=True):
-        V = landscape.surface.value(q, landscape.surface.lean(x, lam, t.relief), t.relief)
+        V = formulas.value(q, formulas.lean(x, lam, t.relief), t.relief)
         assert V.min() >= F
         assert pytest.approx(V.min(), rel=1e-8) == F
         inner = (V[1:-1] < V[:-2]) & (V[1:-1] < V[2:])
@@ -122,8 +123,8 @@ def test_two_minima_of_which_the_end_is_the_lower():
     """Far above lambda_pi the inverted state is the lower of the two, and only approached."""
     parameters = oracle.parameters(0.3, 3.0, 4.0)
     for factor, status in ((1.02, Status.LOWER_OF_TWO), (3.0, Status.AT_UPPER_END)):
-        lines = landscape.marked_lines(parameters, factor * float(spinning.lambda_pi(oracle.body(parameters))))
-        found = landscape.minimal_surface(parameters, lines.D[1, 0].item(), lines["lambda"].item())
+        lines = marked_lines.marked_lines(parameters, factor * float(spinning.lambda_pi(oracle.body(parameters))))
+        found = surface.minimal_surface(parameters, lines.D[1, 0].item(), lines["lambda"].item())
         assert found.status.item() == status
         if status == Status.AT_UPPER_END:
             assert found.theta.item() == np.pi
@@ -134,8 +135,8 @@ def test_two_minima_of_which_the_end_is_the_lower():
 
 def test_second_minimum_appears_at_gamma_star():
     """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
-    assert not landscape.top(oracle.parameters(0.3, 2.1212, 2.5)).several
-    assert landscape.top(oracle.parameters(0.3, 2.1214, 2.5)).several
+    assert not bodies.top(oracle.parameters(0.3, 2.1212, 2.5)).several
+    assert bodies.top(oracle.parameters(0.3, 2.1214, 2.5)).several
 
 
 @numba.njit
@@ -154,12 +155,12 @@ def minima_along(lean, slopes, D, lam, r):
 
 def test_no_second_minimum_below_gamma_star():
     """1500 bodies in and out of the inverting class, at points around the marked lines: what `several` rests on."""
-    rng, f, found = np.random.default_rng(8), landscape.kernels().formulas, 0
+    rng, f, found = np.random.default_rng(8), bodies.kernels().formulas, 0
     for _ in range(1500):
         alpha, sigma = rng.uniform(0.001, 0.999), 10 ** rng.uniform(-2, 3)
         gamma = rng.choice([rng.uniform(0.5, 1 + alpha), rng.uniform(1 + alpha, 6)])
         parameters = oracle.parameters(alpha, gamma, sigma)
-        t, scale = landscape.top(parameters), oracle.scales(parameters)[1]
+        t, scale = bodies.top(parameters), oracle.scales(parameters)[1]
         slopes = np.array([spinning.slope(z, t.body) for z in (1, -1)])
         lam = scale * 10 ** rng.uniform(-1.5, 1.5, 60)
         D = np.resize(slopes, 60) * lam * (1 + rng.choice([-1, 1], 60) * 10 ** rng.uniform(-8, 0, 60))

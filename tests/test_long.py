@@ -10,24 +10,26 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from tippetop import certify, chunks, record, scenario
 from tippetop.cli import outcome
-from tippetop.figures import run as run_figures
-from tippetop.operand import leaves, product_error
-from tippetop.solve import solve
+from tippetop.figures import run
+from tippetop.mechanics.operand import leaves, product_error
+from tippetop.runs import certificate, recording
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+from tippetop.store import chunks
 
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("long") / "run.zarr"
-    record.record(scenario.load("inverting", until=7.0), path)
+    recording.record(build.load("inverting", until=7.0), path)
     return path
 
 
 @pytest.mark.parametrize(("precision", "bits"), [("longdouble", 63), ("quad", 105)])
 def test_wide_rows_are_stored_without_losing_digits(precision: str, bits: int) -> None:
     """hi + lo gives the integrated number back to the bits that two doubles hold, unit conversion included."""
-    problem = scenario.load("inverting", [f"run.precision={precision}", "run.output_step=0.1"], until=0.3)
+    problem = build.load("inverting", [f"run.precision={precision}", "run.output_step=0.1"], until=0.3)
     run = solve(problem)
     columns, weights = run.columns(), problem.weights(problem.form)
     index = problem.form.units._fields.index("Lx")
@@ -91,20 +93,20 @@ def test_a_thin_reading_loses_no_peak(store: Path) -> None:
 
 def test_a_certificate_measures_the_error_of_the_run() -> None:
     """Against a run that is spoiled on purpose, it must show the damage; against a good one, the promise holds."""
-    problem = scenario.load("inverting", until=3.0)
-    good = certify.certificate(problem)
+    problem = build.load("inverting", until=3.0)
+    good = certificate.certificate(problem)
     assert good["theta"] < 1e-12
     assert good["turnings"]["time"] < 1e-12
-    assert certify.broken_certificate(good) == []
-    spoiled = certify.certificate(dataclasses.replace(problem, tolerance=1e-6))
+    assert certificate.broken_certificate(good) == []
+    spoiled = certificate.certificate(dataclasses.replace(problem, tolerance=1e-6))
     assert spoiled["theta"] > 100 * good["theta"]
-    assert certify.broken_certificate({**good, "theta": 1e-9})
+    assert certificate.broken_certificate({**good, "theta": 1e-9})
 
 
 def test_a_broken_promise_is_said_and_exits_with_4(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(certify.PROMISED, "jellett", 1e-18)
+    monkeypatch.setitem(certificate.PROMISED, "jellett", 1e-18)
     assert outcome(["run", "inverting", "--until", "1", "--json"]) == 4
     out, err = capsys.readouterr()
     assert "the accuracy contract is broken: the drift of jellett must be at most 1.0e-18" in err
@@ -141,7 +143,7 @@ def unevenness(parameter: float, rng: np.random.Generator) -> float:
 def test_products_with_the_parameters_of_the_reduced_form_round_evenly(rng: np.random.Generator) -> None:
     """With alpha = 3/10 and I3 = 2/5, as in the other forms, they do not: that drives energy one way in long runs."""
     reduced, vector = (
-        [float(p) for p in leaves(scenario.load("rolling", [f"form={form}"]).internal_body)]
+        [float(p) for p in leaves(build.load("rolling", [f"form={form}"]).internal_body)]
         for form in ("reduced", "vector")
     )
     assert max(unevenness(p, rng) for p in reduced) < 6
@@ -152,8 +154,8 @@ def test_a_band_of_more_turnings_than_can_be_seen_is_one_piece(rng: np.random.Ge
     """Thinned logs have gaps everywhere: a piece for each took 10 ms to draw."""
     t = np.cumsum(rng.exponential(1.0, (25_000, 2)).ravel())
     low, high = (t[::2], np.full(25_000, 0.5)), (t[1::2], np.full(25_000, 1.0))
-    assert len(run_figures._bands(tuple(x[:500] for x in low), tuple(x[:500] for x in high))) > 10
-    ((when, bottom, top),) = run_figures._bands(low, high)
+    assert len(run._bands(tuple(x[:500] for x in low), tuple(x[:500] for x in high))) > 10
+    ((when, bottom, top),) = run._bands(low, high)
     assert (when[0], when[-1]) == (t[0], t[-1])
     assert (bottom == 0.5).all()
     assert (top == 1.0).all()

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tippetop import plan, scenario, stability
-from tippetop.axes import Axis, Design, Sample
+from tippetop.errors import InputError
 from tippetop.problem import Problem
-from tippetop.scenario import ScenarioError
+from tippetop.runs import outlook
+from tippetop.scenario import reading
+from tippetop.sweeps import plan
+from tippetop.sweeps.design import Axis, Design, Sample
 
 
 GRID = [
@@ -67,7 +69,7 @@ def test_a_chunk_is_a_stretch_of_the_whole() -> None:
 def jellett_of(problem: Problem) -> tuple[float, float]:
     """Jellett's integral of a start and its threshold, as `check` says them."""
     body = problem.body(float)
-    found = stability.assessment(problem.system, body, problem.initial)
+    found = outlook.assessment(problem.system, body, problem.initial)
     return found["lambda"], found["thresholds"]["lambda_s"].value
 
 
@@ -98,7 +100,7 @@ def test_sigma_alone_keeps_gamma() -> None:
 
 def test_a_document_is_the_whole_plan(tmp_path: Path) -> None:
     """Through JSON, as the store keeps it: the same numbers, whatever became of the scenario's file."""
-    (tmp_path / "mine.toml").write_text(scenario.presets()["cohen"])
+    (tmp_path / "mine.toml").write_text(reading.presets()["cohen"])
     axes = [{"of": "initial.omega3", "values": [1.0, float("nan"), 3.0, float("inf")]}, GRID[1]]
     one = plan.of({"scenario": "mine.toml", "axis": axes, "keep": ["class"], "runs": [0]}, tmp_path)
     (tmp_path / "mine.toml").unlink()
@@ -178,7 +180,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
     ],
 )
 def test_what_is_wrong_is_said(document: dict[str, Any], words: list[str]) -> None:
-    with pytest.raises(ScenarioError) as error:
+    with pytest.raises(InputError) as error:
         plan.of({"scenario": "inverting", **document})
     for word in words:
         assert word in str(error.value)
@@ -186,6 +188,6 @@ def test_what_is_wrong_is_said(document: dict[str, Any], words: list[str]) -> No
 
 def test_all_that_is_wrong_is_said_at_once() -> None:
     axes = [{"of": "friction.mu", "geomspace": [0, 1], "n": 2}, {"of": "gamma"}, {**OMEGA, "n": 2}]
-    with pytest.raises(ScenarioError) as error:
+    with pytest.raises(InputError) as error:
         plan.of({"scenario": "inverting", "set": {"parameters": {"m": -1}}, "axis": axes, "runs": [3]})
     assert len(error.value.sentences) == 4

@@ -5,10 +5,11 @@ import json
 import pytest
 
 from tippetop.cli import outcome
-from tippetop.engine import Status
-from tippetop.scenario import load, presets
-from tippetop.solve import solve
-from tippetop.systems import SYSTEMS
+from tippetop.engine.status import Status
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.runs.run import solve
+from tippetop.scenario.build import load
+from tippetop.scenario.reading import presets
 
 
 @pytest.mark.parametrize("name", sorted(presets()))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import tops
-from tippetop.reconstruct import reconstruct
-from tippetop.solve import solve
-from tippetop.trajectory import View
+from tippetop.engine.observables import View
+from tippetop.mechanics.theory.main_equation import reconstruct
+from tippetop.runs.run import solve
 
 
 HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}

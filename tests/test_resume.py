@@ -16,23 +16,29 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tippetop import archive, record, scenario
-from tippetop.archive import StoreError
+from tippetop import errors
 from tippetop.cli import outcome
+from tippetop.errors import StoreError
 from tippetop.problem import Problem
-from tippetop.solve import Course, Memory, solve
+from tippetop.runs import recording
+from tippetop.runs.integration import Course
+from tippetop.runs.run import solve
+from tippetop.runs.sinks import Memory
+from tippetop.scenario import build, reading
+from tippetop.store import files as store_files
+from tippetop.store import root
 
 
 SETS = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # it turns for ever
 UNTIL = 400.0
 PRELUDE = (
-    "import tippetop.record as r, tippetop.archive as a; r.COMMIT_EVERY = 0.02; r.MOST_ROWS = 5000;"
+    "import tippetop.runs.recording as r, tippetop.store.files as a; r.COMMIT_EVERY = 0.02; r.MOST_ROWS = 5000;"
     "r.EVENTS_PER_CHUNK = 1000; import sys; from tippetop.cli import main;"
 )
 
 
 def problem(until: float = UNTIL, *sets: str) -> Problem:
-    return scenario.load("inverting", [*SETS, "run.output_step=0.01", *sets], until)
+    return build.load("inverting", [*SETS, "run.output_step=0.01", *sets], until)
 
 
 def start(*arguments: str) -> subprocess.Popen:
@@ -155,16 +161,16 @@ def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A store that was interrupted after some chunks."""
     store = tmp_path / "run.zarr"
     for name, value in (("COMMIT_EVERY", 0.0), ("MOST_ROWS", 5000), ("EVENTS_PER_CHUNK", 1000)):
-        monkeypatch.setattr(record, name, value)
+        monkeypatch.setattr(recording, name, value)
     seen = []
 
     def stop(course: object) -> None:
         seen.append(course)
         if len(seen) == 4:
-            raise record.Interrupted(signal.SIGINT)
+            raise errors.Interrupted(signal.SIGINT)
 
-    with pytest.raises(record.Interrupted):
-        record.record(problem(), store, progress=stop)
+    with pytest.raises(errors.Interrupted):
+        recording.record(problem(), store, progress=stop)
     return store
 
 
@@ -175,10 +181,10 @@ def test_a_damaged_chunk_is_said_on_resume(tmp_path: Path, monkeypatch: pytest.M
     for damage in (whole[: len(whole) // 2], whole[:100] + b"\x00" + whole[101:]):
         chunk.write_bytes(damage)
         with pytest.raises(StoreError, match=r"theta.* must be readable in rows 5000 to"):
-            record.resume(store)
+            recording.resume(store)
     chunk.unlink()
     with pytest.raises(StoreError, match="missing"):
-        record.resume(store)
+        recording.resume(store)
 
 
 def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,12 +193,12 @@ def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, mon
     kept = place.read_text()
     place.write_text(kept[: len(kept) // 2])
     with pytest.raises(StoreError, match="must have a whole checkpoint"):
-        record.resume(store)
+        recording.resume(store)
     other = json.loads(kept)
     other["course"]["equations"] = "0" * 16
     place.write_text(json.dumps(other))
     with pytest.raises(StoreError, match="equations"):
-        record.resume(store)
+        recording.resume(store)
 
 
 def test_an_unfinished_store_can_be_looked_at(
@@ -223,27 +229,27 @@ def test_a_store_equals_the_run_in_memory(undisturbed: Path) -> None:
     events = xr.open_zarr(undisturbed, group="events", consolidated=False)
     for name, values in run.events._asdict().items():
         np.testing.assert_array_equal(events[name].values, values, err_msg=name)
-    report = archive.attributes(undisturbed)["report"]
-    assert report == archive.finite(run.report)
+    report = root.attributes(undisturbed)["report"]
+    assert report == root.finite(run.report)
 
 
 @pytest.mark.parametrize("precision", ["longdouble", "quad"])
 def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tippetop.engine.STEPS_PER_SLICE", 16)
-    monkeypatch.setattr(record, "COMMIT_EVERY", 0.0)
+    monkeypatch.setattr("tippetop.engine.taylor.STEPS_PER_SLICE", 16)
+    monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
     short = problem(0.6, f"run.precision={precision}")
     whole, broken = tmp_path / "whole.zarr", tmp_path / "broken.zarr"
-    record.record(short, whole)
+    recording.record(short, whole)
     calls = []
 
     def stop(course: object) -> None:
         calls.append(course)
         if len(calls) == 2:
-            raise record.Interrupted(signal.SIGINT)
+            raise errors.Interrupted(signal.SIGINT)
 
-    with pytest.raises(record.Interrupted):
-        record.record(short, broken, progress=stop)
-    record.resume(broken)
+    with pytest.raises(errors.Interrupted):
+        recording.record(short, broken, progress=stop)
+    recording.resume(broken)
     assert_same(broken, whole)
 
 
@@ -251,18 +257,18 @@ def test_what_a_checkpoint_acknowledges_is_on_the_disk_before_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name, value in (("COMMIT_EVERY", 0.0), ("MOST_ROWS", 5000), ("EVENTS_PER_CHUNK", 1000)):
-        monkeypatch.setattr(record, name, value)
+        monkeypatch.setattr(recording, name, value)
     store, synced, late = tmp_path / "run.zarr", {}, []
-    monkeypatch.setattr("tippetop.chunks.synced", lambda path: synced.update({path: path.stat().st_mtime_ns}))
-    replaced = archive.replace_text
+    monkeypatch.setattr("tippetop.store.chunks.synced", lambda path: synced.update({path: path.stat().st_mtime_ns}))
+    replaced = store_files.replace_text
 
     def checked(path: Path, text: str) -> None:
         chunks = [p for p in store.rglob("*") if p.is_file() and "c" in p.relative_to(store).parts]
         late.extend(p for p in chunks if synced.get(p) != p.stat().st_mtime_ns)
         replaced(path, text)
 
-    monkeypatch.setattr(archive, "replace_text", checked)
-    record.record(problem(), store)
+    monkeypatch.setattr("tippetop.runs.recording.files.replace_text", checked)
+    recording.record(problem(), store)
     assert len(synced) > 100
     assert late == []
 
@@ -293,7 +299,7 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     output: str, start: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It starts on a zero of theta', whose first step is searched in another way than the later ones."""
-    monkeypatch.setattr("tippetop.engine.STEPS_PER_SLICE", 3)
+    monkeypatch.setattr("tippetop.engine.taylor.STEPS_PER_SLICE", 3)
     made = dataclasses.replace(problem(1.0, *start), output=output)
     memory, whole = handed_over_after_every_slice(made), solve(made)
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
@@ -306,9 +312,9 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
 def test_rows_at_events_or_steps(tmp_path: Path) -> None:
     for output in ("events", "steps"):
         store = tmp_path / f"{output}.zarr"
-        tables = scenario.override(scenario.read("inverting"), [f"run.output={output}", "run.until=2.0"])
+        tables = reading.override(reading.read("inverting"), [f"run.output={output}", "run.until=2.0"])
         del tables["run"]["output_step"]
-        record.record(scenario.problem(tables), store)
+        recording.record(build.problem(tables), store)
         times = xr.open_zarr(store, group="trajectory", consolidated=False)["time"].values
         events = xr.open_zarr(store, group="events", consolidated=False)["time"].values
         expected = np.array([0.0, *events, 2.0]) if output == "events" else None
@@ -319,9 +325,9 @@ def test_rows_at_events_or_steps(tmp_path: Path) -> None:
 
 
 def test_a_settled_run_can_stop_early(tmp_path: Path) -> None:
-    tables = scenario.override(scenario.read("inverting"), ["run.stop_when=settled", "run.until=1e5"])
+    tables = reading.override(reading.read("inverting"), ["run.stop_when=settled", "run.until=1e5"])
     tables["run"]["output_step"] = 1.0
-    course, attrs = record.record(scenario.problem(tables), tmp_path / "run.zarr")
+    course, attrs = recording.record(build.problem(tables), tmp_path / "run.zarr")
     assert attrs["status"] == "settled"
     assert 36 < course.t_end < 1000
     shutil.rmtree(tmp_path / "run.zarr")

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tippetop import scenario
-from tippetop.friction import Coulomb
+from tippetop.errors import InputError
+from tippetop.mechanics.friction import Coulomb
 from tippetop.problem import Problem
-from tippetop.scenario import ScenarioError
+from tippetop.scenario import build, reading
 
 
 def sentences(*assignments: str) -> str:
-    with pytest.raises(ScenarioError) as caught:
-        scenario.load("inverting", list(assignments))
+    with pytest.raises(InputError) as caught:
+        build.load("inverting", list(assignments))
     return str(caught.value)
 
 
@@ -60,15 +60,15 @@ def test_all_faults_are_reported_at_once() -> None:
 
 
 def test_a_missing_law_is_an_error() -> None:
-    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables = tomllib.loads(reading.presets()["inverting"])
     del tables["friction"]
-    with pytest.raises(ScenarioError, match="`friction` must be given, but is missing"):
-        scenario.problem(tables)
+    with pytest.raises(InputError, match="`friction` must be given, but is missing"):
+        build.problem(tables)
 
 
 def test_euler_form_refuses_a_pole_and_vector_form_takes_it() -> None:
     assert "singular" in sentences("form=euler", "initial.theta=0.0")
-    assert scenario.load("inverting", ["initial.theta=0.0"]).start()[0] == 0.0
+    assert build.load("inverting", ["initial.theta=0.0"]).start()[0] == 0.0
 
 
 def test_jammed_contact_at_the_start_is_refused() -> None:
@@ -77,29 +77,29 @@ def test_jammed_contact_at_the_start_is_refused() -> None:
 
 
 def test_the_grid_ends_with_until_and_times_are_kept_as_given() -> None:
-    grid = scenario.load("inverting", ["run.until=1.05", "run.output_step=0.1"]).times[:]
+    grid = build.load("inverting", ["run.until=1.05", "run.output_step=0.1"]).times[:]
     assert grid[0] == 0.0
     assert grid[-1] == 1.05
     np.testing.assert_allclose(np.diff(grid)[:-1], 0.1, rtol=1e-12)
-    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables = tomllib.loads(reading.presets()["inverting"])
     tables["run"] = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
-    assert scenario.problem(tables).times[:].tolist() == [0.1, 0.7, 2.0]
+    assert build.problem(tables).times[:].tolist() == [0.1, 0.7, 2.0]
 
 
 def test_until_cuts_output_times() -> None:
-    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables = tomllib.loads(reading.presets()["inverting"])
     tables["run"] = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
-    assert scenario.problem(scenario.override(tables, ["run.until=3"])).until == 3.0
+    assert build.problem(reading.override(tables, ["run.until=3"])).until == 3.0
 
 
 def test_every_preset_loads_and_cites_its_source() -> None:
-    for name, text in scenario.presets().items():
+    for name, text in reading.presets().items():
         assert text.startswith("#"), name
-        assert scenario.load(name).until > 0
+        assert build.load(name).until > 0
 
 
 def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
-    problem = scenario.load("inverting", ["initial.centre_at_rest=true"])
+    problem = build.load("inverting", ["initial.centre_at_rest=true"])
     names = problem.form.units._fields
     state = dict(zip(names, problem.start(), strict=True))
     assert abs(state["rx_dot"]) < 1e-15
@@ -108,22 +108,22 @@ def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
 
 
 def test_psi_dot_stands_for_omega3() -> None:
-    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables = tomllib.loads(reading.presets()["inverting"])
     tables["initial"] = {"theta": 0.4, "phi_dot": 3.0, "psi_dot": 50.0}
-    by_psi = scenario.problem(tables).start()
+    by_psi = build.problem(tables).start()
     tables["initial"] = {"theta": 0.4, "phi_dot": 3.0, "omega3": 50.0 + 3.0 * math.cos(0.4)}
-    np.testing.assert_allclose(by_psi, scenario.problem(tables).start(), rtol=4e-16, atol=1e-16)
+    np.testing.assert_allclose(by_psi, build.problem(tables).start(), rtol=4e-16, atol=1e-16)
 
 
 def test_coulomb_law_is_built_with_its_units() -> None:
-    problem = scenario.load("inverting", ["friction.law=coulomb", "friction.eps=1e-3"])
+    problem = build.load("inverting", ["friction.law=coulomb", "friction.eps=1e-3"])
     assert problem.friction == Coulomb(0.3, 1e-3)
 
 
 def attempt(tables: dict) -> tuple[Problem | None, list[str]]:
     try:
-        return scenario.problem(tables), []
-    except ScenarioError as error:
+        return build.problem(tables), []
+    except InputError as error:
         return None, error.sentences
 
 
@@ -142,7 +142,7 @@ keys = st.sampled_from(NAMES.split())
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(table=keys, key=keys, value=values, whole=st.booleans())
 def test_random_damage_gives_sentences_or_a_problem(table: str, key: str, value: object, whole: bool) -> None:
-    tables = tomllib.loads(scenario.presets()["inverting"])
+    tables = tomllib.loads(reading.presets()["inverting"])
     if whole or not isinstance(tables.get(table), dict):
         tables[table] = value
     else:
@@ -159,5 +159,5 @@ def test_random_damage_gives_sentences_or_a_problem(table: str, key: str, value:
 def test_random_files_give_sentences(tmp_path_factory: pytest.TempPathFactory, text: str | bytes) -> None:
     path = tmp_path_factory.mktemp("toml") / "scenario.toml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass"))
-    with pytest.raises(ScenarioError):
-        scenario.load(str(path))
+    with pytest.raises(InputError):
+        build.load(str(path))

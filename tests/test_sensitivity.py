@@ -3,8 +3,8 @@
 import pytest
 
 import tops
-from tippetop.scenario import load
-from tippetop.sensitivity import inversion_sensitivity
+from tippetop.runs.regularisation import inversion_sensitivity
+from tippetop.scenario.build import load
 
 
 def test_published_times_of_the_leine_glocker_top() -> None:

@@ -7,15 +7,17 @@ import numpy as np
 import pytest
 
 import tippetop
-from tippetop import engine, scenario
-from tippetop import solve as course
-from tippetop.engine import Slice, Status, slices
+from tippetop.engine import taylor
+from tippetop.engine.status import Status
+from tippetop.engine.taylor import Slice, slices
 from tippetop.problem import Problem
-from tippetop.solve import solve
+from tippetop.runs import integration
+from tippetop.runs.run import solve
+from tippetop.scenario import build
 
 
 def load(*assignments: str, until: float = 2.0, **changes: object) -> Problem:
-    return dataclasses.replace(scenario.load("inverting", list(assignments), until), **changes)
+    return dataclasses.replace(build.load("inverting", list(assignments), until), **changes)
 
 
 def test_output_never_changes_the_run() -> None:
@@ -41,7 +43,7 @@ def test_a_run_reports_the_same_if_nothing_is_kept() -> None:
 
 def test_slices_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = solve(load(until=3.0))
-    monkeypatch.setattr(engine, "STEPS_PER_SLICE", 7)
+    monkeypatch.setattr(taylor, "STEPS_PER_SLICE", 7)
     pieces = solve(load(until=3.0))
     assert pieces.final.tobytes() == whole.final.tobytes()
     assert pieces.rows.tobytes() == whole.rows.tobytes()
@@ -109,9 +111,9 @@ def test_a_liftoff_that_the_event_misses_is_seen_in_the_force(monkeypatch: pytes
     """With the event taken out, the watch on every step finds the same moment."""
     problem = load("initial.omega3=170.0", until=10.0)
     expected = solve(problem).report["t_end"]
-    blind = engine.integrator_of(dataclasses.replace(problem, on_liftoff="continue"))
-    monkeypatch.setattr(course, "integrator_of", lambda _: blind)
-    monkeypatch.setattr(course, "slices", lambda *_: forgetful(slices(*_)))
+    blind = taylor.integrator_of(dataclasses.replace(problem, on_liftoff="continue"))
+    monkeypatch.setattr(integration, "integrator_of", lambda _: blind)
+    monkeypatch.setattr(integration, "slices", lambda *_: forgetful(slices(*_)))
     run = solve(problem)
     assert run.status is Status.LIFTOFF
     assert run.report["t_end"] == pytest.approx(expected, abs=1e-13)
@@ -126,9 +128,9 @@ def test_a_stiff_law_is_named_and_the_last_state_kept() -> None:
 
 def test_a_state_that_turns_non_finite_keeps_the_last_good_one(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = load("form=euler", until=0.3)
-    good = engine.integrator_of(problem)
+    good = taylor.integrator_of(problem)
     good.pars[3] = np.nan  # what a broken parameter would do, past the door
-    monkeypatch.setattr(course, "integrator_of", lambda _: good)
+    monkeypatch.setattr(integration, "integrator_of", lambda _: good)
     run = solve(problem)
     assert run.status is Status.NON_FINITE
     assert "not finite" in run.reason

@@ -6,23 +6,26 @@ import numpy as np
 import pytest
 
 import tops
-from tippetop import stability
-from tippetop.friction import Coulomb, Viscous
-from tippetop.systems import SYSTEMS, gliding
+from tippetop.mechanics.contact import body as contact
+from tippetop.mechanics.contact.gliding import euler as gliding_euler
+from tippetop.mechanics.friction import Coulomb, Viscous
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.theory import modes, regimes, thresholds, tumbling
+from tippetop.runs import outlook
 
 
-B = gliding.Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
+B = contact.Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
-TIP = gliding.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
+TIP = contact.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 
 
-def with_gamma(gamma: float) -> gliding.Body:
+def with_gamma(gamma: float) -> contact.Body:
     return B._replace(I1=gamma * B.I3)
 
 
 def test_published_thresholds() -> None:
     """Canonical top: Friedl (1997), Leine and Glocker (2003), the source."""
-    found = {name: t.value for name, t in stability.thresholds(B).items()}
+    found = {name: t.value for name, t in thresholds.thresholds(B).items()}
     assert found["lambda_u"] == pytest.approx(1.23952e-6, rel=1e-5)
     assert found["lambda_de"] == pytest.approx(2.04048e-6, rel=1e-5)
     assert found["lambda_s"] == pytest.approx(3.43887972e-6, rel=1e-8)
@@ -39,7 +42,7 @@ def test_published_linear_modes() -> None:
         -0.161265295486 - 0.847112112075j,
         -7.848366130776 - 1.552584544047j,
     ]
-    np.testing.assert_allclose(stability.linear_modes(155.0, B), expected, rtol=1e-11)
+    np.testing.assert_allclose(modes.linear_modes(155.0, B), expected, rtol=1e-11)
 
 
 @pytest.mark.parametrize("inverted", [False, True])
@@ -47,11 +50,11 @@ def test_published_linear_modes() -> None:
 def test_modes_change_sign_at_the_thresholds(gamma: float, inverted: bool) -> None:
     """Linear modes and Theorem 3.3.2 agree, for any friction coefficient."""
     b = with_gamma(gamma)
-    limit = stability.lambda_s(b) if inverted else stability.lambda_u(b)
+    limit = thresholds.lambda_s(b) if inverted else thresholds.lambda_u(b)
     for mu in (0.01, 0.3, 3.0):
         for factor in (0.99, 1.01):
-            spin = stability.spin_of(factor * limit, b, inverted=inverted)
-            growth = stability.linear_modes(spin, b._replace(friction=Viscous(mu)), inverted=inverted)[0].real
+            spin = thresholds.spin_of(factor * limit, b, inverted=inverted)
+            growth = modes.linear_modes(spin, b._replace(friction=Viscous(mu)), inverted=inverted)[0].real
             assert (growth < 0) == ((factor > 1) == inverted)
 
 
@@ -59,28 +62,28 @@ def test_modes_change_sign_at_the_thresholds(gamma: float, inverted: bool) -> No
 def test_modes_are_the_growth_of_a_run(inverted: bool) -> None:
     """A start 1e-6 rad from the spinning state grows or decays with the leading mode."""
     omega3 = 60.0 if not inverted else -30.0
-    p = stability.linear_modes(omega3, B, inverted=inverted)
+    p = modes.linear_modes(omega3, B, inverted=inverted)
     theta = math.pi - 1e-6 if inverted else 1e-6
     until = 0.5
     made = tops.run("tippe-top", tops.CANONICAL, {"theta": theta, "omega3": omega3}, until, ("viscous", {"mu": 0.3}))
     axis = tops.columns(made)["axis"]
     tilt, t = axis[:, 0] + 1j * axis[:, 1], made.times
-    modes = np.exp(np.outer(t, p))  # three modes carry the tilt exactly, to first order
-    weights, *_ = np.linalg.lstsq(modes / np.abs(modes).max(axis=0), tilt, rcond=None)
-    assert np.abs(modes / np.abs(modes).max(axis=0) @ weights - tilt).max() < 1e-6 * np.abs(tilt).max()
+    motions = np.exp(np.outer(t, p))  # three modes carry the tilt exactly, to first order
+    weights, *_ = np.linalg.lstsq(motions / np.abs(motions).max(axis=0), tilt, rcond=None)
+    assert np.abs(motions / np.abs(motions).max(axis=0) @ weights - tilt).max() < 1e-6 * np.abs(tilt).max()
 
 
 def test_infinitely_strong_friction_is_rolling() -> None:
     for inverted, spin in ((False, 50.0), (True, 20.0)):
-        strong = stability.linear_modes(spin, B._replace(friction=Viscous(1e9)), inverted=inverted)
-        rolling = stability.rolling_modes(spin, B, inverted=inverted)
+        strong = modes.linear_modes(spin, B._replace(friction=Viscous(1e9)), inverted=inverted)
+        rolling = modes.rolling_modes(spin, B, inverted=inverted)
         for p in rolling:
             assert np.abs(strong - p).min() < 1e-6 * abs(p)
 
 
 def test_regularised_coulomb_counts_by_its_slope_at_rest() -> None:
-    viscous = stability.linear_modes(155.0, B._replace(friction=Viscous(30.0)))
-    coulomb = stability.linear_modes(155.0, B._replace(friction=Coulomb(0.3, 0.01)))
+    viscous = modes.linear_modes(155.0, B._replace(friction=Viscous(30.0)))
+    coulomb = modes.linear_modes(155.0, B._replace(friction=Coulomb(0.3, 0.01)))
     np.testing.assert_allclose(coulomb, viscous, rtol=1e-14)
 
 
@@ -91,51 +94,51 @@ def test_regularised_coulomb_counts_by_its_slope_at_rest() -> None:
 def test_tumbling_states_are_steady(gamma: float) -> None:
     """All rates of the Euler form but phi' vanish; lambda is that of the formula; the quartic finds the state again."""
     b = with_gamma(gamma)
-    low, high = stability.tumbling_limits(b)
+    low, high = tumbling.tumbling_limits(b)
     for z in np.linspace(low, high, 9)[1:-1]:
-        phi_dot, omega3 = stability.tumbling(z, b)
-        e = gliding.EulerState(math.acos(z), 0.0, phi_dot, omega3, 0, 0, 0, 0, 0, 0, 0)
-        rates = gliding.euler_rates(e, b)
+        phi_dot, omega3 = tumbling.tumbling(z, b)
+        e = gliding_euler.EulerState(math.acos(z), 0.0, phi_dot, omega3, 0, 0, 0, 0, 0, 0, 0)
+        rates = gliding_euler.euler_rates(e, b)
         assert abs(rates.theta_dot) + abs(rates.phi_dot) + abs(rates.omega3) < 1e-9 * phi_dot**2
         assert abs(rates.nu_x) + abs(rates.nu_y) < 1e-10
         assert rates.impulse == pytest.approx(b.m * b.g, rel=1e-12)
-        lam = float(gliding.jellett(gliding.euler_scalars(e, b), b))
-        assert stability.tumbling_jellett(z, b) == pytest.approx(lam, rel=1e-12)
-        assert np.abs(stability.tumbling_states(lam, b) - z).min() < 1e-6
+        lam = float(contact.jellett(gliding_euler.euler_scalars(e, b), b))
+        assert tumbling.tumbling_jellett(z, b) == pytest.approx(lam, rel=1e-12)
+        assert np.abs(tumbling.tumbling_states(lam, b) - z).min() < 1e-6
 
 
 @pytest.mark.parametrize("gamma", [0.6, 0.72, 0.8, 0.936, 1.2, 1.5])
 def test_tumbling_is_stable_where_lambda_falls(gamma: float) -> None:
     b = with_gamma(gamma)
-    low, high = stability.tumbling_limits(b)
+    low, high = tumbling.tumbling_limits(b)
     z = np.linspace(low, high, 403)[1:-1]
-    slope = np.imag(stability.tumbling_jellett(z + 1e-30j, b))
+    slope = np.imag(tumbling.tumbling_jellett(z + 1e-30j, b))
     clear = np.abs(slope) > 1e-3 * np.abs(slope).max() * 1e-3
-    assert np.all((slope < 0)[clear] == stability.tumbling_is_stable(z, b)[clear])
+    assert np.all((slope < 0)[clear] == tumbling.tumbling_is_stable(z, b)[clear])
 
 
 def test_regimes_follow_gamma() -> None:
     """Bistability below gamma_+, two stable spins below gamma_c, as the corrected theorem says."""
     b = with_gamma(0.936)
-    assert stability.regime(0.5 * stability.lambda_u(b), b).sentence() == "only the upright spin is stable"
-    between = stability.regime(0.5 * (stability.lambda_u(b) + stability.lambda_s(b)), b)
+    assert regimes.regime(0.5 * thresholds.lambda_u(b), b).sentence() == "only the upright spin is stable"
+    between = regimes.regime(0.5 * (thresholds.lambda_u(b) + thresholds.lambda_s(b)), b)
     assert not between.upright
     assert not between.inverted
     assert len(between.tumbling) == 1
-    assert stability.regime(1.1 * stability.lambda_s(b), b).sentence() == "only the inverted spin is stable"
+    assert regimes.regime(1.1 * thresholds.lambda_s(b), b).sentence() == "only the inverted spin is stable"
     b = with_gamma(0.8)  # gamma_c < 0.8 < gamma_+: a fold, tumbling states near z = 1 are unstable
-    folded = stability.regime(0.97 * stability.lambda_u(b), b)
+    folded = regimes.regime(0.97 * thresholds.lambda_u(b), b)
     assert folded.upright
     assert len(folded.tumbling) == 1
     assert len(folded.unstable) == 1
     b = with_gamma(0.72)  # below gamma_c: lambda_s < lambda_u
-    assert stability.lambda_s(b) < stability.lambda_u(b)
-    both = stability.regime(0.5 * (stability.lambda_u(b) + stability.lambda_s(b)), b)
+    assert thresholds.lambda_s(b) < thresholds.lambda_u(b)
+    both = regimes.regime(0.5 * (thresholds.lambda_u(b) + thresholds.lambda_s(b)), b)
     assert both.upright
     assert both.inverted
     assert "both stable" in both.sentence()
-    assert stability.lambda_u(with_gamma(0.6)) == math.inf
-    assert stability.lambda_s(with_gamma(1.4)) == math.inf
+    assert thresholds.lambda_u(with_gamma(0.6)) == math.inf
+    assert thresholds.lambda_s(with_gamma(1.4)) == math.inf
 
 
 @pytest.mark.slow
@@ -143,14 +146,14 @@ def test_regimes_follow_gamma() -> None:
 def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
     """With one attractor, a tilted start ends there. factor: lambda/lambda_s."""
     b = with_gamma(gamma)
-    lam = factor * stability.lambda_s(b)
-    found = stability.regime(lam, b)
+    lam = factor * thresholds.lambda_s(b)
+    found = regimes.regime(lam, b)
     assert len(found.attractors) == 1
     parameters = {**tops.CANONICAL, "I1": b.I1}
     spin = lam / (b.I3 * (b.R * math.cos(0.3) - b.c)) / 1.0
     made = tops.run("tippe-top", parameters, {"theta": 0.3, "omega3": spin}, 300.0, ("viscous", {"mu": 0.3}), events=())
     lam = tops.at_start(made.problem)["jellett"]
-    found = stability.regime(lam, b)
+    found = regimes.regime(lam, b)
     end = 0.0 if found.upright else math.pi if found.inverted else found.tumbling[0]
     assert made.report["theta_end"] == pytest.approx(end, abs=1e-5)
 
@@ -160,9 +163,9 @@ def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
 
 def test_sleeping_top_with_a_fixed_tip() -> None:
     """Stable above 2 sqrt(m g l I1*)/I3 [T 5.54]."""
-    limit = stability.sleeping_spin(TIP)
-    assert stability.rolling_modes(0.99 * limit, TIP)[0].real > 0
-    assert abs(stability.rolling_modes(1.01 * limit, TIP)[0].real) < 1e-6
+    limit = thresholds.sleeping_spin(TIP)
+    assert modes.rolling_modes(0.99 * limit, TIP)[0].real > 0
+    assert abs(modes.rolling_modes(1.01 * limit, TIP)[0].real) < 1e-6
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.01, 2.44, 5.0, 20.0, 50.0])
@@ -170,20 +173,20 @@ def test_sleeping_top_with_a_fixed_tip() -> None:
 def test_upright_gliding_heavy_top_is_unstable_at_every_speed(factor: float, mu: float) -> None:
     """Against [T 5.54]: the characteristic cubic has a root with positive real part."""
     b = TIP._replace(friction=Viscous(mu))
-    spin = factor * stability.sleeping_spin(TIP)
+    spin = factor * thresholds.sleeping_spin(TIP)
     L3, inertia = b.I3 * spin, b.I1
     weight = b.m * b.g * 0.04
     cubic = np.polyadd(np.polymul([inertia, -1j * L3, -weight], [1, mu * b.g]), [mu * weight * 0.04, 0, 0])
-    modes = stability.linear_modes(spin, b)
-    np.testing.assert_allclose(np.sort_complex(modes), np.sort_complex(np.roots(cubic)), rtol=1e-7, atol=1e-10)
-    assert modes[0].real > 0
-    assert stability.linear_modes(spin, b, inverted=True)[0].real < 1e-9
+    found = modes.linear_modes(spin, b)
+    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(np.roots(cubic)), rtol=1e-7, atol=1e-10)
+    assert found[0].real > 0
+    assert modes.linear_modes(spin, b, inverted=True)[0].real < 1e-9
 
 
 def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
     """2.4 times the threshold, 1e-3 rad from upright: the tilt grows as the leading mode says, to 1 % over 60 s."""
-    spin = 2.44 * stability.sleeping_spin(TIP)
-    growth = stability.linear_modes(spin, TIP)[0].real
+    spin = 2.44 * thresholds.sleeping_spin(TIP)
+    growth = modes.linear_modes(spin, TIP)[0].real
     made = tops.run(
         "gliding-heavy-top", HEAVY, {"theta": 1e-3, "omega3": spin}, 60.0, ("viscous", {"mu": 0.3}), events=()
     )
@@ -203,9 +206,9 @@ def test_assessment_speaks_for_every_system() -> None:
             1.0,
             ("viscous", {"mu": 0.3}),
         )
-        found = stability.assessment(system, tops.si(made), made.initial)
+        found = outlook.assessment(system, tops.si(made), made.initial)
         assert found["regime"]
         assert all(t.long_name and t.unit for t in found["thresholds"].values())
-    canonical = stability.assessment(SYSTEMS["tippe-top"], B, {"theta": 0.1, "omega3": 155.0})
+    canonical = outlook.assessment(SYSTEMS["tippe-top"], B, {"theta": 0.1, "omega3": 155.0})
     assert canonical["fate"] == "ends in the inverted spin"
     assert canonical["lambda"] == pytest.approx(6.894441319558e-6, rel=1e-12)

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tippetop import archive, landscape, surface_store
+from tippetop import errors
 from tippetop.cli import outcome
+from tippetop.landscape import recording, surface
+from tippetop.store import root
 
 
 PARAMETERS = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
@@ -18,8 +20,8 @@ D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
 
 def test_store_is_the_surface(tmp_path):
     seen = []
-    path = surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=lambda *a: seen.append(a))
-    stored, exact = archive.open_group(path, "surface"), landscape.minimal_surface(PARAMETERS, D, LAM)
+    path = recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=lambda *a: seen.append(a))
+    stored, exact = root.open_group(path, "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
     for name in ("F", "z", "status", "D", "lambda"):
         np.testing.assert_array_equal(stored[name], exact[name])
     assert stored.F.dims == ("D", "lambda")
@@ -38,24 +40,24 @@ def test_interrupted_store_goes_on(tmp_path, monkeypatch):
             raise Stop
 
     with pytest.raises(Stop):
-        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=stop)
+        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=stop)
     assert not (tmp_path / "F.zarr").exists()
     worked = []
-    minima = landscape.minima
-    monkeypatch.setattr(landscape, "minima", lambda *a: worked.append(1) or minima(*a))
-    surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+    minima = surface.minima
+    monkeypatch.setattr(recording.surface, "minima", lambda *a: worked.append(1) or minima(*a))
+    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
     assert len(worked) == 7
-    stored, exact = archive.open_group(tmp_path / "F.zarr", "surface"), landscape.minimal_surface(PARAMETERS, D, LAM)
+    stored, exact = root.open_group(tmp_path / "F.zarr", "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
     np.testing.assert_array_equal(stored.F, exact.F)
 
 
 def test_surface_has_one_writer(tmp_path):
     def second(done, of):
-        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
 
-    with pytest.raises(archive.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
-        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=second)
-    surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+    with pytest.raises(errors.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
+        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=second)
+    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
 
 
 def test_chunk_without_its_status_is_done_again(tmp_path):
@@ -65,12 +67,12 @@ def test_chunk_without_its_status_is_done_again(tmp_path):
         raise Stop
 
     with pytest.raises(Stop):
-        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64, progress=stop)
+        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64, progress=stop)
     part = tmp_path / ".F.zarr.part" / "surface"
     (part / "status" / "c" / "0" / "0").unlink()
     (part / "F" / "c" / "0" / "0").unlink()
-    surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64)
-    assert np.isfinite(archive.open_group(tmp_path / "F.zarr", "surface").F).all()
+    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64)
+    assert np.isfinite(root.open_group(tmp_path / "F.zarr", "surface").F).all()
 
 
 def test_another_surface_does_not_go_on(tmp_path):
@@ -78,22 +80,22 @@ def test_another_surface_does_not_go_on(tmp_path):
         raise Stop
 
     with pytest.raises(Stop):
-        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, progress=stop)
-    with pytest.raises(archive.StoreError, match="must be the same surface"):
-        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM * 2)
+        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, progress=stop)
+    with pytest.raises(errors.StoreError, match="must be the same surface"):
+        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM * 2)
 
 
 def test_existing_store_is_left_alone(tmp_path):
     (tmp_path / "F.zarr").mkdir()
-    with pytest.raises(archive.StoreError, match="must not exist yet"):
-        surface_store.write(tmp_path / "F.zarr", PARAMETERS, D, LAM)
+    with pytest.raises(errors.StoreError, match="must not exist yet"):
+        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM)
 
 
 def test_surface_command(tmp_path, capsys):
     out, picture = tmp_path / "F.zarr", tmp_path / "F.png"
     words = ["--D=-6e-4:8e-4:21", "--lambda", "0:7e-6:31", "--out", str(out), "--figure", str(picture)]
     assert outcome(["surface", "inverting", *words]) == 0
-    assert archive.open_group(out, "surface").F.shape == (21, 31)
+    assert root.open_group(out, "surface").F.shape == (21, 31)
     assert picture.stat().st_size > 20_000
     assert outcome(["plot", str(out), "--out", str(tmp_path / "again.png")]) == 0
     capsys.readouterr()
@@ -107,7 +109,7 @@ def test_potential_command(tmp_path, capsys):
     words = ["--D", "3e-4", "--lambda", "4e-6", "--n", "101", "--out", str(out), "--figure", str(tmp_path / "V.svg")]
     assert outcome(["potential", "inverting", *words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    V = archive.open_group(out, "potential").V
+    V = root.open_group(out, "potential").V
     assert V.sizes == {"z": 101}
     assert found["F"] <= V.min() <= found["F"] * 1.001
     assert found["status"] == "attained"
@@ -124,7 +126,7 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
 
     words = ["surface", "inverting", "--D=-6e-4:8e-4:21", "--lambda", "0:7e-6:31", "--out", str(tmp_path / "F.zarr")]
     with monkeypatch.context() as patched:
-        patched.setattr(surface_store.landscape, "minima", stop)
+        patched.setattr(recording.surface, "minima", stop)
         assert outcome(words) == 130
     assert "the same command goes on" in capsys.readouterr().err
     assert calls
@@ -132,7 +134,7 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
 
 
 def test_numba_sleeps_until_a_kernel_is_wanted():
-    code = "import sys, tippetop.landscape, tippetop.figures, tippetop.cli; assert 'numba' not in sys.modules"
+    code = "import sys, tippetop.landscape.surface, tippetop.figures, tippetop.cli; assert 'numba' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

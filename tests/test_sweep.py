@@ -14,26 +14,26 @@ import zarr
 
 import tippetop
 from sweeps import PLAN, assert_same, written
-from tippetop import archive, plan, pool, sweep_lines
-from tippetop.archive import StoreError
 from tippetop.cli import outcome
-from tippetop.scenario import ScenarioError
-from tippetop.sweep_report import open_sweep, report
+from tippetop.errors import InputError, StoreError
+from tippetop.store import provenance, root
+from tippetop.sweeps import chunk, plan, workers
+from tippetop.sweeps.summary import open_sweep, report
 
 
-LINES = sweep_lines.lines
+LINES = chunk.lines
 
 
 def computed(monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = lambda chunk: None) -> list[int]:
     """The chunks that are computed from now on; `change` may raise for one of them."""
     seen: list[int] = []
 
-    def lines(task: sweep_lines.Task, threads: int = 1) -> dict[str, np.ndarray]:
+    def lines(task: chunk.Task, threads: int = 1) -> dict[str, np.ndarray]:
         seen.append(task.chunk)
         change(task.chunk)
         return LINES(task, threads)
 
-    monkeypatch.setattr(sweep_lines, "lines", lines)
+    monkeypatch.setattr(chunk, "lines", lines)
     return seen
 
 
@@ -54,7 +54,7 @@ def test_the_columns_are_those_of_the_ensemble(whole: Path, file: Path) -> None:
 
 def test_a_run_of_its_own_is_the_top(whole: Path) -> None:
     """The scalar integrator agrees with the lanes, in every variable at the end."""
-    attrs, top = archive.attributes(whole / "runs" / "5"), open_sweep(whole).isel(top=5)
+    attrs, top = root.attributes(whole / "runs" / "5"), open_sweep(whole).isel(top=5)
     assert attrs["initial"]["omega3"] == float(top["initial.omega3"])
     assert attrs["friction"]["mu"] == float(top["friction.mu"])
     for name, value in attrs["final_state"].items():
@@ -161,7 +161,7 @@ def test_lost_statuses_are_found_again(
 
 
 def assert_unfinished(store: Path) -> None:
-    assert archive.attributes(store)["status"] == "running"
+    assert root.attributes(store)["status"] == "running"
 
 
 @pytest.mark.parametrize("harm", ["flipped", "missing", "cut"])
@@ -248,8 +248,8 @@ def test_another_plan_is_refused(whole: Path, file: Path) -> None:
 
 
 def test_other_versions_are_refused(whole: Path, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = {**archive.versions(), "heyoka": "0"}
-    monkeypatch.setattr(archive, "versions", lambda: found)
+    found = {**provenance.versions(), "heyoka": "0"}
+    monkeypatch.setattr(provenance, "versions", lambda: found)
     with pytest.raises(StoreError, match="must be gone on with by the same versions"):
         tippetop.sweep(file, whole)
 
@@ -270,8 +270,8 @@ def test_something_else_is_left_alone(file: Path, tmp_path: Path) -> None:
 
 
 def test_no_scheduler_no_store(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pool, "CONNECT_FOR", "200 ms")
+    monkeypatch.setattr(workers, "CONNECT_FOR", "200 ms")
     for address in ("nonsense", "tcp://127.0.0.1:9"):
-        with pytest.raises(ScenarioError, match="must be the address of a running dask scheduler"):
+        with pytest.raises(InputError, match="must be the address of a running dask scheduler"):
             tippetop.sweep(file, tmp_path / "S.zarr", scheduler=address)
     assert not (tmp_path / "S.zarr").exists()

@@ -12,11 +12,13 @@ import xarray as xr
 
 import tippetop
 from sweeps import PLAN, assert_same
-from tippetop import plan, scenario, stability, sweep_map, sweeping
 from tippetop.cli import outcome
-from tippetop.plan import Plan
-from tippetop.scenario import ScenarioError
-from tippetop.sweep_report import open_sweep
+from tippetop.errors import InputError
+from tippetop.mechanics.theory import thresholds
+from tippetop.scenario import build
+from tippetop.sweeps import maps, plan, sweep
+from tippetop.sweeps.plan import Plan
+from tippetop.sweeps.summary import open_sweep
 
 
 AXIS = {"of": "friction.mu", "geomspace": [0.1, 1.0]}
@@ -64,7 +66,7 @@ def test_figures_of_a_sweep_are_drawn(kind: str, whole: Path, tmp_path: Path) ->
     assert (tmp_path / "a.png").stat().st_size > 15_000
 
 
-def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **columns: np.ndarray) -> sweep_map.Map:
+def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **columns: np.ndarray) -> maps.Map:
     """A map of made-up columns."""
     table = xr.Dataset({name: ("top", values) for name, values in columns.items()})
     table["status"] = ("top", np.ones(of.n, np.int8))
@@ -72,8 +74,8 @@ def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **colum
     for axis in of.design.axes:
         table[axis.key].attrs = {"units": "1", "long_name": axis.key}
     table.attrs = {"plan": of.document, "status": "finished", "title": "sweep: a top"}
-    monkeypatch.setattr(sweep_map, "open_sweep", lambda path: table)
-    return sweep_map.mapped(tmp_path, next(k for k, v in sweep_map.NEEDED.items() if v[0] in columns))
+    monkeypatch.setattr(maps, "open_sweep", lambda path: table)
+    return maps.mapped(tmp_path, next(k for k, v in maps.NEEDED.items() if v[0] in columns))
 
 
 def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,7 +120,7 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: Any) -> None:
-    from tippetop.figures import sweep as figures
+    from tippetop.figures import sweep
     from tippetop.figures.style import save, styled
 
     axes = [{"of": "initial.omega3", "linspace": [100, 175], "n": 1000}, {**AXIS, "n": 1000}]
@@ -126,34 +128,34 @@ def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytes
     found = synthetic(tmp_path, monkeypatch, of, **{"class": rng.integers(0, 6, of.n).astype(np.int8)})
     assert found.fields["class"].shape == (1000, 1000)
     with styled():
-        save(figures.drawn(found), tmp_path / "a.png")
+        save(sweep.drawn(found), tmp_path / "a.png")
 
 
 def test_what_cannot_be_drawn_is_said(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(ScenarioError, match="must be one of class, inversion, normal-force of a sweep"):
-        sweep_map.mapped(whole, "sphere")
+    with pytest.raises(InputError, match="must be one of class, inversion, normal-force of a sweep"):
+        maps.mapped(whole, "sphere")
     of = plan.of({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
-    with pytest.raises(ScenarioError, match="must have theta_end, but the plan did not keep it"):
+    with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
 
 
 def test_dask_sleeps_until_workers_are_wanted() -> None:
-    code = "import sys, tippetop.sweeping, tippetop.cli; assert not {'dask', 'distributed'} & set(sys.modules)"
+    code = "import sys, tippetop.sweeps.sweep, tippetop.cli; assert not {'dask', 'distributed'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_without_dask_threads_do_it(whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweeping, "find_spec", lambda name: None)
+    monkeypatch.setattr(sweep, "find_spec", lambda name: None)
     tippetop.sweep(file, tmp_path / "S.zarr", workers=2)
     assert_same(tmp_path / "S.zarr", whole)
-    with pytest.raises(ScenarioError, match=r"install tippetop\[sweep\]"):
+    with pytest.raises(InputError, match=r"install tippetop\[sweep\]"):
         tippetop.sweep(file, tmp_path / "S.zarr", scheduler="tcp://127.0.0.1:1")
 
 
 def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
     """Upright below lambda_u, inverted above lambda_s, neither between: within 2 %, after 200 s from a small tilt."""
-    body = scenario.load("inverting").body()
-    upright = stability.lambda_u(body) / stability.lambda_s(body)
+    body = build.load("inverting").body()
+    upright = thresholds.lambda_u(body) / thresholds.lambda_s(body)
     values = [*(upright * np.array([0.95, 0.98, 1.04])), 0.5, 0.98, 1.02, 1.05]
     axis = {"of": "lambda", "values": [float(v) for v in values]}
     start = {"run": {"until": 200.0}, "initial": {"theta": 0.02}, "friction": {"mu": 1.0}}

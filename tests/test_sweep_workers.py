@@ -12,12 +12,14 @@ import pytest
 
 import tippetop
 from sweeps import PLAN, assert_same, chunks, written
-from tippetop import archive, plan, scenario, sweep_lines
 from tippetop.cli import outcome
-from tippetop.sweeping import Unfinished
+from tippetop.errors import Unfinished
+from tippetop.scenario import build
+from tippetop.store import provenance
+from tippetop.sweeps import chunk, plan
 
 
-LINES = sweep_lines.lines
+LINES = chunk.lines
 
 
 def test_dask_makes_the_same_store(
@@ -31,7 +33,7 @@ def test_dask_makes_the_same_store(
         n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0", protocol="tcp://", host="127.0.0.1"
     ) as cluster:
         with monkeypatch.context() as patched:
-            patched.setattr(sweep_lines, "lines", failing)
+            patched.setattr(chunk, "lines", failing)
             assert outcome(["sweep", str(file), "--out", str(store), "--scheduler", cluster.scheduler_address]) == 6
         assert "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do." in capsys.readouterr().err
         assert chunks(store) == [1, 1, 2, 1]
@@ -39,7 +41,7 @@ def test_dask_makes_the_same_store(
     assert_same(store, whole)
 
 
-def failing(task: sweep_lines.Task, threads: int = 1) -> dict[str, np.ndarray]:
+def failing(task: chunk.Task, threads: int = 1) -> dict[str, np.ndarray]:
     """Raises for one chunk."""
     if task.chunk == 2:
         raise ArithmeticError("it will not do")
@@ -108,7 +110,7 @@ def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path,
     assert_same(store, longer[1])
 
 
-def deadly(task: sweep_lines.Task, threads: int = 1) -> dict[str, np.ndarray]:
+def deadly(task: chunk.Task, threads: int = 1) -> dict[str, np.ndarray]:
     """Kills its worker for one chunk, raises for another."""
     if task.chunk == 1:
         os._exit(1)
@@ -121,7 +123,7 @@ def test_a_chunk_that_kills_its_workers_takes_no_other_with_it(
 ) -> None:
     store = tmp_path / "S.zarr"
     with monkeypatch.context() as patched:
-        patched.setattr(sweep_lines, "lines", deadly)
+        patched.setattr(chunk, "lines", deadly)
         with pytest.raises(Unfinished) as error:
             tippetop.sweep(file, store, workers=2)
     assert sorted(error.value.sentences) == [
@@ -162,8 +164,8 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
 def test_a_worker_of_other_versions_is_refused(file: Path) -> None:
     """Its bits could differ."""
     of = plan.read(file)
-    task = sweep_lines.Task(
-        0, scenario.resolved(of.base), of.columns(of.tops(0)), None, {**archive.versions(), "heyoka": "0"}
+    task = chunk.Task(
+        0, build.resolved(of.base), of.columns(of.tops(0)), None, {**provenance.versions(), "heyoka": "0"}
     )
-    with pytest.raises(sweep_lines.OtherVersions, match="other versions of heyoka than the sweep was begun with"):
-        sweep_lines.lines(task)
+    with pytest.raises(chunk.OtherVersions, match="other versions of heyoka than the sweep was begun with"):
+        chunk.lines(task)

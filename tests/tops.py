@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop.friction import Frictionless
+from tippetop.engine.observables import View
+from tippetop.mechanics.friction import Frictionless
+from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
-from tippetop.solve import Run, solve
-from tippetop.systems import SYSTEMS
-from tippetop.trajectory import View
+from tippetop.runs.run import Run, solve
 
 
 CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3.2e-6, "g": 9.82}

@@ -10,42 +10,42 @@ from typing import TYPE_CHECKING, Any
 
 
 if TYPE_CHECKING:
-    from .api import integrate as integrate
-    from .api import load as load
-    from .api import run as run
-    from .archive import open_group as open_group
-    from .ensembles import ensemble as ensemble
-    from .friction import LAWS as LAWS
-    from .landscape import band as band
-    from .landscape import marked_lines as marked_lines
-    from .landscape import minimal_surface as minimal_surface
-    from .landscape import potential as potential
-    from .landscape import turning_angles as turning_angles
+    from .ensembles.ensemble import ensemble as ensemble
+    from .errors import InputError as InputError
+    from .landscape.marked_lines import marked_lines as marked_lines
+    from .landscape.potential import potential as potential
+    from .landscape.surface import minimal_surface as minimal_surface
+    from .landscape.turning import band as band
+    from .landscape.turning import turning_angles as turning_angles
+    from .mechanics.friction import LAWS as LAWS
+    from .mechanics.systems import SYSTEMS as SYSTEMS
     from .problem import Problem as Problem
-    from .results import datasets as datasets
-    from .scenario import ScenarioError as ScenarioError
-    from .sweep_report import gridded as gridded
-    from .sweeping import sweep as sweep
-    from .systems import SYSTEMS as SYSTEMS
+    from .runs.attributes import datasets as datasets
+    from .runs.run import run as run
+    from .runs.run import solve as integrate  # noqa: F401
+    from .scenario.build import load as load
+    from .store.root import open_group as open_group
+    from .sweeps.summary import gridded as gridded
+    from .sweeps.sweep import sweep as sweep
 
 _PLACES = {
-    "integrate": "api",
-    "load": "api",
-    "run": "api",
-    "open_group": "archive",
-    "ensemble": "ensembles",
-    "LAWS": "friction",
-    "band": "landscape",
-    "marked_lines": "landscape",
-    "minimal_surface": "landscape",
-    "potential": "landscape",
-    "turning_angles": "landscape",
-    "Problem": "problem",
-    "datasets": "results",
-    "ScenarioError": "scenario",
-    "gridded": "sweep_report",
-    "sweep": "sweeping",
-    "SYSTEMS": "systems",
+    "run": ("runs.run", "run"),
+    "integrate": ("runs.run", "solve"),
+    "load": ("scenario.build", "load"),
+    "open_group": ("store.root", "open_group"),
+    "ensemble": ("ensembles.ensemble", "ensemble"),
+    "LAWS": ("mechanics.friction", "LAWS"),
+    "band": ("landscape.turning", "band"),
+    "marked_lines": ("landscape.marked_lines", "marked_lines"),
+    "minimal_surface": ("landscape.surface", "minimal_surface"),
+    "potential": ("landscape.potential", "potential"),
+    "turning_angles": ("landscape.turning", "turning_angles"),
+    "Problem": ("problem", "Problem"),
+    "datasets": ("runs.attributes", "datasets"),
+    "InputError": ("errors", "InputError"),
+    "gridded": ("sweeps.summary", "gridded"),
+    "sweep": ("sweeps.sweep", "sweep"),
+    "SYSTEMS": ("mechanics.systems", "SYSTEMS"),
 }
 __all__ = list(_PLACES)
 
@@ -56,4 +56,5 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'tippetop' has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module(f".{_PLACES[name]}", __name__), name)
+    module, attribute = _PLACES[name]
+    return getattr(import_module(f".{module}", __name__), attribute)

@@ -8,9 +8,10 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from .operand import leaves, refill
-from .system import SECOND, Form, Scales, System
-from .times import Given, Grid
+from .mechanics.operand import leaves, refill
+from .mechanics.system import Form, System
+from .mechanics.units import SECOND, Scales
+from .sampling import Given, Grid
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
@@ -84,6 +85,12 @@ class Problem:
             self.scales.of(unit) / (QUADRATURE_SCALE if name in form.quadratures else 1.0)
             for name, unit in form.units._asdict().items()
         ]
+
+    def record(self, state: Any) -> Any:
+        """The state record, in internal units, of the integrated variables."""
+        names = self.form.units._fields
+        scaled = (v / QUADRATURE_SCALE if n in self.form.quadratures else v for n, v in zip(names, state, strict=True))
+        return type(self.form.units)(*scaled)
 
     def start(self) -> np.ndarray:
         """The internal state at t = 0, in the working precision, as the integrator wants it."""

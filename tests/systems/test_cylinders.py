@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import tops
-from tippetop import nutation
-from tippetop.engine import Status
-from tippetop.solve import solve
-from tippetop.systems import cylinder, gliding, tippe_top
+from tippetop.engine.status import Status
+from tippetop.mechanics.contact import body as contact
+from tippetop.mechanics.systems import cylinder, tippe_top
+from tippetop.mechanics.theory import nutation
+from tippetop.runs.run import solve
 
 
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 4e-6, "g": 9.82}  # I = m R^2/2
@@ -71,7 +72,7 @@ def test_period_of_the_rolling_cylinder(amplitude: float, period: float) -> None
     b, start = tops.si(made), tops.at_start(made)
     found = nutation.nutation(
         lambda z: tippe_top.theta_inertia(z, b),
-        lambda z: gliding.height_energy(z, b),
+        lambda z: contact.height_energy(z, b),
         start["energy"],
         amplitude,
         (-math.pi, math.pi),

@@ -6,21 +6,23 @@ import numpy as np
 import pytest
 
 import tops
-from tippetop import nutation
-from tippetop.engine import Status
-from tippetop.friction import Viscous
-from tippetop.solve import solve
-from tippetop.systems import SYSTEMS, gliding, heavy_top, tippe_top
-from tippetop.trajectory import View
+from tippetop.engine.observables import View
+from tippetop.engine.status import Status
+from tippetop.mechanics.contact import body as contact
+from tippetop.mechanics.contact.gliding import euler as gliding_euler
+from tippetop.mechanics.friction import Viscous
+from tippetop.mechanics.systems import SYSTEMS, heavy_top, tippe_top
+from tippetop.mechanics.theory import heavy_top_motion, nutation
+from tippetop.runs.run import solve
 
 
 BODY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 
 
-def closed(made) -> nutation.ClosedForm:
+def closed(made) -> heavy_top_motion.ClosedForm:
     b, start = tops.si(made), tops.at_start(made)
     inertia = heavy_top.tip_inertia(b)
-    return nutation.closed_form(start["energy"], start["Lz"], start["L3"], inertia, b.I3, -b.m * b.g * b.c)
+    return heavy_top_motion.closed_form(start["energy"], start["Lz"], start["L3"], inertia, b.I3, -b.m * b.g * b.c)
 
 
 @pytest.mark.parametrize("form", ["vector", "euler"])
@@ -101,7 +103,7 @@ def test_motions_have_names(initial: dict[str, float], name: str) -> None:
     made = tops.problem("heavy-top", BODY, initial, 1.0)
     b, start = tops.si(made), tops.at_start(made)
     arguments = heavy_top.tip_inertia(b), b.I3, -b.m * b.g * b.c
-    assert nutation.heavy_top_motion(start["energy"], start["Lz"], start["L3"], *arguments) == name
+    assert heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], *arguments) == name
 
 
 def test_regular_precession_has_its_name() -> None:
@@ -111,7 +113,7 @@ def test_regular_precession_has_its_name() -> None:
     slow = (half - math.sqrt(half**2 - a * weight)) / a
     made = tops.problem("heavy-top", BODY, {"theta": theta, "phi_dot": slow, "omega3": omega3}, 1.0)
     b, start = tops.si(made), tops.at_start(made)
-    name = nutation.heavy_top_motion(start["energy"], start["Lz"], start["L3"], inertia, b.I3, weight)
+    name = heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], inertia, b.I3, weight)
     assert name == "regular precession"
     assert np.ptp(tops.columns(solve(made))["theta"]) < 1e-13
 
@@ -119,11 +121,11 @@ def test_regular_precession_has_its_name() -> None:
 # --- the tippe top with R alpha = -l, R -> 0 ------------------------------------------------------------------------
 
 
-def small_sphere(R: float) -> gliding.Body:
-    return gliding.Body(0.1, R, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
+def small_sphere(R: float) -> contact.Body:
+    return contact.Body(0.1, R, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 
 
-TIP = gliding.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
+TIP = contact.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 RADII = 1e-5 * 0.5 ** np.arange(4)
 
 
@@ -135,19 +137,19 @@ def test_equations_and_integrals_of_the_tippe_top_tend_to_the_gliding_heavy_top(
     """Rates, jellett -> l L_3, (I1* lambda - l sqrt(I3 I1*) D)/(I1 R) -> L_z, V and d: all to first order in R.
 
     [T 5.57-5.77]"""
-    e = gliding.EulerState(*rng.uniform(0.2, 1.0, 11))
+    e = gliding_euler.EulerState(*rng.uniform(0.2, 1.0, 11))
     e = e._replace(theta=0.7, omega3=200.0, phi_dot=4.0)
-    s = gliding.euler_scalars(e, TIP)
+    s = gliding_euler.euler_scalars(e, TIP)
     inertia = heavy_top.tip_inertia(TIP)
     Lz = heavy_top.Lz(s, TIP)
     V = heavy_top.potential(s.z, Lz, s.L3, TIP)
-    limit = np.array(gliding.euler_rates(e, TIP))
+    limit = np.array(gliding_euler.euler_rates(e, TIP))
     errors: dict[str, list[float]] = {"rates": [], "jellett": [], "Lz": [], "V": [], "d": []}
     for R in RADII:
         b = small_sphere(R)
-        scalars = gliding.euler_scalars(e, b)
-        D, lam = tippe_top.routh(scalars, b), gliding.jellett(scalars, b)
-        errors["rates"].append(np.abs(np.array(gliding.euler_rates(e, b)) - limit).max())
+        scalars = gliding_euler.euler_scalars(e, b)
+        D, lam = tippe_top.routh(scalars, b), contact.jellett(scalars, b)
+        errors["rates"].append(np.abs(np.array(gliding_euler.euler_rates(e, b)) - limit).max())
         errors["jellett"].append(abs(lam - 0.04 * s.L3))
         errors["Lz"].append(abs((inertia * lam - 0.04 * math.sqrt(b.I3 * inertia) * D) / (b.I1 * R) - Lz))
         errors["V"].append(abs(tippe_top.potential(s.z, D, lam, b) - V))

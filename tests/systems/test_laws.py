@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import laws
-from tippetop.engine import variables
-from tippetop.friction import Frictionless
-from tippetop.operand import leaves, refill
-from tippetop.systems import SYSTEMS
+from tippetop.engine.expressions import variables
+from tippetop.mechanics.friction import Frictionless
+from tippetop.mechanics.operand import leaves, refill
+from tippetop.mechanics.systems import SYSTEMS
 
 
 @pytest.mark.parametrize("law", laws.LAWS, ids=lambda law: law.__name__)

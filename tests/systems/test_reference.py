@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import tops
-from tippetop.engine import Status
-from tippetop.solve import solve
+from tippetop.engine.status import Status
+from tippetop.runs.run import solve
 
 
 CASES = [  # double precision; the inversion amplifies rounding a thousandfold, the cylinder turns over sixteen times

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 import tops
-from tippetop import nutation
-from tippetop.engine import Status
-from tippetop.solve import solve
-from tippetop.systems import SYSTEMS, gliding, tippe_top
+from tippetop.engine.status import Status
+from tippetop.mechanics.contact import body as contact
+from tippetop.mechanics.contact.gliding import euler as gliding_euler
+from tippetop.mechanics.systems import SYSTEMS, tippe_top
+from tippetop.mechanics.theory import nutation
+from tippetop.runs.run import solve
 
 
 VISCOUS = ("viscous", {"mu": 0.3})
@@ -55,11 +57,11 @@ def test_period_without_friction(system: str, parameters: dict, initial: dict, p
     made = tops.problem(system, parameters, initial, 3.2 * period)
     b, s, z = tops.si(made), math.sin(initial["theta"]), math.cos(initial["theta"])
     start = SYSTEMS[system].start(initial, s, z, b)
-    scalars = gliding.euler_scalars(start._replace(theta=initial["theta"]), b)
+    scalars = gliding_euler.euler_scalars(start._replace(theta=initial["theta"]), b)
     found = nutation.nutation(
-        lambda z: gliding.vertical_inertia(z, b),
-        lambda z: gliding.vertical_potential(z, scalars.Lz, scalars.L3, b),
-        gliding.energy(scalars, b) - b.m * scalars.speed2 / 2,
+        lambda z: contact.vertical_inertia(z, b),
+        lambda z: contact.vertical_potential(z, scalars.Lz, scalars.L3, b),
+        contact.energy(scalars, b) - b.m * scalars.speed2 / 2,
         initial["theta"],
     )
     assert found.period == pytest.approx(period, rel=1e-12)

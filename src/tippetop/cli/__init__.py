@@ -63,10 +63,9 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
 
 def _known_errors(error: Exception) -> int | None:
     """Exit code of an error that is the user's or the machine's, after saying it; None for a bug."""
-    from tippetop.archive import StoreError
-    from tippetop.scenario import ScenarioError
+    from ..errors import InputError, StoreError
 
-    if isinstance(error, ScenarioError):
+    if isinstance(error, InputError):
         return complain(error.sentences, USAGE)
     if isinstance(error, StoreError):
         return complain([str(error)], STORE)

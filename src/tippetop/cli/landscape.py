@@ -40,9 +40,8 @@ def surface(
     """
     import numpy as np
 
-    from tippetop import landscape, surface_store
-    from tippetop.bar import Bar
-
+    from ..landscape import marked_lines, recording, surface
+    from ..progress import Bar
     from .run import _check_picture
 
     parameters, system = _tippe_top(scenario)
@@ -50,20 +49,20 @@ def surface(
         raise _wrong("surface must be given --out or --figure, but has neither.")
     if figure is not None:
         _check_picture(figure)
-    lam_pi = landscape.marked_lines(parameters, 0.0).attrs["lambda_pi"]
+    lam_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     lambdas = _axis("--lambda", lambda_) if lambda_ else np.linspace(0, 4.5 * lam_pi, 401)
-    ends = landscape.marked_lines(parameters, lambdas)["D"].values
+    ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
     if out is not None:
         try:
             with Bar("chunks") as bar:
-                surface_store.write(out, parameters, Ds, lambdas, system, progress=bar.update)
+                recording.write(out, parameters, Ds, lambdas, system, progress=bar.update)
         except KeyboardInterrupt:
             print("tippetop: interrupted; the same command goes on from here.", file=sys.stderr)
             return 130
     if figure is not None:
         few = [v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas)]
-        _draw_surface(landscape.minimal_surface(parameters, few[0], few[1], system, gradient=False), parameters, figure)
+        _draw_surface(surface.minimal_surface(parameters, few[0], few[1], system, gradient=False), parameters, figure)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0
 
@@ -99,8 +98,8 @@ def potential(
     """
     import numpy as np
 
-    from tippetop import archive, landscape, surface_store
-
+    from ..landscape import potential, recording, surface
+    from ..store import root
     from .run import _check_picture
 
     parameters, system = _tippe_top(scenario)
@@ -112,8 +111,8 @@ def potential(
     if figure is not None:
         _check_picture(figure)
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
-    V = landscape.potential(parameters, z, D, lambda_, system)
-    least = landscape.minimal_surface(parameters, D, lambda_, system)
+    V = potential.potential(parameters, z, D, lambda_, system)
+    least = surface.minimal_surface(parameters, D, lambda_, system)
     meanings = least["status"].attrs["flag_meanings"].split()
     found = {
         "F": least["F"].item(),
@@ -124,11 +123,11 @@ def potential(
     }
     if out is not None:
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
-        surface_store.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": found})
+        recording.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": found})
     if figure is not None:
         _draw_potential(V, least, figure)
     if as_json:
-        print(json.dumps(archive.finite(found), allow_nan=False))
+        print(json.dumps(root.finite(found), allow_nan=False))
     else:
         print(f"F = {found['F']:.12g} J at theta = {found['theta']:.9g} rad ({found['status'].replace('_', ' ')})")
     return 0
@@ -138,11 +137,12 @@ def picture(store: Path, attrs: dict[str, Any], out: Path) -> int:
     """Draws the store of `surface` or `potential`."""
     import numpy as np
 
-    from tippetop import archive, landscape
+    from ..landscape import surface
+    from ..store import root
 
-    group = archive.open_group(store, attrs["content"])
+    group = root.open_group(store, attrs["content"])
     if attrs["content"] == "potential":
-        least = landscape.minimal_surface(attrs["parameters"], attrs["D"], attrs["lambda"], attrs["system"])
+        least = surface.minimal_surface(attrs["parameters"], attrs["D"], attrs["lambda"], attrs["system"])
         _draw_potential(group, least, out)
     else:
         some = {d: np.unique(np.linspace(0, group.sizes[d] - 1, 401).astype(int)) for d in group["F"].dims}
@@ -165,30 +165,30 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
 
 
 def _draw_surface(grid: Any, parameters: dict[str, float], path: Path) -> None:
-    from tippetop import landscape
-    from tippetop.figures import landscape as figures
-    from tippetop.figures.style import save, styled
+    from ..figures import landscape
+    from ..figures.style import save, styled
+    from ..landscape import marked_lines
 
     with styled():
-        save(figures.surface(grid, landscape.marked_lines(parameters, grid["lambda"].values)), path)
+        save(landscape.surface(grid, marked_lines.marked_lines(parameters, grid["lambda"].values)), path)
 
 
 def _draw_potential(V: Any, least: Any, path: Path) -> None:
-    from tippetop.figures import landscape as figures
-    from tippetop.figures.style import save, styled
+    from ..figures import landscape
+    from ..figures.style import save, styled
 
     D, lam = float(least["D"][0]), float(least["lambda"][0])
     title = f"V(z), D = {D:.4g} kg m² s⁻¹, λ = {lam:.4g} kg m³ s⁻¹"
     at = least.squeeze(drop=True).rename(theta="theta_star")
     with styled():
-        save(figures.potential([(title, V, at)]), path)
+        save(landscape.potential([(title, V, at)]), path)
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Parameters and system of a scenario. Raises ScenarioError if it has no (D, lambda)."""
-    from tippetop import scenario as door
+    from ..scenario import build
 
-    problem = door.load(scenario)
+    problem = build.load(scenario)
     if problem.system.name not in ("tippe-top", "rolling-tippe-top"):
         raise _wrong(f"`system` must be a tippe top to have a potential in D and lambda, but is {problem.system.name}.")
     return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
@@ -209,9 +209,9 @@ def _axis(name: str, text: str) -> Any:
 
 
 def _wrong(sentence: str) -> Exception:
-    from tippetop.scenario import ScenarioError
+    from ..errors import InputError
 
-    return ScenarioError([sentence])
+    return InputError([sentence])
 
 
 COMMANDS: list[Any] = [surface, potential]

@@ -47,27 +47,27 @@ def run(
     window
         Certify only the first so many seconds.
     """
-    from tippetop import archive, results
-    from tippetop import scenario as door
-    from tippetop.memory import keep_memory
+    from ..progress import Progress
+    from ..runs import attributes
+    from ..scenario import build
+    from ..store import root
+    from .memory import keep_memory
 
-    from .text import Progress
-
-    problem = door.load(scenario, set_, until)
+    problem = build.load(scenario, set_, until)
     if figure is not None:
         _check_picture(figure)
     keep_memory()
     if out is None:
-        from tippetop.solve import solve
+        from ..runs.run import solve
 
         with Progress(problem.until) as progress:
             done = solve(problem, progress.update, keep=figure is not None)
-        attrs = archive.finite(results.attributes(problem, done.status, done.reason, done.final, done.report))
+        attrs = root.finite(attributes.attributes(problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
-        _picture(figure, results.groups(done), attrs)
+        _picture(figure, attributes.groups(done), attrs)
         return _say(attrs, done.seconds, {"figure": figure}, as_json)
-    from tippetop.record import record
+    from ..runs.recording import record
 
     with Progress(problem.until) as progress:
         course, attrs = _interruptible(lambda: record(problem, out, overwrite=overwrite, progress=progress.update), out)
@@ -79,14 +79,13 @@ def run(
 
 def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
     """Continue an interrupted run: the finished store is that of an undisturbed one, bit by bit."""
-    from tippetop import archive
-    from tippetop.memory import keep_memory
-    from tippetop.record import resume as go_on
-
-    from .text import Progress
+    from ..progress import Progress
+    from ..runs.recording import resume as go_on
+    from ..store import root
+    from .memory import keep_memory
 
     keep_memory()
-    until = archive.attributes(store)["run"]["until"]
+    until = root.attributes(store)["run"]["until"]
     with Progress(until) as progress:
         course, attrs = _interruptible(lambda: go_on(store, progress.update), store)
     return _say(attrs, course.seconds, {"store": store}, as_json)
@@ -94,7 +93,7 @@ def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", neg
 
 def _interruptible(work: Callable[[], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
     """Does the work; where it was interrupted, says how to go on and exits with 128 + the signal's number."""
-    from tippetop.record import Interrupted
+    from ..errors import Interrupted
 
     try:
         return work()
@@ -105,8 +104,8 @@ def _interruptible(work: Callable[[], tuple[Any, dict[str, Any]]], store: Path) 
 
 def _certificate(problem: Any, window: float | None, store: Path | None) -> dict[str, Any]:
     """The certificate of a problem, also written into the store."""
-    from tippetop.archive import annotate, finite
-    from tippetop.certify import certificate
+    from ..runs.certificate import certificate
+    from ..store.root import annotate, finite
 
     found = finite(certificate(problem, window))
     if store is not None:
@@ -118,18 +117,17 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
     """Draws theta(t) of a run in memory or of a store."""
     if figure is None:
         return
-    from tippetop import figures
-    from tippetop.chunks import digest
+    from ..figures import catalogue
+    from ..store.chunks import digest
 
     if isinstance(groups, Path):
         groups = {name: digest(groups, name, "theta") for name in ("trajectory", "events")}
-    figures.draw("theta", groups, attrs, figure)
+    catalogue.draw("theta", groups, attrs, figure)
 
 
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:
     """Prints the result; gives the exit code."""
-    from tippetop.results import headline_of
-
+    from ..runs.attributes import headline_of
     from .text import summary, told
 
     found = told(attrs)
@@ -145,7 +143,7 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
 
 def _contract(attrs: dict[str, Any]) -> int:
     """4 and a sentence for each promise that was broken, else 0."""
-    from tippetop.certify import broken_certificate, broken_promises
+    from ..runs.certificate import broken_certificate, broken_promises
 
     broken = broken_promises(attrs["report"], attrs["tolerance"], attrs["precision"])
     if "certificate" in attrs:
@@ -157,11 +155,10 @@ def _contract(attrs: dict[str, Any]) -> int:
 
 def _check_picture(path: Path) -> None:
     """Raises ScenarioError or StoreError now rather than after the run."""
-    from tippetop.archive import StoreError
-    from tippetop.scenario import ScenarioError
+    from ..errors import InputError, StoreError
 
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise ScenarioError([f"--figure must end with .png, .svg or .pdf, but is `{path}`."])
+        raise InputError([f"--figure must end with .png, .svg or .pdf, but is `{path}`."])
     if not path.parent.is_dir():
         raise StoreError(f"`{path.parent}` must be a folder, but is not.")
     if not os.access(path.parent, os.W_OK):

@@ -16,15 +16,13 @@ def info(store: Path, *, as_json: Json = False) -> int:
     """Say what is in a store: status, events, inversion, drift of the invariants, provenance."""
     from rich.table import Table
 
-    from tippetop import archive
-    from tippetop.report import lines
-
+    from ..runs.summary import lines
+    from ..store import root
     from .text import console, told
 
-    attrs = archive.attributes(store)
+    attrs = root.attributes(store)
     if attrs.get("content") == "sweep":
-        from tippetop.sweep_report import report
-
+        from ..sweeps.summary import report
         from . import sweep
 
         return sweep.describe(report(store), as_json)
@@ -60,20 +58,20 @@ def check(
     of a sweep: its size and cost."""
     from rich.table import Table
 
-    from tippetop import assess, plan
-    from tippetop import scenario as door
-
+    from ..runs import forecast
+    from ..scenario import build, reading
+    from ..sweeps import plan
     from .text import console
 
-    tables = door.override(door.read(scenario), set_ or [])
+    tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
         from . import sweep
 
         return sweep.examine(tables, Path(scenario).parent, as_json)
-    problem = door.problem(tables)
-    found = {**door.resolved(problem), **assess.assessment(problem)}
+    problem = build.problem(tables)
+    found = {**build.resolved(problem), **forecast.assessment(problem)}
     if as_json:
-        from tippetop.archive import finite
+        from ..store.root import finite
 
         print(json.dumps(finite(found), allow_nan=False))
         return 0
@@ -89,29 +87,29 @@ def plot(store: Path, kind: str | None = None, *, out: Path) -> int:
     """Draw a store: theta (with the nutational band), normal-force, drift, sphere, energy; band, surface, potential,
     inversion (a run in its landscape); of a sweep class, inversion, normal-force; the stores of `surface` and
     `potential` draw themselves."""
-    from tippetop import archive, chunks, figures
-
+    from ..figures import catalogue
+    from ..store import chunks, root
     from .run import _check_picture
 
     _check_picture(out)
-    attrs = archive.attributes(store)
+    attrs = root.attributes(store)
     if attrs.get("content") == "sweep":
-        figures.draw_sweep(kind or "class", store, out)
+        catalogue.draw_sweep(kind or "class", store, out)
         return 0
     if "content" in attrs:
         from .landscape import picture
 
         return picture(store, attrs, out)
     kind = kind or "theta"
-    figures.check_kind(kind)
+    catalogue.check_kind(kind)
     groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
-    figures.draw(kind, groups, attrs, out)
+    catalogue.draw(kind, groups, attrs, out)
     return 0
 
 
 def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
     """Write a store as one netCDF, CSV or Parquet file; --group events for the event log (netCDF has both)."""
-    from tippetop.export import export as write
+    from ..store.export import export as write
 
     write(store, to, out, group)
     return 0
@@ -121,8 +119,7 @@ def systems(*, as_json: Json = False) -> int:
     """List the systems with their forms, parameters and events."""
     from rich.table import Table
 
-    from tippetop.systems import SYSTEMS
-
+    from ..mechanics.systems import SYSTEMS
     from .text import console
 
     found: dict[str, dict[str, Any]] = {
@@ -152,8 +149,7 @@ def presets(*, as_json: Json = False) -> int:
     """List the built-in scenarios with their sources."""
     from rich.table import Table
 
-    from tippetop.scenario import presets as texts
-
+    from ..scenario.reading import presets as texts
     from .text import console
 
     found = {name: _comment(text) for name, text in texts().items()}

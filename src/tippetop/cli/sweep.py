@@ -32,22 +32,22 @@ def sweep(
     as_json
         Print the result as one JSON object.
     """
-    from tippetop import sweep_report, sweeping
-    from tippetop.record import Interrupted
-
-    from . import CHUNKS, INTERRUPTED, TERMINATED, complain
+    from .. import errors
+    from ..cli import CHUNKS, INTERRUPTED, TERMINATED, complain
+    from ..errors import Interrupted
+    from ..sweeps import summary, sweep
 
     again = f"Go on with: {_command(plan, out, workers, scheduler)}"
     try:
-        sweeping.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
+        sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
         failed = []
-    except sweeping.Unfinished as unfinished:
+    except errors.Unfinished as unfinished:
         failed = unfinished.sentences
     except (KeyboardInterrupt, Interrupted, SystemExit) as stopped:
         number = stopped.signal if isinstance(stopped, Interrupted) else 0
         code = 128 + number if number else INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
-    describe(sweep_report.report(out), as_json)
+    describe(summary.report(out), as_json)
     return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS) if failed else 0
 
 
@@ -62,9 +62,8 @@ def describe(found: dict[str, Any], as_json: bool) -> int:
     """Says what is in a sweep's store."""
     from rich.table import Table
 
-    from tippetop.archive import finite
-    from tippetop.sweep_report import lines
-
+    from ..store.root import finite
+    from ..sweeps.summary import lines
     from .text import console
 
     if as_json:
@@ -82,14 +81,13 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
     """Says what a plan would take."""
     from rich.table import Table
 
-    from tippetop import plan as door
-    from tippetop import sweep_lines
-    from tippetop.archive import finite
-
+    from ..store.root import finite
+    from ..sweeps import chunk
+    from ..sweeps.plan import of as checked
     from .text import console
 
-    plan = door.of(tables, folder)
-    columns = sweep_lines.empty(plan.base, plan.keep).values()
+    plan = checked(tables, folder)
+    columns = chunk.empty(plan.base, plan.keep).values()
     found: dict[str, Any] = {
         "tops": plan.n,
         "axes": plan.design.sizes,

@@ -7,7 +7,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from ..events import KINDS
+from ..mechanics.system import KINDS
 from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
 
 

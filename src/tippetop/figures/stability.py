@@ -50,9 +50,10 @@ def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, 
 
 def phase_of_run(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """The asymptotic states of the body of a run, with the run."""
-    from ..friction import Frictionless
-    from ..stability import branches, lambda_s, lambda_u
-    from ..systems import SYSTEMS
+    from ..mechanics.friction import Frictionless
+    from ..mechanics.systems import SYSTEMS
+    from ..mechanics.theory.thresholds import lambda_s, lambda_u
+    from ..mechanics.theory.tumbling import branches
 
     body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
     lam = float(_values(trajectory["jellett"])[0])

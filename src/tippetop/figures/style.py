@@ -41,7 +41,7 @@ def styled() -> Any:
 
 def save(made: Figure, path: Path) -> None:
     """Writes a figure whole or not at all; the ending of `path` names the format. Raises StoreError."""
-    from ..archive import StoreError
+    from ..errors import StoreError
 
     path = Path(path)
     scratch = path.with_name(f".{path.stem}.part{path.suffix}")

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..ensembles import CLASSES
-from ..sweep_map import Map, Shown
+from ..ensembles.outcomes import CLASSES
+from ..sweeps.maps import Map, Shown
 from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
 
 

@@ -1,0 +1,21 @@
+"""What a motion must keep, and how far it drifts."""
+
+from typing import Any
+
+import numpy as np
+
+from ..problem import Problem
+
+
+def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What a run must keep, of all that its states say."""
+    found = {name: values[name] for name in problem.system.integrals}
+    found["energy_balance"] = values["energy"] + values.get("work", 0.0)
+    if problem.form.name == "vector":
+        found["axis_norm"] = np.sqrt(values["ux"] ** 2 + values["uy"] ** 2 + values["uz"] ** 2)
+    return found
+
+
+def size(start: Any) -> Any:
+    """What the drift of an invariant is relative to: its start; an invariant that is zero, to internal units."""
+    return np.where(np.abs(start) > 1e-6, np.abs(start), 1.0)

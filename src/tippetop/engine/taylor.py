@@ -1,0 +1,191 @@
+"""A problem becomes a compiled Taylor integrator and advances slice by slice.
+
+The only user of heyoka's integrators.
+"""
+
+import copy
+import hashlib
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from ..mechanics.operand import leaves
+from ..mechanics.system import KINDS
+from ..mechanics.systems import SYSTEMS
+from ..problem import PRECISIONS, Problem
+from .expressions import variables
+from .status import Status
+from .zeros import Zero
+
+
+hy.set_logger_level_critical()  # heyoka warns on stdout, which is ours; every outcome it warns of has a status here
+
+STEPS_PER_SLICE = 8192  # about 20 ms of work and 18 MB of dense output, which costs 1.2 ms a call: heyoka compiles it
+LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of compilation pay
+DIRECTIONS = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
+EVENT_SCALE = 2.0**-24  # events must not control the step either: with and without them, a run has the same bits
+
+
+class Compiled(NamedTuple):
+    """An integrator to be copied, the expressions it was made of, and the log its events write to."""
+
+    integrator: Any
+    kinds: tuple[str, ...]
+
+
+class Log:
+    """What heyoka calls at an event. Copies are the object itself: heyoka copies callbacks deeply."""
+
+    def __init__(self, kind: str):
+        self.kind = kind
+        self.zeros: list[Zero] = []
+
+    def __deepcopy__(self, memo: dict) -> "Log":
+        return Log(self.kind)
+
+    def __call__(self, integrator: Any, t: Any, sign: int) -> None:
+        self.zeros.append(Zero(t, self.kind, sign))
+
+
+@lru_cache(maxsize=32)
+def compiled(
+    name: str,
+    form_name: str,
+    friction: Any,
+    precision: str,
+    tolerance: float,
+    events: tuple[str, ...],
+    stop: bool,
+    compact: bool,
+) -> Compiled:
+    """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
+    heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`. `compact` code compiles at once, and
+    runs a third slower."""
+    system = SYSTEMS[name]
+    form = system.forms[form_name]
+    record, body, equations = variables(system, form, friction)
+    scalars, number = form.scalars(record, body), PRECISIONS[precision]
+    number = float if number is np.float64 else number
+    passing, terminal, kinds = [], [], []
+    for event in system.events:
+        if event.name not in events:
+            continue
+        expression = hy.expression(EVENT_SCALE) * event.formula(scalars, body)
+        if not hy.get_variables(expression):  # it never changes: without friction, sliding dissipates nothing
+            continue
+        options = {"direction": DIRECTIONS[event.direction], "fp_type": number}
+        if event.stops and stop:
+            terminal.append(hy.t_event(expression, **options))
+        else:
+            passing.append(hy.nt_event(expression, Log(event.name), **options))
+            kinds.append(event.name)
+    integrator = hy.taylor_adaptive(
+        equations,
+        np.zeros(len(equations), dtype=PRECISIONS[precision]),
+        pars=np.zeros(len(leaves(body)), dtype=PRECISIONS[precision]),
+        tol=number(tolerance),
+        high_accuracy=True,
+        nt_events=passing,
+        t_events=terminal,
+        compact_mode=compact,
+        fp_type=number,
+    )
+    return Compiled(integrator, tuple(kinds))
+
+
+@dataclass
+class Slice:
+    """A run of accepted steps: their ends, the dense output over them, and the zeros found in them."""
+
+    times: np.ndarray  # (n + 1,) internal
+    output: Callable  # output(internal times) -> (k, variables)
+    coefficients: np.ndarray  # (n, variables, order + 1)
+    ends: np.ndarray  # (n, variables): the states at times[1:]
+    zeros: list[Zero]
+    status: Status | None  # None: to be continued
+    wall: float  # [s] spent inside heyoka
+
+
+def integrator_of(problem: Problem) -> Any:
+    """A fresh integrator of the problem, at its start."""
+    detected = tuple(k for k in KINDS if k != "turning" or k in problem.events)
+    integrator = copy.deepcopy(
+        compiled(
+            problem.system.name,
+            problem.form.name,
+            problem.friction.__class__,
+            problem.precision,
+            problem.tolerance,
+            detected,
+            problem.on_liftoff == "stop",
+            problem.precision != "double" and float(problem.internal_time(problem.until)) < LONG,
+        ).integrator
+    )
+    integrator.pars[:] = [problem.number(leaf) for leaf in leaves(problem.internal_body)]
+    integrator.state[:] = problem.start()
+    return integrator
+
+
+def terminal_kinds(problem: Problem) -> tuple[str, ...]:
+    """The kinds of the events that end a run, in heyoka's order."""
+    return tuple(e.name for e in problem.system.events if e.stops and problem.on_liftoff == "stop")
+
+
+def slices(
+    integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",), steps: int | None = None
+) -> Iterator[Slice]:
+    """Drives an integrator to the internal time `end`, so many steps at a time; the last slice carries the status.
+    `terminal` are the kinds of the events that end it.
+
+    Slices of a number of steps are bit-identical to one long call; slices of time would not be.
+    """
+    stop, steps = hy.taylor_outcome, steps or STEPS_PER_SLICE
+    status: Status | None
+    logs = [event.callback for event in integrator.nt_events] if integrator.with_events else []
+    while True:
+        for log in logs:
+            log.zeros.clear()
+        start, clock = integrator.time, time.perf_counter()
+        outcome, *_, output, _ = integrator.propagate_until(end, max_steps=steps, c_output=True)
+        wall = time.perf_counter() - clock
+        zeros = [zero for log in logs for zero in log.zeros]
+        if outcome == stop.time_limit:
+            status = Status.FINISHED
+        elif outcome == stop.err_nf_state:
+            status = Status.NON_FINITE
+        elif outcome == stop.step_limit:
+            status = Status.STALLED if output.times[-1] - start < steps * 1e-10 else None
+        else:
+            kind = terminal[-int(outcome) - 1]  # heyoka numbers the terminal events -1, -2, ...
+            status = Status.LIFTOFF if kind == "liftoff" else Status.FALLEN
+            zeros.append(Zero(integrator.time, kind, -1))
+        if output is None:  # not one step was possible
+            none = np.zeros((0, len(integrator.state), 2))
+            yield Slice(np.array([start]), _nothing, none, none[:, :, 0], [], status, wall)
+            return
+        coefficients = output.tcs
+        last = integrator.state if status is not Status.NON_FINITE else output(output.times[-1])
+        ends = np.concatenate([coefficients[1:, :, 0], last[None, :]])
+        yield Slice(output.times, output, coefficients, ends, sorted(zeros, key=lambda z: z.time), status, wall)
+        if status is not None:
+            return
+
+
+def _nothing(times: np.ndarray) -> np.ndarray:
+    """The dense output of no step at all."""
+    raise AssertionError("a slice without steps was asked for a state")
+
+
+def fingerprint(integrator: Any) -> str:
+    """Says which equations an integrator was made of: a digest of their expressions."""
+    return hashlib.sha256("\n".join(f"{a}' = {b}" for a, b in integrator.sys).encode()).hexdigest()[:16]
+
+
+def rows_at(piece: Slice, times: np.ndarray, problem: Problem) -> np.ndarray:
+    """States at internal times inside the slice, copied (heyoka reuses one buffer for single times)."""
+    return np.array(piece.output(np.asarray(times, dtype=problem.number)), copy=True)

@@ -1,0 +1,98 @@
+"""A run seen in its landscape: what the figures of the band, the surface, the potential and the inversion show."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ..errors import InputError
+from ..mechanics.system import KINDS
+from .formulas import SHAPES
+from .marked_lines import marked_lines
+from .potential import potential as potential_over
+from .surface import minimal_surface
+from .turning import band as band_along
+from .turning import run_names, turning_angles
+
+
+TIMES = 6  # panels of the potential
+
+
+def table(columns: Any) -> xr.Dataset:
+    """Columns of a run as a labelled Dataset; a Dataset as it is."""
+    if isinstance(columns, xr.Dataset):
+        return columns
+    return xr.Dataset({name: (c.dims, c.values, c.attrs) for name, c in columns.items()}).set_coords("time")
+
+
+def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[xr.Dataset, xr.Dataset, str]:
+    """The band along a run, and the logged turning angles with the nearer edge of the band at their times: where the
+    band rises fast, theta can turn at its upper edge only.
+
+    D and E~ at a turning are a cubic through the neighbouring output times: at 40 outputs a nutation, that leaves the
+    edge some 1e-6 rad uncertain.
+    """
+    from scipy.interpolate import CubicSpline
+
+    parameters, system = _body(attrs, *SHAPES)
+    found = band_along(parameters, trajectory, system)
+    turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
+    when, theta = events["time"].values[turning], events["theta"].values[turning]
+    if trajectory["time"].size < 4:
+        when, theta, turning = when[:0], theta[:0], np.zeros_like(turning)
+        states: list[Any] = [np.empty(0)] * 3
+    else:
+        states = [CubicSpline(trajectory["time"].values, trajectory[name].values)(when) for name in run_names(system)]
+    edges = turning_angles(parameters, states[0], states[1], states[2], system)
+    low, high = edges["theta_min"].values, edges["theta_max"].values
+    edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
+    logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
+    return found, logged, attrs["title"] + ": the band that the main equation predicts"
+
+
+def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[xr.Dataset, ...]:
+    """The minimal surface around a run, the marked lines, and the run."""
+    parameters, _ = _body(attrs)
+    lam = float(trajectory["jellett"][0])
+    lambdas = np.linspace(0, 1.25 * lam, 201) if lam > 0 else np.linspace(1.25 * lam, 0, 201) if lam < 0 else None
+    if lambdas is None:
+        raise InputError(["the surface is drawn around a run with lambda other than 0, but it is 0."])
+    lines = marked_lines(parameters, lambdas)
+    ends = [*lines["D"].values.ravel(), *trajectory["routh"].values]
+    return minimal_surface(parameters, np.linspace(min(ends), max(ends), 201), lambdas), lines, trajectory
+
+
+def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[list]:
+    """V(z), E~ and the turning angles at several times: evenly spread in theta, hence all through an inversion."""
+    parameters, system = _body(attrs, *SHAPES)
+    theta = trajectory["theta"].values
+    reached = np.maximum.accumulate(theta)
+    picks = np.unique(np.searchsorted(reached, np.linspace(theta[0], reached[-1], TIMES)))
+    if picks.size < TIMES:  # theta does not rise: evenly spread in time
+        picks = np.unique(np.linspace(0, theta.size - 1, TIMES).round().astype(int))
+    z = np.cos(np.linspace(np.pi, 0, 1203)[1:-1])
+    curves = []
+    for i in picks:
+        x, y, E = (float(trajectory[name][i]) for name in run_names(system))
+        at = turning_angles(parameters, x, y, E, system).assign(energy=E)
+        curves.append((f"t = {float(trajectory['time'][i]):.4g} s", potential_over(parameters, z, x, y, system), at))
+    return (curves,)
+
+
+def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
+    """The section of the surface at the run's lambda, the spinning states there, and the run."""
+    parameters, _ = _body(attrs)
+    lam = float(trajectory["jellett"][0])
+    lines = marked_lines(parameters, lam)
+    ends = np.array([*lines["D"].values.ravel(), *trajectory["routh"].values])
+    margin = 0.12 * np.ptp(ends) or 1e-9
+    section = minimal_surface(parameters, np.linspace(ends.min() - margin, ends.max() + margin, 801), lam)
+    return section, lines, trajectory, f"{attrs['title']}: λ = {lam:.6g} kg m³ s⁻¹"
+
+
+def _body(attrs: dict[str, Any], *allowed: str) -> tuple[dict[str, float], str]:
+    """Parameters and system of a run. Raises ScenarioError where there is no such landscape."""
+    system, allowed = attrs["system"], allowed or ("tippe-top", "rolling-tippe-top")
+    if system not in allowed:
+        raise InputError([f"this figure needs a run of {' or '.join(allowed)}, but this is one of {system}."])
+    return dict(attrs["parameters"]), system

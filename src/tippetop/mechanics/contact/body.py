@@ -1,0 +1,141 @@
+"""The gliding body and the functions of its state that do not depend on the form. [T 3.3, 4.1, 5.1]"""
+
+from typing import Any, NamedTuple
+
+from ..friction import slip_coefficient
+from ..operand import Operand, formula
+from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
+
+
+class Body(NamedTuple):
+    """m [kg], R and c [m] of the contact arm, I1 and I3 [kg m^2] about the centre of mass, g [m/s^2], friction law."""
+
+    m: Operand
+    R: Operand
+    c: Operand
+    I1: Operand
+    I3: Operand
+    g: Operand
+    friction: Any
+
+
+def body_units(friction: Any) -> Body:
+    """The units of a Body."""
+    return Body(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
+
+
+class Scalars(NamedTuple):
+    """Functions of the state that do not depend on the form; all are smooth at the poles (section 3.4)."""
+
+    z: Operand  # cos(theta)
+    s2: Operand  # sin(theta)^2
+    z_dot: Operand  # -theta' sin(theta)
+    fall: Operand  # z'' of the axis if no torque acted
+    precession: Operand  # phi' sin(theta)^2
+    axis_speed2: Operand  # |3hat'|^2 = theta'^2 + phi'^2 sin(theta)^2
+    L3: Operand  # L.3hat
+    Lz: Operand  # L.zhat, about the centre of mass
+    v_u: Operand  # v_A.3hat = nu_x sin(theta)
+    v_n: Operand  # (3hat x v_A).zhat = nu_y sin(theta)
+    v2: Operand  # |v_A|^2
+    speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
+
+
+@formula
+def torque_free(L3, precession, axis_speed2, z, b):
+    """z'' of the axis if no torque acted [1/s^2]: L_3 phi' sin(theta)^2/I1 - z |3hat'|^2."""
+    return L3 / b.I1 * precession - z * axis_speed2
+
+
+@formula
+def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
+    """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0. [section 3.2]"""
+    return theta_dot * (b.R - b.c * z), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
+
+
+@formula
+def yielding(s, b):
+    """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
+    slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
+    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - (b.R - b.c * s.z) * slip)
+
+
+@formula
+def g_n(s, b):
+    """Normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
+    return b.m * (b.g - b.c * s.fall) / yielding(s, b)
+
+
+@formula
+def friction_loss(s, b):
+    """Friction power per unit of normal force, k |v_A|^2 [m/s]."""
+    return slip_coefficient(s.v2, s.z, b.friction) * s.v2
+
+
+@formula
+def friction_power(s, b):
+    """Rate at which friction takes energy, k g_n |v_A|^2 = -E' [W]. [T 3.8]"""
+    return friction_loss(s, b) * g_n(s, b)
+
+
+@formula
+def jellett(s, b):
+    """Jellett's integral lambda = -L.a = R L_z - c L_3 [kg m^3/s]; constant for any force at A. [T 3.18]"""
+    return b.R * s.Lz - b.c * s.L3
+
+
+@formula
+def rotation_energy(s, b):
+    """Half omega.L [J], about the centre of mass."""
+    return (b.I1 * s.axis_speed2 + s.L3**2 / b.I3) / 2
+
+
+@formula
+def height_energy(z, b):
+    """Energy of weight m g s_z [J], s_z = R - c z the height of the centre of mass."""
+    return b.m * b.g * (b.R - b.c * z)
+
+
+@formula
+def energy(s, b):
+    """Energy E [J]; E' = -k g_n |v_A|^2. [T 3.7]"""
+    return b.m * (s.speed2 + (b.c * s.z_dot) ** 2) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
+
+
+@formula
+def arm2(z, b):
+    """|a|^2 = R^2 + c^2 - 2 c R z, squared distance from the centre of mass to the contact [m^2]."""
+    return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
+
+
+@formula
+def arm_speed2(s, b):
+    """|omega x a|^2 [m^2/s^2]: the speed that the centre of mass would have if the body rolled. [section 3.3]"""
+    w3, q = s.L3 / b.I3, b.c - b.R * s.z
+    return q**2 * s.axis_speed2 + b.R**2 * (s.z_dot**2 + s.s2 * w3**2) + 2 * b.R * w3 * q * s.precession
+
+
+@formula
+def modified_energy(s, b):
+    """Modified (rolling) energy E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J]. [T 4.15, 5.23]"""
+    return b.m * arm_speed2(s, b) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
+
+
+@formula
+def modified_energy_rate(push_u, push_n, s, b):
+    """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
+    turn = (b.c - b.R * s.z) * s.precession + b.R * (s.L3 / b.I3) * s.s2
+    return b.m * ((b.R - b.c * s.z) * (s.z_dot * push_u) + turn * push_n) / s.s2
+
+
+@formula
+def vertical_inertia(z, b):
+    """Half of I1 + m c^2 sin(theta)^2 [kg m^2]: the factor of theta'^2 where the reaction is vertical. [section 3.3]"""
+    return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
+
+
+@formula
+def vertical_potential(z, Lz, L3, b):
+    """E - m|r'|^2/2 - vertical_inertia theta'^2 [J], by L_z and L_3 about the centre of mass: without friction both
+    are constant, and this is the effective potential of the nutation."""
+    return height_energy(z, b) + L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * b.I1 * ((1 - z) * (1 + z)))

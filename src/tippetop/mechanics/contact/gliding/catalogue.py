@@ -1,0 +1,124 @@
+"""What people give and read of a gliding body: initial data, forms, events, quantities."""
+
+from typing import Any
+
+from ...operand import formula
+from ...system import Event, Form, Hazard, Parameter, Quantity
+from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
+from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
+from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
+from .euler import EULER_UNITS, EulerState, centre_velocity, euler_rates, euler_scalars
+from .vector import QUADRATURES, VECTOR_UNITS, vector_rates, vector_scalars
+
+
+INITIAL = {
+    "theta": Parameter(RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793),
+    "theta_dot": Parameter(RADIAN_PER_SECOND, "theta'"),
+    "phi": Parameter(RADIAN, "azimuth phi of the horizontal projection of the axis"),
+    "phi_dot": Parameter(RADIAN_PER_SECOND, "phi'"),
+    "omega3": Parameter(RADIAN_PER_SECOND, "angular velocity omega_3 about the axis"),
+    "nu_x": Parameter(METRE_PER_SECOND, "contact velocity along e"),
+    "nu_y": Parameter(METRE_PER_SECOND, "contact velocity along 2hat"),
+    "x": Parameter(METRE, "x of the centre of mass"),
+    "y": Parameter(METRE, "y of the centre of mass"),
+    "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3"),
+}
+
+
+def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
+    """The record of angles of what a person gave, the rest zero; psi_dot may stand for omega3."""
+    e = angles(*(data.get(name, 0) for name in angles._fields))
+    return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
+
+
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
+    """The Euler record of what a person gave; centre_at_rest may stand for nu_x and nu_y."""
+    e = given_angles(EulerState, data, z)
+    if data.get("centre_at_rest"):
+        along_e, along_2 = centre_velocity(e, s, z, b)
+        e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
+    return e
+
+
+@formula
+def away_from_pole(s, b):
+    """sin(theta)^2."""
+    return s.s2
+
+
+JAMMED = Hazard(yielding, "the friction jams the contact (denominator of g_n not positive): no solution of the model")
+POLE = Hazard(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
+
+VECTOR = Form(
+    "vector", VECTOR_UNITS, vector_rates, vector_scalars, vector_of_angles, angles_of_vector, QUADRATURES, (JAMMED,)
+)
+EULER = Form(
+    "euler",
+    EULER_UNITS,
+    euler_rates,
+    euler_scalars,
+    euler_of_angles,
+    angles_of_euler,
+    ("phi", *QUADRATURES),
+    (JAMMED, POLE),
+)
+FORMS = {form.name: form for form in (VECTOR, EULER)}
+VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
+LONG_NAMES = {
+    **{name: parameter.long_name for name, parameter in INITIAL.items()},
+    "phi": "azimuth phi of the horizontal projection of the axis; undefined (NaN) exactly at a pole",
+    "phi_dot": "phi'; undefined (NaN) exactly at a pole",
+    "nu_x": "contact velocity along e; undefined (NaN) exactly at a pole",
+    "nu_y": "contact velocity along 2hat; undefined (NaN) exactly at a pole",
+    "work": "energy taken by friction since the start",
+    "impulse": "integral of the normal force since the start",
+    "axis": "unit vector 3hat along the axis, space frame",
+    "L": "angular momentum about the centre of mass, space frame",
+}
+
+
+@formula
+def turning(s, b):
+    """z' = -theta' sin(theta): zero at the turning angles, and at a pole."""
+    return s.z_dot
+
+
+@formula
+def equator(s, b):
+    """z = cos(theta): zero where the axis is horizontal."""
+    return s.z
+
+
+@formula
+def near_inversion(s, b):
+    """z + cos(0.1): falls through zero where theta rises through pi - 0.1."""
+    return s.z + COS_INVERTED
+
+
+@formula
+def sliding(s, b):
+    """Friction loss less 1e-12, in internal units: below it the motion is settled, because a solution without sliding
+    is a spinning or a tumbling one. [T Theorem 3.3.1]"""
+    return friction_loss(s, b) - 1e-12
+
+
+COS_INVERTED = 0.9950041652780258  # cos(0.1)
+
+TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=-1)
+LIFTOFF = Event("liftoff", "normal force g_n falls to zero: beyond it the model does not hold", g_n, -1, stops=True)
+EQUATOR = Event("equator", "theta = pi/2", equator)
+FALLEN = Event("equator", "theta = pi/2: the body has fallen to the plane", equator, stops=True)
+INVERTED = Event("inverted", "theta rises through pi - 0.1", near_inversion, -1)
+SETTLED = Event("settled", "sliding dies out: friction loss below 1e-12 sqrt(gR)", sliding, -1)
+EVENTS = (TURNING, LIFTOFF, EQUATOR, INVERTED, SETTLED)
+
+ENERGIES = (
+    Quantity("energy", "E", JOULE, "energy", energy),
+    Quantity("modified_energy", "E~", JOULE, "modified (rolling) energy", modified_energy),
+)
+QUANTITIES = (
+    *ENERGIES,
+    Quantity("normal_force", "g_n", NEWTON, "normal force", g_n),
+    Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
+)
+JELLETT_QUANTITY = Quantity("jellett", "lambda", JELLETT, "Jellett's integral", jellett)

@@ -1,0 +1,97 @@
+"""The gliding body in Euler angles: singular at the poles. [T 3.29-3.34, 5.14-5.18]"""
+
+from typing import NamedTuple
+
+from ...friction import slip_coefficient
+from ...operand import Operand, cos, formula, sin
+from ...units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, RADIAN, RADIAN_PER_SECOND
+from ..body import Scalars, friction_power, g_n, rolling_velocity, torque_free
+
+
+class EulerState(NamedTuple):
+    """theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat; then what the equations do not read."""
+
+    theta: Operand
+    theta_dot: Operand
+    phi_dot: Operand
+    omega3: Operand
+    nu_x: Operand
+    nu_y: Operand
+    phi: Operand
+    x: Operand
+    y: Operand
+    work: Operand
+    impulse: Operand
+
+
+EULER_UNITS = EulerState._make(
+    (RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 2, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND)
+)
+
+
+@formula
+def centre_velocity(e, s, z, b):
+    """Components of the velocity of the centre of mass along e and 2hat [m/s]. [section 3.2]"""
+    along_e, along_2 = rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
+    return e.nu_x + along_e, e.nu_y + along_2
+
+
+@formula
+def euler_scalars(e, b):
+    """The scalars of an Euler-angle state."""
+    s, z = sin(e.theta), cos(e.theta)
+    along_e, along_2 = centre_velocity(e, s, z, b)
+    L3 = b.I3 * e.omega3
+    precession = e.phi_dot * s**2
+    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
+    return Scalars(
+        z=z,
+        s2=s**2,
+        z_dot=-(e.theta_dot * s),
+        fall=torque_free(L3, precession, axis_speed2, z, b),
+        precession=precession,
+        axis_speed2=axis_speed2,
+        L3=L3,
+        Lz=b.I1 * precession + L3 * z,
+        v_u=e.nu_x * s,
+        v_n=e.nu_y * s,
+        v2=e.nu_x**2 + e.nu_y**2,
+        speed2=along_e**2 + along_2**2,
+    )
+
+
+@formula
+def euler_rates(e, b):
+    """The solved equations in Euler angles. [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]"""
+    s, z = sin(e.theta), cos(e.theta)
+    scalars = euler_scalars(e, b)
+    N = g_n(scalars, b)
+    k = slip_coefficient(scalars.v2, scalars.z, b.friction)
+    Fx, Fy = -(k * N * e.nu_x), -(k * N * e.nu_y)  # along e and 2hat
+    h, q = b.R - b.c * z, b.c - b.R * z
+    along_e, along_2 = centre_velocity(e, s, z, b)
+    theta_dot2 = s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
+    phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (b.I1 * s)
+    nu_x_dot = (
+        s / b.I1 * (e.phi_dot * e.omega3 * (b.I3 * h - b.I1 * b.R) + b.c * h * N - b.I1 * b.c * scalars.axis_speed2)
+        + Fx * (1 / b.m + h**2 / b.I1)
+        + e.phi_dot * e.nu_y
+    )
+    nu_y_dot = (
+        Fy * (1 / b.m + q**2 / b.I1 + (b.R * s) ** 2 / b.I3)
+        + e.omega3 * e.theta_dot / b.I1 * (b.I3 * q + b.I1 * b.R * z)
+        - e.phi_dot * e.nu_x
+    )
+    return EulerState(
+        e.theta_dot,
+        theta_dot2,
+        phi_dot2,
+        b.R * s * Fy / b.I3,
+        nu_x_dot,
+        nu_y_dot,
+        e.phi_dot,
+        along_e * cos(e.phi) - along_2 * sin(e.phi),
+        along_e * sin(e.phi) + along_2 * cos(e.phi),
+        friction_power(scalars, b),
+        N,
+    )

@@ -1,0 +1,117 @@
+"""The gliding body in vector form: regular everywhere. [T 3.12, 3.17, 5.2]"""
+
+from typing import NamedTuple
+
+from ...friction import slip_coefficient
+from ...operand import Operand, Vector, cross, dot, formula, plus, times
+from ...units import ANGULAR_MOMENTUM, JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, ONE
+from ..body import Scalars, friction_power, g_n
+
+
+class VectorState(NamedTuple):
+    """3hat, L and L_3 = L.3hat about the centre of mass, velocity and place of the centre of mass; then the integrals
+    of friction power and normal force. L_3 is carried because L_3' and L_z' are one product: it saves three."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    L3: Operand
+    rx_dot: Operand
+    ry_dot: Operand
+    x: Operand
+    y: Operand
+    work: Operand
+    impulse: Operand
+
+
+VECTOR_UNITS = VectorState._make(
+    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 4, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
+)
+QUADRATURES = ("x", "y", "work", "impulse")
+
+
+@formula
+def axis(q):
+    """3hat, unit vector along the axis of the body, (3,), space frame."""
+    return Vector(q.ux, q.uy, q.uz)
+
+
+@formula
+def momentum(q):
+    """Angular momentum L about the centre of mass, (3,), space frame [kg m^2/s]."""
+    return Vector(q.Lx, q.Ly, q.Lz)
+
+
+@formula
+def axis_rate(q, b):
+    """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
+    return times(1 / b.I1, cross(momentum(q), axis(q)))
+
+
+@formula
+def angular_velocity(u, L, L3, b):
+    """omega = L/I1 + (1/I3 - 1/I1) L_3 3hat [1/s]. [section 1]"""
+    return plus(times(1 / b.I1, L), times((1 / b.I3 - 1 / b.I1) * L3, u))
+
+
+@formula
+def contact_velocity(q, b):
+    """v_A = r' + omega x a, horizontal, (3,) [m/s]. [T 3.3]"""
+    u_dot, w = axis_rate(q, b), angular_velocity(axis(q), momentum(q), q.L3, b)
+    return Vector(q.rx_dot + b.c * u_dot.x - b.R * w.y, q.ry_dot + b.c * u_dot.y + b.R * w.x, 0.0)
+
+
+@formula
+def torque_free_fall(q, b):
+    """z'' of the axis if no torque acted, (L x 3hat')_z/I1 [1/s^2]."""
+    u_dot = axis_rate(q, b)
+    return (q.Lx * u_dot.y - q.Ly * u_dot.x) / b.I1
+
+
+@formula
+def vector_scalars(q, b):
+    """The scalars of a vector state. L_3 is L.3hat, so that the carried L_3 is under control too."""
+    u, L = axis(q), momentum(q)
+    u_dot, v = axis_rate(q, b), contact_velocity(q, b)
+    return Scalars(
+        z=u.z,
+        s2=u.x * u.x + u.y * u.y,
+        z_dot=u_dot.z,
+        fall=torque_free_fall(q, b),
+        precession=u.x * u_dot.y - u.y * u_dot.x,
+        axis_speed2=dot(u_dot, u_dot),
+        L3=dot(L, u),
+        Lz=L.z,
+        v_u=u.x * v.x + u.y * v.y,
+        v_n=u.x * v.y - u.y * v.x,
+        v2=v.x * v.x + v.y * v.y,
+        speed2=q.rx_dot**2 + q.ry_dot**2,
+    )
+
+
+@formula
+def vector_rates(q, b):
+    """3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
+    u_dot, v, scalars = axis_rate(q, b), contact_velocity(q, b), vector_scalars(q, b)
+    N = g_n(scalars, b)
+    F = times(-(slip_coefficient(scalars.v2, scalars.z, b.friction) * N), v)
+    h = b.R - b.c * q.uz
+    twist = q.ux * F.y - q.uy * F.x  # (3hat x F)_z
+    return VectorState(
+        u_dot.x,
+        u_dot.y,
+        u_dot.z,
+        b.c * (q.uy * N) + h * F.y,
+        -(b.c * (q.ux * N)) - h * F.x,
+        b.c * twist,
+        b.R * twist,
+        F.x / b.m,
+        F.y / b.m,
+        q.rx_dot,
+        q.ry_dot,
+        friction_power(scalars, b),
+        N,
+    )

@@ -1,0 +1,106 @@
+"""The rolling body in Euler angles: singular at the poles."""
+
+from typing import NamedTuple
+
+from ...operand import Operand, cos, formula, sin
+from ...units import METRE, NEWTON_SECOND, RADIAN, RADIAN_PER_SECOND
+from .. import body as contact
+from .reaction import Scalars, spin_determinant
+
+
+# --- Euler-angle form: singular at the poles ------------------------------------------------------------------------
+
+
+class EulerState(NamedTuple):
+    """theta, theta', phi', omega_3; then what the equations do not read."""
+
+    theta: Operand
+    theta_dot: Operand
+    phi_dot: Operand
+    omega3: Operand
+    phi: Operand
+    x: Operand
+    y: Operand
+    impulse: Operand
+
+
+EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, METRE, METRE, NEWTON_SECOND))
+
+
+@formula
+def euler_accelerations(e, s, z, b):
+    """theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
+    h, q = b.R - b.c * z, b.c - b.R * z
+    determinant = spin_determinant(z, b)
+    theta_dot2 = (
+        s
+        * (
+            e.phi_dot**2 * (b.I1 * z - b.m * q * h)
+            - e.phi_dot * e.omega3 * (b.m * b.R * h + b.I3)
+            - b.m * b.c * (b.R * e.theta_dot**2 + b.g)
+        )
+        / (b.I1 + b.m * contact.arm2(z, b))
+    )
+    phi_dot2 = e.theta_dot / s * (e.omega3 * b.I3 * (b.I3 + b.m * b.R * h) / determinant - 2 * e.phi_dot * z)
+    omega3_dot = -(b.m * b.R * (e.omega3 * e.theta_dot * s)) * (b.I1 * b.R * z + b.I3 * q) / determinant
+    return theta_dot2, phi_dot2, omega3_dot
+
+
+@formula
+def general_accelerations(e, s, z, w_x, w_y, b):
+    """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat: the general system,
+    of which rolling is w = 0. [T 3.36; section 12]"""
+    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
+    h, q, determinant = b.R - b.c * z, b.c - b.R * z, spin_determinant(z, b)
+    return (
+        theta_dot2 - b.m * (h * w_x) / (b.I1 + b.m * contact.arm2(z, b)),
+        phi_dot2 + b.m * b.I3 * (q * w_y) / (determinant * s),
+        omega3_dot + b.m * b.R * b.I1 * (s * w_y) / determinant,
+    )
+
+
+@formula
+def euler_scalars(e, b):
+    """The scalars of an Euler-angle state."""
+    s, z = sin(e.theta), cos(e.theta)
+    h, q = b.R - b.c * z, b.c - b.R * z
+    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
+    turn = b.R * e.omega3 + e.phi_dot * q
+    along_e, along_2 = contact.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
+    push_e = theta_dot2 * h + b.c * (e.theta_dot**2 * s) - e.phi_dot * along_2
+    push_2 = e.phi_dot * along_e - (
+        e.theta_dot * z * turn + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
+    )
+    L3 = b.I3 * e.omega3
+    precession = e.phi_dot * s**2
+    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
+    return Scalars(
+        z=z,
+        s2=s**2,
+        z_dot=-(e.theta_dot * s),
+        fall=contact.torque_free(L3, precession, axis_speed2, z, b),
+        precession=precession,
+        axis_speed2=axis_speed2,
+        L3=L3,
+        Lz=b.I1 * precession + L3 * z,
+        speed2=along_e**2 + along_2**2,
+        grip2=b.m**2 * (push_e**2 + push_2**2),
+    )
+
+
+@formula
+def euler_rates(e, b):
+    """The equations in Euler angles. [T 4.2-4.4]"""
+    s, z = sin(e.theta), cos(e.theta)
+    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
+    along_e, along_2 = contact.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
+    return EulerState(
+        e.theta_dot,
+        theta_dot2,
+        phi_dot2,
+        omega3_dot,
+        e.phi_dot,
+        along_e * cos(e.phi) - along_2 * sin(e.phi),
+        along_e * sin(e.phi) + along_2 * cos(e.phi),
+        b.m * (b.g + b.c * (theta_dot2 * s + e.theta_dot**2 * z)),
+    )

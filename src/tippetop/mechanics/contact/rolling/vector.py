@@ -1,0 +1,69 @@
+"""The rolling body in vector form: regular everywhere."""
+
+from typing import NamedTuple
+
+from ...operand import Operand, Vector, formula
+from ...units import ANGULAR_MOMENTUM, METRE, NEWTON_SECOND, ONE
+from ..gliding.vector import axis, axis_rate, momentum
+from .reaction import completed, free_scalars, reaction
+
+
+# --- vector form: regular everywhere --------------------------------------------------------------------------------
+
+
+class VectorState(NamedTuple):
+    """3hat, and L about the centre of mass; then its place and the integral of the normal force. The velocity of the
+    centre of mass is -omega x a."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    x: Operand
+    y: Operand
+    impulse: Operand
+
+
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, METRE, METRE, NEWTON_SECOND))
+QUADRATURES = ("x", "y", "impulse")
+
+
+@formula
+def centre_velocity(u, u_dot, w3, b):
+    """r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat."""
+    q = b.c - b.R * u.z
+    return Vector(
+        -(q * u_dot.x) - b.R * (u.x * u_dot.z - w3 * u.y),
+        -(q * u_dot.y) - b.R * (u.y * u_dot.z + w3 * u.x),
+        0,
+    )
+
+
+@formula
+def vector_scalars(q, b):
+    """The scalars of a vector state."""
+    u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
+    s = free_scalars(u, L, u_dot, b)
+    return completed(s, centre_velocity(u, u_dot, s.L3 / b.I3, b), reaction(u, L, u_dot, s, b))
+
+
+@formula
+def vector_rates(q, b):
+    """3hat' = L x 3hat/I1, L' = a x F, r' = -(omega x a). [section 4]"""
+    u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
+    s = free_scalars(u, L, u_dot, b)
+    v, F = centre_velocity(u, u_dot, s.L3 / b.I3, b), reaction(u, L, u_dot, s, b)
+    h = b.R - b.c * u.z
+    return VectorState(
+        u_dot.x,
+        u_dot.y,
+        u_dot.z,
+        b.c * (u.y * F.z) + h * F.y,
+        -(b.c * (u.x * F.z)) - h * F.x,
+        b.c * (u.x * F.y - u.y * F.x),
+        v.x,
+        v.y,
+        F.z,
+    )

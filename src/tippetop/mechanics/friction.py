@@ -1,0 +1,142 @@
+"""The laws of the planar contact force: F_h = -k g_n v_A. To add a law: a record, its k, a line in SLIP and in LAWS.
+
+k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies.
+"""
+
+from typing import Any, NamedTuple
+
+from .operand import Operand, exp, formula, select, sqrt
+from .system import Parameter
+from .units import METRE_PER_SECOND, ONE, SECOND_PER_METRE
+
+
+class Viscous(NamedTuple):
+    """F = -mu g_n v_A, the law of the source [T 3.1]; mu in s/m."""
+
+    mu: Operand
+
+
+class Coulomb(NamedTuple):
+    """F = -mu g_n v_A/sqrt(|v_A|^2 + eps^2); mu without dimension, eps in m/s decides when a top inverts."""
+
+    mu: Operand
+    eps: Operand
+
+
+class Mixed(NamedTuple):
+    """The sum of both (Or 1994): viscous mu in s/m, Coulomb mu_coulomb without dimension, eps in m/s."""
+
+    mu: Operand
+    mu_coulomb: Operand
+    eps: Operand
+
+
+class Stribeck(NamedTuple):
+    """Coulomb friction that weakens with speed: mu_static at rest falls to mu over the speed v_s (Stribeck 1902)."""
+
+    mu: Operand
+    mu_static: Operand
+    v_s: Operand
+    eps: Operand
+
+
+class Latitude(NamedTuple):
+    """Viscous friction of a body of two materials: mu on the heavy cap (contact at z = 1), mu_stem on the stem's side
+    (z = -1), linear in z between; both in s/m."""
+
+    mu: Operand
+    mu_stem: Operand
+
+
+class Frictionless(NamedTuple):
+    """No friction: a vertical reaction alone."""
+
+
+@formula
+def viscous(v2, z, law):
+    """k = mu [s/m]."""
+    return law.mu
+
+
+@formula
+def coulomb(v2, z, law):
+    """k = mu/sqrt(v^2 + eps^2) [s/m]."""
+    return law.mu / sqrt(v2 + law.eps * law.eps)
+
+
+@formula
+def mixed(v2, z, law):
+    """k = mu + mu_coulomb/sqrt(v^2 + eps^2) [s/m]."""
+    return law.mu + law.mu_coulomb / sqrt(v2 + law.eps * law.eps)
+
+
+@formula
+def stribeck(v2, z, law):
+    """k = [mu + (mu_static - mu) exp(-v^2/v_s^2)]/sqrt(v^2 + eps^2) [s/m]."""
+    return (law.mu + (law.mu_static - law.mu) * exp(-(v2 / law.v_s**2))) / sqrt(v2 + law.eps * law.eps)
+
+
+@formula
+def latitude(v2, z, law):
+    """k = [mu (1 + z) + mu_stem (1 - z)]/2 [s/m]."""
+    return (law.mu * (1 + z) + law.mu_stem * (1 - z)) / 2
+
+
+@formula
+def frictionless(v2, z, law):
+    """k = 0."""
+    return 0.0
+
+
+SLIP = {
+    Viscous: viscous,
+    Coulomb: coulomb,
+    Mixed: mixed,
+    Stribeck: stribeck,
+    Latitude: latitude,
+    Frictionless: frictionless,
+}
+slip_coefficient = select(SLIP)
+"""k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law."""
+
+
+class Law(NamedTuple):
+    """What a person names in [friction]: the record of the law and the numbers that it takes."""
+
+    record: type
+    parameters: dict[str, Parameter]
+    long_name: str
+
+    def units(self) -> Any:
+        """The law's record filled with units."""
+        return self.record(*(p.unit for p in self.parameters.values()))
+
+
+_VISCOUS = Parameter(SECOND_PER_METRE, "viscous friction coefficient mu", least=0)
+_COULOMB = Parameter(ONE, "Coulomb friction coefficient mu", least=0)
+_EPS = Parameter(METRE_PER_SECOND, "regularisation speed eps", above=0)
+
+LAWS = {
+    "viscous": Law(Viscous, {"mu": _VISCOUS}, "F = -mu g_n v_A"),
+    "coulomb": Law(Coulomb, {"mu": _COULOMB, "eps": _EPS}, "F = -mu g_n v_A/sqrt(v_A^2 + eps^2)"),
+    "mixed": Law(Mixed, {"mu": _VISCOUS, "mu_coulomb": _COULOMB, "eps": _EPS}, "viscous and Coulomb together"),
+    "stribeck": Law(
+        Stribeck,
+        {
+            "mu": _COULOMB,
+            "mu_static": Parameter(ONE, "Coulomb friction coefficient at rest", least=0),
+            "v_s": Parameter(METRE_PER_SECOND, "Stribeck speed, over which mu_static falls to mu", above=0),
+            "eps": _EPS,
+        },
+        "Coulomb that weakens with speed: mu + (mu_static - mu) exp(-v_A^2/v_s^2)",
+    ),
+    "latitude": Law(
+        Latitude,
+        {
+            "mu": _VISCOUS,
+            "mu_stem": Parameter(SECOND_PER_METRE, "viscous friction coefficient on the side of the stem", least=0),
+        },
+        "viscous, linear in cos(theta) between mu on the heavy cap and mu_stem on the stem's side",
+    ),
+    "none": Law(Frictionless, {}, "no friction"),
+}

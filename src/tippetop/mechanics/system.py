@@ -1,0 +1,120 @@
+"""What a system is: records of formulas, names and units; nothing numerical."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .units import Unit
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that a person gives: its unit, its meaning, and the open or closed interval it must lie in."""
+
+    unit: Unit
+    long_name: str
+    above: float | None = None  # must be greater than
+    least: float | None = None  # must be at least
+    below: float | None = None  # must be less than
+    most: float | None = None  # must be at most
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A function of the scalars of a form, hence of no form in particular: formula(scalars, b)."""
+
+    name: str
+    symbol: str
+    unit: Unit
+    long_name: str
+    formula: Callable
+
+
+@dataclass(frozen=True)
+class Event:
+    """A zero of formula(scalars, b), in internal units; the formula is regular and of order one.
+
+    Developers: write it with the sub-expressions of the equations of motion; then it costs no further product.
+    """
+
+    name: str
+    long_name: str
+    formula: Callable
+    direction: int = 0  # -1, 0, +1: only falling zeros, all, only rising ones
+    stops: bool = False  # the model ends here, unless the person says `continue`
+    sense: int = 0  # of a turning: +1 if the formula has the sign of theta', -1 if the opposite one
+
+
+class Hazard(NamedTuple):
+    """A scalar function that must stay positive, and what it means when it does not."""
+
+    formula: Callable  # formula(scalars, b)
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Form:
+    """A way to write the state of a system.
+
+    Law: `scalars` of two forms agree through the chart, and the chart commutes with the flow.
+    """
+
+    name: str
+    units: Any  # the state record (a NamedTuple) filled with the unit of each variable
+    rates: Callable  # rates(q, b) -> the same record: the time derivatives
+    scalars: Callable  # scalars(q, b) -> what the quantities are written in
+    of_angles: Callable  # of_angles(angles, sin_theta, cos_theta, b) -> q
+    to_angles: Callable  # to_angles(q, b) -> record of angles
+    quadratures: tuple[str, ...] = ()  # variables that the equations do not read: they must not control the step
+    hazards: tuple[Hazard, ...] = ()  # where the form or the model breaks down
+    stretch: float = 1.0  # the form's unit of length, in that of the system
+    unfolded: tuple[str, ...] = ()  # what is then no longer 1
+
+
+@dataclass(frozen=True)
+class System:
+    """A mechanical system: everything that the rest of the house needs to know of it."""
+
+    name: str
+    title: str
+    source: str
+    parameters: dict[str, Parameter]
+    body: Callable  # body(parameters, friction) -> the record that every formula takes, SI
+    body_units: Callable  # body_units(friction units) -> that record filled with units
+    scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
+    folded: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
+    initial: dict[str, Parameter]
+    start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
+    angles: Any  # the record that people read and write (a NamedTuple) filled with units
+    forms: dict[str, Form]
+    quantities: Sequence[Quantity]
+    integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
+    events: Sequence[Event]
+    long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
+    vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
+    checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
+    laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
+    potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
+    theta_inertia: Callable | None = None
+    momenta: tuple[str, ...] = ()  # the quantities that V takes
+
+    def units(self, b: Any, form: Form) -> tuple[Any, Any]:
+        """Mass [kg] and length [m] that become 1 in a form."""
+        mass, length = self.scales(b)
+        return mass, length * form.stretch
+
+    def folds(self, form: Form) -> dict[str, float]:
+        """What is 0 or 1 in the units of a form by construction."""
+        return {name: value for name, value in self.folded.items() if name not in form.unfolded}
+
+    @property
+    def frictional(self) -> bool:
+        """Whether a friction law must be given."""
+        return bool(self.laws)
+
+
+KINDS = ("turning", "liftoff", "equator", "inverted", "settled")
+NOISE_FLOOR = 100 * np.finfo(float).eps
+"""Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16."""

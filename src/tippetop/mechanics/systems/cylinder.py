@@ -1,0 +1,306 @@
+"""The eccentric cylinder: planar motion, theta unbounded; gliding, rolling, or with the modified reaction. [T ch. 6]
+
+It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve; there are no poles.
+The state carries sin(theta), cos(theta), and theta as a quadrature: a count of turns does not cost digits.
+"""
+
+from typing import Any, NamedTuple
+
+from ..contact import body as contact
+from ..contact.body import Body
+from ..contact.gliding import catalogue as gliding
+from ..friction import LAWS, SLIP, Law, slip_coefficient
+from ..operand import Operand, formula, select
+from ..system import Event, Form, Parameter, Quantity, System
+from ..units import (
+    INERTIA,
+    JOULE,
+    KILOGRAM,
+    METRE,
+    METRE_PER_SECOND,
+    METRE_PER_SECOND2,
+    NEWTON,
+    NEWTON_SECOND,
+    ONE,
+    RADIAN,
+    RADIAN_PER_SECOND,
+    WATT,
+    Unit,
+)
+from . import tippe_top
+
+
+PARAMETERS = {
+    "m": Parameter(KILOGRAM, "mass", above=0),
+    "R": Parameter(METRE, "radius of the cylinder", above=0),
+    "alpha": Parameter(ONE, "eccentricity: the centre of mass lies alpha*R below the axis", least=0, below=1),
+    "I": Parameter(INERTIA, "moment of inertia about the centre of mass", above=0),
+    "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
+}
+
+
+def body(parameters, friction) -> Body:
+    """The body of a cylinder: c = alpha*R, I1 = I; I3 plays no part."""
+    m, R, alpha, I, g = (parameters[name] for name in PARAMETERS)
+    return Body(m, R, alpha * R, I, I, g, friction)
+
+
+# --- the modified reaction, as a law of the contact -----------------------------------------------------------------
+
+
+class Modified(NamedTuple):
+    """F = m (1 - kappa)(s_z'' zhat) + m kappa s''_rolling + m g zhat - mu v_A [T 6.18]: mu in kg/s, and
+    kappa = 1/(1 + v_A^2/v_k^2), which tends to 1 as v_A -> 0 (the family is ours, the source leaves kappa open)."""
+
+    mu: Operand
+    v_k: Operand
+
+
+KILOGRAM_PER_SECOND = Unit(1, 0, -1, "kg s-1")
+MODIFIED = Law(
+    Modified,
+    {
+        "mu": Parameter(KILOGRAM_PER_SECOND, "friction coefficient of -mu v_A", least=0),
+        "v_k": Parameter(METRE_PER_SECOND, "speed at which kappa = 1/(1 + v_A^2/v_k^2) is one half", above=0),
+    },
+    "modified reaction: F = g~ zhat + m g zhat - m kappa (omega x a)' - mu v_A",
+)
+
+
+@formula
+def kappa(v2, law):
+    """kappa = 1/(1 + v_A^2/v_k^2), the share of the rolling reaction."""
+    return 1 / (1 + v2 / law.v_k**2)
+
+
+# --- gliding --------------------------------------------------------------------------------------------------------
+
+
+class Scalars(NamedTuple):
+    """What the quantities read; names as in `gliding.Scalars`, with phi' = omega_3 = nu_y = 0."""
+
+    z: Operand  # cos(theta)
+    s2: Operand  # sin(theta)^2
+    z_dot: Operand  # -theta' sin(theta)
+    fall: Operand  # -theta'^2 cos(theta)
+    precession: Operand
+    axis_speed2: Operand  # theta'^2
+    L3: Operand
+    v_u: Operand  # nu_x sin(theta)
+    v2: Operand  # nu_x^2
+    speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
+    theta_dot: Operand
+    s: Operand  # sin(theta)
+    nu_x: Operand
+    grip2: Operand
+
+
+class State(NamedTuple):
+    """sin(theta), cos(theta), theta', nu_x; then what the equations do not read."""
+
+    s: Operand
+    z: Operand
+    theta_dot: Operand
+    nu_x: Operand
+    theta: Operand
+    x: Operand
+    work: Operand
+    impulse: Operand
+
+
+UNITS = State(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND, RADIAN, METRE, JOULE, NEWTON_SECOND)
+
+
+class Angles(NamedTuple):
+    """theta, not wrapped, theta', nu_x and the place of the centre of mass; then the integrals."""
+
+    theta: Operand
+    theta_dot: Operand
+    nu_x: Operand
+    x: Operand
+    work: Operand
+    impulse: Operand
+
+
+ANGLES = Angles(RADIAN, RADIAN_PER_SECOND, METRE_PER_SECOND, METRE, JOULE, NEWTON_SECOND)
+
+
+@formula
+def scalars(q, b):
+    """The scalars of a state."""
+    along = q.nu_x + q.theta_dot * (b.R - b.c * q.z)
+    w2 = q.theta_dot**2
+    return Scalars(
+        z=q.z,
+        s2=q.s**2,
+        z_dot=-(q.theta_dot * q.s),
+        fall=-(q.z * w2),
+        precession=0,
+        axis_speed2=w2,
+        L3=0,
+        v_u=q.nu_x * q.s,
+        v2=q.nu_x**2,
+        speed2=along**2,
+        theta_dot=q.theta_dot,
+        s=q.s,
+        nu_x=q.nu_x,
+        grip2=0,
+    )
+
+
+@formula
+def standard_force(c, b, law):
+    """F_x and F_z of F = g_n zhat - k g_n v_A. [T 6.3-6.5]"""
+    N = contact.g_n(c, b)
+    return -(slip_coefficient(c.v2, c.z, law) * N * c.nu_x), N
+
+
+@formula
+def modified_force(c, b, law):
+    """F_x and F_z of the modified reaction. [section 11.4]"""
+    h, share = b.R - b.c * c.z, kappa(c.v2, law)
+    turn = (law.mu * c.nu_x * h - b.m * b.c * c.axis_speed2 * c.s * (share * h + b.c * c.z) - b.m * b.g * b.c * c.s) / (
+        b.I1 + share * b.m * h**2 + b.m * b.c**2 * c.s2
+    )  # theta''
+    rolling_x = turn * h + b.c * c.axis_speed2 * c.s  # what m s_x'' would be in rolling
+    return b.m * share * rolling_x - law.mu * c.nu_x, b.m * (b.g + b.c * (turn * c.s + c.axis_speed2 * c.z))
+
+
+contact_force = select({**dict.fromkeys(SLIP, standard_force), Modified: modified_force})
+"""contact_force(scalars, b, law): F_x and F_z, for any law of the cylinder."""
+
+
+@formula
+def standard_yielding(c, b, law):
+    """As every body that glides."""
+    return contact.yielding(c, b)
+
+
+@formula
+def modified_yielding(c, b, law):
+    """The modified reaction is never jammed."""
+    return 1.0
+
+
+contact_yielding = select({**dict.fromkeys(SLIP, standard_yielding), Modified: modified_yielding})
+
+
+@formula
+def yielding(c, b):
+    """What must stay positive for the contact not to jam."""
+    return contact_yielding(c, b, b.friction)
+
+
+@formula
+def rates(q, b):
+    """I theta'' = (a x F)_y and m r'' = F_x, with r' = nu_x + theta' (R - c z). [T 6.1, 6.2]"""
+    c = scalars(q, b)
+    Fx, N = contact_force(c, b, b.friction)
+    h = b.R - b.c * q.z
+    theta_dot2 = -(b.c * q.s * N + h * Fx) / b.I1
+    return State(
+        q.z * q.theta_dot,
+        -(q.s * q.theta_dot),
+        theta_dot2,
+        Fx / b.m - theta_dot2 * h - b.c * c.axis_speed2 * q.s,
+        q.theta_dot,
+        q.nu_x + q.theta_dot * h,
+        -(Fx * q.nu_x),
+        N,
+    )
+
+
+@formula
+def of_angles(e, s, z, b):
+    """The state of an angle record."""
+    return State(s, z, e.theta_dot, e.nu_x, e.theta, e.x, e.work, e.impulse)
+
+
+@formula
+def to_angles(q, b):
+    """The angle record of a state."""
+    return Angles(q.theta, q.theta_dot, q.nu_x, q.x, q.work, q.impulse)
+
+
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+    """The angle record of what a person gave; centre_at_rest may stand for nu_x."""
+    e = Angles(*(data.get(name, 0) for name in Angles._fields))
+    return e._replace(nu_x=e.nu_x - e.theta_dot * (b.R - b.c * z)) if data.get("centre_at_rest") else e
+
+
+@formula
+def normal_force(c, b):
+    """Normal force F_z [N]. [T 6.5; section 11.4]"""
+    _, N = contact_force(c, b, b.friction)
+    return N
+
+
+@formula
+def friction_power(c, b):
+    """-F.v_A = -E' [W]; negative where the modified reaction feeds energy in. [T 6.23]"""
+    Fx, _ = contact_force(c, b, b.friction)
+    return -(Fx * c.nu_x)
+
+
+@formula
+def turning(c, b):
+    """theta'."""
+    return c.theta_dot
+
+
+@formula
+def sliding(c, b):
+    """|v_A|^2 less 1e-12 in internal units: below it the cylinder rolls."""
+    return c.v2 - 1e-12
+
+
+JAMMED = gliding.JAMMED._replace(formula=yielding)
+FORM = Form("angle", UNITS, rates, scalars, of_angles, to_angles, ("theta", "x", "work", "impulse"), (JAMMED,))
+TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
+LIFTOFF = Event(
+    "liftoff", "normal force falls to zero: beyond it the model does not hold", normal_force, -1, stops=True
+)
+
+
+# --- the system --------------------------------------------------------------------------------------------------
+
+SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 6"
+INITIAL = {
+    "theta": Parameter(RADIAN, "angle theta of the axis of eccentricity, not wrapped"),
+    "theta_dot": Parameter(RADIAN_PER_SECOND, "theta'"),
+    "x": Parameter(METRE, "x of the centre of mass"),
+}
+LONG_NAMES = {
+    **gliding.LONG_NAMES,
+    **{name: parameter.long_name for name, parameter in INITIAL.items()},
+    "nu_x": "velocity of the contact point of the cylinder",
+}
+COMMON: dict[str, Any] = {
+    "parameters": PARAMETERS,
+    "body": body,
+    "body_units": contact.body_units,
+    "scales": lambda b: (b.m, b.R),
+    "folded": {"m": 1.0, "R": 1.0},
+    "long_names": LONG_NAMES,
+    "potential": contact.height_energy,
+    "theta_inertia": tippe_top.theta_inertia,
+}
+
+GLIDING_CYLINDER = System(
+    name="gliding-cylinder",
+    title="eccentric cylinder that rolls and glides",
+    source=SOURCE,
+    initial={**INITIAL, "nu_x": Parameter(METRE_PER_SECOND, "velocity of the contact point of the cylinder")},
+    start=start,
+    angles=ANGLES,
+    forms={"angle": FORM},
+    quantities=(
+        *gliding.ENERGIES,
+        Quantity("normal_force", "F_z", NEWTON, "normal force", normal_force),
+        Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
+    ),
+    integrals=(),
+    events=(TURNING, LIFTOFF, gliding.EQUATOR, Event("settled", "|v_A|^2 falls below 1e-12 of its unit", sliding, -1)),
+    laws={**LAWS, "modified": MODIFIED},
+    **COMMON,
+)

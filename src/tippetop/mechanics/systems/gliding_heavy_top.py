@@ -1,0 +1,155 @@
+"""The gliding heavy top: the top of `heavy_top` whose tip glides on a plane. [T ch. 5]
+
+It is the body of `gliding` with R = 0, c = -l; here is what only it has: the form about the contact point.
+"""
+
+from typing import NamedTuple
+
+from ..contact import body as contact
+from ..contact.gliding import catalogue as gliding
+from ..contact.gliding import chart as gliding_chart
+from ..contact.gliding import euler as gliding_euler
+from ..contact.gliding import vector as gliding_vector
+from ..contact.gliding.vector import axis
+from ..contact.rolling import reaction
+from ..friction import LAWS, slip_coefficient
+from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
+from ..system import Form, System
+from ..units import ANGULAR_MOMENTUM, JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, ONE
+from . import heavy_top
+
+
+@formula
+def Lz_rate(push_n, b):
+    """L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding; push_n = (zhat x 3hat).(dv_A/dt). [T 5.19]"""
+    return b.m * b.c * push_n
+
+
+# --- gliding: the vector form about the contact ---------------------------------------------------------------------
+
+
+class ContactState(NamedTuple):
+    """3hat, angular momentum L_A about the contact, contact velocity v_A, place of the centre of mass; then the
+    integrals of friction power and normal force."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    vx: Operand
+    vy: Operand
+    x: Operand
+    y: Operand
+    work: Operand
+    impulse: Operand
+
+
+CONTACT_UNITS = ContactState._make(
+    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
+)
+
+
+@formula
+def contact_scalars(q, b):
+    """The scalars of a state about the contact."""
+    u, u_dot = axis(q), heavy_top.tip_axis_rate(q, b)
+    s = reaction.free_scalars(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
+    return contact.Scalars(
+        z=s.z,
+        s2=s.s2,
+        z_dot=s.z_dot,
+        fall=s.fall,
+        precession=s.precession,
+        axis_speed2=s.axis_speed2,
+        L3=s.L3,
+        Lz=s.Lz,
+        v_u=u.x * q.vx + u.y * q.vy,
+        v_n=u.x * q.vy - u.y * q.vx,
+        v2=q.vx**2 + q.vy**2,
+        speed2=(q.vx - b.c * u_dot.x) ** 2 + (q.vy - b.c * u_dot.y) ** 2,
+    )
+
+
+@formula
+def contact_rates(q, b):
+    """3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), v_A' = F/m - g zhat + c 3hat''. [T 5.4]"""
+    u, u_dot, s = axis(q), heavy_top.tip_axis_rate(q, b), contact_scalars(q, b)
+    N = contact.g_n(s, b)
+    slip = slip_coefficient(s.v2, s.z, b.friction) * N
+    F = Vector(-(slip * q.vx), -(slip * q.vy), N)
+    L = heavy_top.momentum_about_centre(q, b)
+    u_dot2 = times(1 / b.I1, plus(cross(times(b.c, cross(u, F)), u), cross(L, u_dot)))
+    v_dot = Vector(F.x / b.m + b.c * u_dot2.x, F.y / b.m + b.c * u_dot2.y, 0)
+    pull = b.m * b.c
+    return ContactState(
+        u_dot.x,
+        u_dot.y,
+        u_dot.z,
+        pull * (u.y * b.g - u.z * v_dot.y),
+        pull * (u.z * v_dot.x - u.x * b.g),
+        pull * (u.x * v_dot.y - u.y * v_dot.x),
+        v_dot.x,
+        v_dot.y,
+        q.vx - b.c * u_dot.x,
+        q.vy - b.c * u_dot.y,
+        slip * s.v2,
+        N,
+    )
+
+
+@formula
+def contact_of_angles(e, s, z, b):
+    """The state about the contact of an Euler-angle state. [section 1]"""
+    u, L = gliding_chart.axis_and_momentum(e, s, z, heavy_top.tip_inertia(b), b.I3)
+    ex, ey = cos(e.phi), sin(e.phi)
+    return ContactState(
+        u.x,
+        u.y,
+        u.z,
+        L.x,
+        L.y,
+        L.z,
+        e.nu_x * ex - e.nu_y * ey,
+        e.nu_x * ey + e.nu_y * ex,
+        e.x,
+        e.y,
+        e.work,
+        e.impulse,
+    )
+
+
+@formula
+def angles_of_contact(q, b):
+    """The Euler-angle state of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
+    return gliding_chart.gliding_angles(contact_scalars(q, b), axis(q), q, b)
+
+
+CONTACT = Form(
+    "contact",
+    CONTACT_UNITS,
+    contact_rates,
+    contact_scalars,
+    contact_of_angles,
+    angles_of_contact,
+    gliding_vector.QUADRATURES,
+    (gliding.JAMMED,),
+)
+
+
+GLIDING_HEAVY_TOP = System(
+    name="gliding-heavy-top",
+    title="heavy symmetric top whose tip glides on a plane",
+    source=heavy_top.SOURCE + "5",
+    initial=gliding.INITIAL,
+    start=gliding.start,
+    angles=gliding_euler.EULER_UNITS,
+    forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},
+    quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),
+    integrals=("L3",),
+    events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
+    long_names=gliding.LONG_NAMES,
+    laws=LAWS,
+    **heavy_top.COMMON,
+)

@@ -1,0 +1,283 @@
+"""Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter; and the one
+whose tip is fixed. [T ch. 2]
+
+They are bodies with R = 0, c = -l (see gliding.Body); the other one glides on a plane: `gliding_heavy_top`.
+L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x 3hat'.
+"""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from ..contact import body as contact
+from ..contact.body import Body
+from ..contact.gliding import catalogue as gliding
+from ..contact.gliding import chart as gliding_chart
+from ..contact.gliding import vector as gliding_vector
+from ..contact.gliding.vector import axis
+from ..contact.rolling import catalogue as rolling
+from ..contact.rolling import reaction
+from ..operand import Operand, cos, cross, formula, plus, sin, times
+from ..system import Form, Parameter, Quantity, System
+from ..units import (
+    ANGULAR_MOMENTUM,
+    INERTIA,
+    KILOGRAM,
+    METRE,
+    METRE_PER_SECOND2,
+    NEWTON_SECOND,
+    ONE,
+    RADIAN,
+    RADIAN_PER_SECOND,
+)
+
+
+class HeavyTop(NamedTuple):
+    """m [kg], l [m], I1 and I3 about the centre of mass [kg m^2], g [m/s^2]."""
+
+    m: Operand
+    l: Operand
+    I1: Operand
+    I3: Operand
+    g: Operand
+
+
+PARAMETERS = {
+    "m": Parameter(KILOGRAM, "mass", above=0),
+    "l": Parameter(METRE, "distance from the tip to the centre of mass", above=0),
+    "I1": Parameter(INERTIA, "transverse moment of inertia about the centre of mass", above=0),
+    "I3": Parameter(INERTIA, "axial moment of inertia about the centre of mass", above=0),
+    "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
+}
+
+
+def body(parameters, friction) -> Body:
+    """The body of a heavy top: R = 0, c = -l."""
+    m, l, I1, I3, g = (parameters[name] for name in HeavyTop._fields)
+    return Body(m, 0 * l, -l, I1, I3, g, friction)
+
+
+# --- quantities -----------------------------------------------------------------------------------------------------
+
+
+@formula
+def tip_inertia(b):
+    """I1* = I1 + m l^2, transverse moment of inertia about the tip [kg m^2]."""
+    return b.I1 + b.m * b.c**2
+
+
+@formula
+def potential(z, Lz, L3, b):
+    """Effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip. [T 2.38, 5.26]"""
+    return L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * tip_inertia(b) * ((1 - z) * (1 + z))) - b.m * b.g * b.c * z
+
+
+@formula
+def theta_inertia(z, b):
+    """I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2]. [T 2.38, 5.26]"""
+    return tip_inertia(b) / 2
+
+
+@formula
+def L3(s, b):
+    """L_3 = I3 omega_3 [kg m^2/s]; constant for any force at the tip. [T 2.37, 5.7]"""
+    return s.L3
+
+
+@formula
+def Lz(s, b):
+    """L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed. [T 2.36, 5.19]"""
+    return s.Lz + b.m * b.c**2 * s.precession
+
+
+@formula
+def tip_axis_rate(q, b):
+    """3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
+    return times(1 / tip_inertia(b), cross(gliding_vector.momentum(q), axis(q)))
+
+
+@formula
+def momentum_about_centre(q, b):
+    """L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
+    return plus(gliding_vector.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
+
+
+# --- fixed tip ------------------------------------------------------------------------------------------------------
+
+
+class VectorState(NamedTuple):
+    """3hat, and L_A about the tip; then the integral of the vertical reaction."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    impulse: Operand
+
+
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_SECOND))
+
+
+@formula
+def fixed_scalars(q, b):
+    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| = l |3hat'|."""
+    u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
+    s = reaction.free_scalars(u, L, u_dot, b)
+    F = reaction.reaction(u, L, u_dot, s, b)
+    return reaction.completed(s, times(b.c, u_dot), F)
+
+
+@formula
+def fixed_rates(q, b):
+    """3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
+    u, u_dot = axis(q), tip_axis_rate(q, b)
+    s = reaction.free_scalars(u, momentum_about_centre(q, b), u_dot, b)
+    weight = b.m * b.g * b.c
+    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z, reaction.normal_force(s, b))
+
+
+class EulerState(NamedTuple):
+    """theta, theta', phi', omega_3; then what the equations do not read."""
+
+    theta: Operand
+    theta_dot: Operand
+    phi_dot: Operand
+    omega3: Operand
+    phi: Operand
+    impulse: Operand
+
+
+EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
+
+
+@formula
+def tip_accelerations(e, s, z, b):
+    """theta'', phi'' about a fixed tip. [section 8]"""
+    inertia = tip_inertia(b)
+    theta_dot2 = s / inertia * (inertia * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.m * b.g * b.c)
+    phi_dot2 = (b.I3 * e.omega3 * e.theta_dot - 2 * (inertia * e.theta_dot * e.phi_dot * z)) / (inertia * s)
+    return theta_dot2, phi_dot2
+
+
+@formula
+def euler_scalars(e, b):
+    """The scalars of an Euler-angle state."""
+    s, z = sin(e.theta), cos(e.theta)
+    theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
+    precession = e.phi_dot * s**2
+    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
+    L3 = b.I3 * e.omega3
+    push_e = theta_dot2 * z - s * (e.theta_dot**2 + e.phi_dot**2)
+    push_2 = phi_dot2 * s + 2 * (e.theta_dot * e.phi_dot * z)
+    return reaction.Scalars(
+        z=z,
+        s2=s**2,
+        z_dot=-(e.theta_dot * s),
+        fall=contact.torque_free(L3, precession, axis_speed2, z, b),
+        precession=precession,
+        axis_speed2=axis_speed2,
+        L3=L3,
+        Lz=b.I1 * precession + L3 * z,
+        speed2=b.c**2 * ((e.theta_dot * z) ** 2 + (e.phi_dot * s) ** 2),
+        grip2=(b.m * b.c) ** 2 * (push_e**2 + push_2**2),
+    )
+
+
+@formula
+def euler_rates(e, b):
+    """The equations in Euler angles. [section 8]"""
+    s, z = sin(e.theta), cos(e.theta)
+    theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
+    return EulerState(
+        e.theta_dot,
+        theta_dot2,
+        phi_dot2,
+        0 * z,
+        e.phi_dot,
+        b.m * (b.g + b.c * (theta_dot2 * s + e.theta_dot**2 * z)),
+    )
+
+
+@formula
+def vector_of_angles(e, s, z, b):
+    """The state about the fixed tip of an Euler-angle state. [section 1]"""
+    u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
+    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z, e.impulse)
+
+
+@formula
+def angles_of_vector(q, b):
+    """The Euler-angle state of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
+    c = fixed_scalars(q, b)
+    theta, theta_dot, phi_dot, phi = gliding_chart.axis_angles(c, axis(q))
+    return EulerState(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, q.impulse)
+
+
+@formula
+def angles_of_euler(e, b):
+    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
+
+
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
+    """The Euler record of what a person gave."""
+    return gliding.given_angles(EulerState, data, z)
+
+
+FIXED_VECTOR = Form(
+    "vector", VECTOR_UNITS, fixed_rates, fixed_scalars, vector_of_angles, angles_of_vector, ("impulse",)
+)
+FIXED_EULER = Form(
+    "euler",
+    EULER_UNITS,
+    euler_rates,
+    euler_scalars,
+    gliding_chart.euler_of_angles,
+    angles_of_euler,
+    ("phi", "impulse"),
+    (gliding.POLE,),
+)
+
+
+# --- the system --------------------------------------------------------------------------------------------------
+
+MOMENTA = (
+    Quantity("L3", "L_3", ANGULAR_MOMENTUM, "angular momentum about the axis", L3),
+    Quantity("Lz", "L_z", ANGULAR_MOMENTUM, "angular momentum about the vertical through the tip", Lz),
+)
+COMMON: dict[str, Any] = {
+    "parameters": PARAMETERS,
+    "body": body,
+    "body_units": contact.body_units,
+    "scales": lambda b: (b.m, -b.c),
+    "folded": {"m": 1.0, "R": 0.0, "c": -1.0},
+    "vectors": gliding.VECTORS,
+    "potential": potential,
+    "theta_inertia": theta_inertia,
+    "momenta": ("Lz", "L3"),
+}
+SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
+
+HEAVY_TOP = System(
+    name="heavy-top",
+    title="heavy symmetric top whose tip is fixed",
+    source=SOURCE + "2",
+    initial={name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
+    start=start,
+    angles=EULER_UNITS,
+    forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
+    quantities=(*MOMENTA, *gliding.ENERGIES, *rolling.REACTION[:2]),
+    integrals=("L3", "Lz", "energy"),
+    events=(
+        gliding.TURNING,
+        replace(
+            rolling.LIFTOFF,
+            long_name="vertical reaction falls to zero: beyond it a tip that merely stood would lift off",
+            stops=False,
+        ),
+        gliding.EQUATOR,
+    ),
+    long_names={**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
+    **COMMON,
+)

@@ -1,0 +1,125 @@
+"""The rolling cylinder: the eccentric cylinder of `cylinder`, whose contact point is at rest. [T 6.11]"""
+
+from typing import Any, NamedTuple
+
+from ..contact import body as contact
+from ..contact.body import Body
+from ..contact.gliding import catalogue as gliding
+from ..contact.rolling import catalogue as rolling
+from ..contact.rolling import reaction
+from ..operand import Operand, formula
+from ..system import Form, System
+from ..units import METRE, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
+from . import cylinder
+
+
+class RollingState(NamedTuple):
+    """sin(theta), cos(theta), theta'; then what the equations do not read."""
+
+    s: Operand
+    z: Operand
+    theta_dot: Operand
+    theta: Operand
+    x: Operand
+    impulse: Operand
+
+
+ROLLING_UNITS = RollingState(ONE, ONE, RADIAN_PER_SECOND, RADIAN, METRE, NEWTON_SECOND)
+
+
+class RollingAngles(NamedTuple):
+    """theta, not wrapped, theta' and the place of the centre of mass; then the integral of the normal force."""
+
+    theta: Operand
+    theta_dot: Operand
+    x: Operand
+    impulse: Operand
+
+
+ROLLING_ANGLES = RollingAngles(RADIAN, RADIAN_PER_SECOND, METRE, NEWTON_SECOND)
+
+
+@formula
+def rolling_acceleration(s, z, theta_dot, b):
+    """theta'' of pure rolling [1/s^2]. [T 6.11]"""
+    return -(b.m * b.c * s * (b.g + b.R * theta_dot**2)) / (b.I1 + b.m * contact.arm2(z, b))
+
+
+@formula
+def rolling_scalars(q, b):
+    """The scalars of a rolling state."""
+    h, w2 = b.R - b.c * q.z, q.theta_dot**2
+    along = q.theta_dot * h
+    Fx = b.m * (rolling_acceleration(q.s, q.z, q.theta_dot, b) * h + b.c * w2 * q.s)
+    return cylinder.Scalars(
+        z=q.z,
+        s2=q.s**2,
+        z_dot=-(q.theta_dot * q.s),
+        fall=-(q.z * w2),
+        precession=0,
+        axis_speed2=w2,
+        L3=0,
+        v_u=0,
+        v2=0,
+        speed2=along**2,
+        theta_dot=q.theta_dot,
+        s=q.s,
+        nu_x=0,
+        grip2=Fx**2,
+    )
+
+
+@formula
+def rolling_rates(q, b):
+    """theta'' of pure rolling, r' = theta' (R - c z). [T 6.11]"""
+    return RollingState(
+        q.z * q.theta_dot,
+        -(q.s * q.theta_dot),
+        rolling_acceleration(q.s, q.z, q.theta_dot, b),
+        q.theta_dot,
+        q.theta_dot * (b.R - b.c * q.z),
+        reaction.normal_force(rolling_scalars(q, b), b),
+    )
+
+
+@formula
+def rolling_of_angles(e, s, z, b):
+    """The rolling state of an angle record."""
+    return RollingState(s, z, e.theta_dot, e.theta, e.x, e.impulse)
+
+
+@formula
+def rolling_to_angles(q, b):
+    """The angle record of a rolling state."""
+    return RollingAngles(q.theta, q.theta_dot, q.x, q.impulse)
+
+
+def rolling_start(data: dict[str, Any], s: Any, z: Any, b: Body) -> RollingAngles:
+    """The angle record of what a person gave."""
+    return RollingAngles(*(data.get(name, 0) for name in RollingAngles._fields))
+
+
+ROLLING_FORM = Form(
+    "angle",
+    ROLLING_UNITS,
+    rolling_rates,
+    rolling_scalars,
+    rolling_of_angles,
+    rolling_to_angles,
+    ("theta", "x", "impulse"),
+)
+
+
+ROLLING_CYLINDER = System(
+    name="rolling-cylinder",
+    title="eccentric cylinder in pure rolling",
+    source=cylinder.SOURCE,
+    initial=cylinder.INITIAL,
+    start=rolling_start,
+    angles=ROLLING_ANGLES,
+    forms={"angle": ROLLING_FORM},
+    quantities=(*gliding.ENERGIES, *rolling.REACTION),
+    integrals=("energy",),
+    events=(cylinder.TURNING, rolling.LIFTOFF, gliding.EQUATOR),
+    **cylinder.COMMON,
+)

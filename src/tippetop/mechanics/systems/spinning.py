@@ -1,0 +1,64 @@
+"""The two spinning states theta = 0, pi of a tippe top, and the marked lines that they are on the minimal surface.
+
+In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.28]
+"""
+
+from ..contact.body import height_energy
+from ..operand import formula, sqrt
+from . import tippe_top
+
+
+@formula
+def spin(z, lam, b):
+    """omega_3 of the spinning state with Jellett's integral lambda [rad/s]. [T 4.23]"""
+    return lam / (b.I3 * (b.R * z - b.c))
+
+
+@formula
+def slope(z, b):
+    """rho = D/lambda on the marked line [1/m]: where X(z) = 0. [section 5]"""
+    return sqrt(tippe_top.d(z, b)) / (b.R * z - b.c)
+
+
+@formula
+def momentum(z, lam, b):
+    """D of the spinning state [kg m^2/s]. [T 4.24, 4.25]"""
+    return slope(z, b) * lam
+
+
+@formula
+def energy(z, lam, b):
+    """E~ of the spinning state [J], the end value V(z) on the marked line. [T 4.26-4.28]"""
+    return height_energy(z, b) + b.I3 * spin(z, lam, b) ** 2 / 2
+
+
+@formula
+def end_slope(z, lam, b):
+    """dV/dz [J] at the end of the potential where it is finite, on the marked line. [section 5]"""
+    lever = b.R - b.c * z
+    lean_rate = z * lam * b.I1 / b.I3 * (1 + b.m * b.R * lever / b.I3) / (lever / b.R * sqrt(tippe_top.d(z, b)))
+    return -b.m * b.g * b.c - z * b.I3 * (lean_rate / b.I1 / b.R) ** 2 / 4
+
+
+@formula
+def lambda_pi(b):
+    """|lambda| from which the inverted state lies on the minimal surface [kg m^3/s]; below, it lies above. [5.1]"""
+    h = b.R + b.c
+    return 2 * h * sqrt(b.m * b.g * b.c * b.I3 * tippe_top.d(-1, b)) / (1 + b.m * b.R * h / b.I3)
+
+
+@formula
+def two_minima(b):
+    """Negative iff V can have a second minimum, near theta = pi: gamma > gamma*. [section 5, item 4]"""
+    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
+    far = sigma * (1 + alpha)
+    chi = (1 - gamma) * (1 + sigma) - sigma * alpha**2
+    return (gamma + far * (1 + alpha)) * (1 + far) + 2 * far * chi
+
+
+@formula
+def critical(z, D, lam, b):
+    """N(z) [section 5], of the sign of dV/dz in (-1, 1), regular on [-1, 1], where N(-1) <= 0 <= N(1)."""
+    X, w = tippe_top.lean(z, D, lam, b), (1 - z) * (1 + z)
+    X_rate = lam * (-b.m * b.R * (b.c - b.R * z) / b.I3 - b.m * b.R**2 * b.I1 / b.I3**2 * z) / sqrt(tippe_top.d(z, b))
+    return X * ((X_rate - b.R * D) * w + z * X) - b.c * b.m * b.g * b.I1**2 / b.I3 * (b.R * w) ** 2

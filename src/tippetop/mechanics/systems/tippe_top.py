@@ -1,0 +1,121 @@
+"""The tippe top: a sphere of radius R, centre of mass alpha*R below its centre, that rolls and glides. [T ch. 3, 4]"""
+
+from typing import NamedTuple
+
+from ..contact import body as contact
+from ..contact.body import Body
+from ..contact.gliding import catalogue as gliding
+from ..contact.gliding import euler as gliding_euler
+from ..friction import LAWS
+from ..operand import Operand, formula, sqrt
+from ..system import Parameter, Quantity, System
+from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
+
+
+class TippeTop(NamedTuple):
+    """m [kg], R [m], alpha, I1 and I3 about the centre of mass [kg m^2], g [m/s^2]."""
+
+    m: Operand
+    R: Operand
+    alpha: Operand
+    I1: Operand
+    I3: Operand
+    g: Operand
+
+
+PARAMETERS = {
+    "m": Parameter(KILOGRAM, "mass", above=0),
+    "R": Parameter(METRE, "radius of the sphere", above=0),
+    "alpha": Parameter(ONE, "eccentricity: the centre of mass lies alpha*R below the centre", above=0, below=1),
+    "I1": Parameter(INERTIA, "transverse moment of inertia about the centre of mass", above=0),
+    "I3": Parameter(INERTIA, "axial moment of inertia about the centre of mass", above=0),
+    "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
+}
+
+
+def body(parameters, friction) -> Body:
+    """The gliding body of a tippe top: c = alpha*R."""
+    m, R, alpha, I1, I3, g = (parameters[name] for name in TippeTop._fields)
+    return Body(m, R, alpha * R, I1, I3, g, friction)
+
+
+def checks(parameters) -> list[str]:
+    """What the parameters break together."""
+    I1, I3 = parameters["I1"], parameters["I3"]
+    if I3 > 2 * I1:
+        return [f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but is {I3:.6g}."]
+    return []
+
+
+@formula
+def d(z, b):
+    """d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit; D = L_3 sqrt(d). [T 4.7]"""
+    return (b.I1 + b.m * ((b.c - b.R * z) ** 2 + b.R**2 * (b.I1 / b.I3) * ((1 - z) * (1 + z)))) / b.I3
+
+
+@formula
+def routh(s, b):
+    """Routh's function D = I3 omega_3 sqrt(d(z)) [kg m^2/s]; constant in pure rolling. [T 4.7, 4.14]"""
+    return s.L3 * sqrt(d(s.z, b))
+
+
+@formula
+def routh_rate(z, push, b):
+    """D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2]; push = (zhat x 3hat).(dv_A/dt). [T 4.17]"""
+    return b.I1 / b.I3 * b.m * b.R / sqrt(d(z, b)) * push
+
+
+@formula
+def theta_inertia(z, b):
+    """g(z), the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda) [kg m^2]. [T 4.11]"""
+    return (b.I1 + b.m * contact.arm2(z, b)) / 2
+
+
+@formula
+def lean(z, D, lam, b):
+    """X(z) = lambda sqrt(d(z)) + R(alpha - z) D, which carries phi' sin(theta)^2 = X/(R I1 sqrt(d)). [T 4.9]"""
+    return lam * sqrt(d(z, b)) + (b.c - b.R * z) * D
+
+
+@formula
+def potential(z, D, lam, b):
+    """Effective potential V(z, D, lambda) [J], z = cos(theta) in (-1, 1). [equal to T 4.12]"""
+    w = (1 - z) * (1 + z)
+    return (
+        contact.height_energy(z, b)
+        + b.I3 / (2 * (b.I1 * b.R) ** 2) * lean(z, D, lam, b) ** 2 / w
+        + D**2 / (2 * b.I1)
+        - b.m * lam**2 / (2 * b.I1 * b.I3)
+    )
+
+
+QUANTITIES = (
+    gliding.JELLETT_QUANTITY,
+    Quantity("routh", "D", ANGULAR_MOMENTUM, "Routh's function", routh),
+    *gliding.QUANTITIES,
+)
+
+TIPPE_TOP = System(
+    name="tippe-top",
+    title="rolling and gliding tippe top",
+    source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 3",
+    parameters=PARAMETERS,
+    body=body,
+    body_units=contact.body_units,
+    scales=lambda b: (b.m, b.R),
+    folded={"m": 1.0, "R": 1.0},
+    initial=gliding.INITIAL,
+    start=gliding.start,
+    angles=gliding_euler.EULER_UNITS,
+    forms=gliding.FORMS,
+    quantities=QUANTITIES,
+    integrals=("jellett",),
+    events=gliding.EVENTS,
+    long_names=gliding.LONG_NAMES,
+    vectors=gliding.VECTORS,
+    checks=checks,
+    laws=LAWS,
+    potential=potential,
+    theta_inertia=theta_inertia,
+    momenta=("routh", "jellett"),
+)

@@ -1,0 +1,148 @@
+"""The main equation as an equation of motion: from D(t) and E~(t) of a run back to theta(t). [T 4.40, 5.26]
+
+The equation of first order, z'^2 = Q(z, t) with z = cos(theta), has a branch point at every turning angle. There Q and
+Q_t vanish together, which fixes time and angle of the turning; the smooth solution through it is a power series. From
+there the equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outwards, forward and backward in time:
+towards a turning it would lose what it knows, away from it errors do not grow. Half-way the pieces must meet.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..system import System
+
+
+COMPLEX_STEP = 1e-30
+ORDER = 10  # of the power series at a turning
+REACH = 0.06  # of the time between turnings, where the series hands over
+MEET = 0.5  # of the largest z'^2 of a swing: where the piece from the next turning takes over
+QUARTER = np.pi / 4  # the phase that is left there, where z'' = z' in units of the frequency
+
+
+class Reconstruction(NamedTuple):
+    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning), times of the turnings,
+    and the worst mismatch of z where pieces meet."""
+
+    z: np.ndarray
+    turnings: np.ndarray
+    mismatch: float
+
+
+def reconstruct(
+    system: System, b: Any, times: np.ndarray, momenta: list[np.ndarray], energy: np.ndarray, z: float, period: float
+) -> Reconstruction:
+    """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)), given as rows at `times`.
+
+    The start must be a turning angle; `period` is a guess of the nutation's. Nothing else of the run is read."""
+    from scipy.integrate import solve_ivp
+    from scipy.interpolate import make_interp_spline
+
+    potential, inertia = system.potential, system.theta_inertia
+    assert potential is not None
+    assert inertia is not None
+    values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
+    rates = values.derivative()
+
+    def square(z: Any, t: Any, step: Any = 0.0) -> Any:
+        """Q(z, t) = z'^2; `step` is a complex step of time."""
+        given = (values(t) + step * rates(t)).T
+        return (1 - z) * (1 + z) * (given[0] - potential(z, *given[1:], b)) / inertia(z, b)
+
+    def along_z(z: Any, t: Any) -> Any:
+        return square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
+
+    def along_t(z: Any, t: Any) -> Any:
+        return square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
+
+    def motion(t: float, y: np.ndarray) -> np.ndarray:
+        return np.array([y[1], along_z(y[0], t) / 2 + along_t(y[0], t) / (2 * y[1])])
+
+    def outward(start: "_Series", way: float, until: float) -> Any:
+        """From the edge of a series, forward or backward, past the fastest point of the swing."""
+        edge = start.t + way * REACH * period / 2
+        peak = 0.0
+
+        def past(t: float, y: np.ndarray) -> float:
+            nonlocal peak
+            peak = max(peak, y[1] ** 2)
+            return y[1] ** 2 - MEET * peak
+
+        past.terminal, past.direction = True, -1  # type: ignore[attr-defined]
+        found = solve_ivp(
+            motion, (edge, until), [start(edge), start.speed(edge)], "DOP853", None, True, past, rtol=1e-11, atol=1e-13
+        )
+        return found.sol, float(found.t[-1]), found.y[:, -1]
+
+    out, known, mismatch = np.full(len(times), np.nan), float(times[0]), 0.0
+    turnings: list[Any] = []
+    here = _series(square, along_z, along_t, float(times[0]), z, REACH * period / 2, fixed=True)
+    while True:
+        forward, meet, last = outward(here, 1.0, float(times[-1]))
+        _fill(out, times, known, here.t + REACH * period / 2, here)
+        _fill(out, times, here.t + REACH * period / 2, meet, lambda t, f=forward: f(t)[0])
+        known = meet
+        if meet >= times[-1]:
+            return Reconstruction(out, np.array(turnings), mismatch)
+        left = QUARTER * abs(last[1] / motion(meet, last)[1])  # what a harmonic swing would still need
+        there = _series(square, along_z, along_t, meet + left, last[0] + last[1] * left / 2, REACH * period / 2)
+        if there.t + REACH * period / 2 > times[-1]:
+            return Reconstruction(out, np.array(turnings), mismatch)
+        backward, _, _ = outward(there, -1.0, meet)
+        mismatch = max(mismatch, abs(float(backward(meet)[0] - last[0])))
+        _fill(out, times, meet, there.t - REACH * period / 2, lambda t, f=backward: f(t)[0])
+        known, here = there.t - REACH * period / 2, there
+        turnings.append(there.t)
+
+
+class _Series(NamedTuple):
+    """z as a power series in the time since a turning, in units of its reach."""
+
+    t: float
+    reach: float
+    coefficients: np.ndarray
+
+    def __call__(self, t: Any) -> Any:
+        return np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, self.coefficients)
+
+    def speed(self, t: Any) -> Any:
+        slope = np.polynomial.polynomial.polyder(self.coefficients)
+        return np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, slope) / self.reach
+
+
+def _series(
+    square: Callable, along_z: Callable, along_t: Callable, t: float, z: float, reach: float, *, fixed: bool = False
+) -> _Series:
+    """The smooth solution through the turning near (t, z): Newton on Q = Q_t = 0, then least squares on z'^2 = Q."""
+    for _ in range(0 if fixed else 20):
+        h = 1e-4 * reach
+        jacobian = np.array(
+            [
+                [along_z(z, t), along_t(z, t)],
+                [
+                    (along_t(z + 1e-6, t) - along_t(z - 1e-6, t)) / 2e-6,
+                    (along_t(z, t + h) - along_t(z, t - h)) / (2 * h),
+                ],
+            ]
+        )
+        step = np.linalg.solve(jacobian, [square(z, t), along_t(z, t)])
+        z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
+    x = np.cos(np.linspace(0, np.pi, 4 * ORDER)) if not fixed else (1 - np.cos(np.linspace(0, np.pi, 4 * ORDER))) / 2
+    powers = np.vander(x, ORDER + 1, increasing=True)
+    slopes = np.arange(ORDER + 1) * np.vander(x, ORDER + 1, increasing=True)[:, [0, *range(ORDER)]] / reach
+    c = np.zeros(ORDER + 1)
+    c[:3] = z, 0.0, along_z(z, t) / 4 * reach**2
+    free = [0, *range(2, ORDER + 1)]
+    for _ in range(12):
+        speed, place = slopes @ c, powers @ c
+        left = speed**2 - square(place, t + reach * x)
+        change = 2 * speed[:, None] * slopes - along_z(place, t + reach * x)[:, None] * powers
+        c[free] -= np.linalg.lstsq(change[:, free], left, rcond=None)[0]
+    return _Series(t, reach, c)
+
+
+def _fill(out: np.ndarray, times: np.ndarray, first: float, last: float, z: Any) -> None:
+    inside = (times >= first) & (times <= last)
+    if inside.any():
+        out[inside] = z(times[inside])

@@ -1,0 +1,46 @@
+"""Linear modes near a spinning state."""
+
+import math
+
+import numpy as np
+
+from ..contact.body import Body
+from ..friction import slip_coefficient
+
+
+# --- linear modes ---------------------------------------------------------------------------------------------------
+
+
+def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
+    """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body [1/s], fastest growth first.
+
+    Any friction law counts by its slip coefficient at rest. [section 6; Magnus; Friedl 1997]
+    """
+    up = -1 if inverted else 1
+    slip = slip_coefficient(0.0, float(up), b.friction)
+    Lz, h = up * b.I3 * omega3, b.R - up * b.c
+    n = np.array([1j * Lz / b.I1, -1j * up / b.I1, 0])
+    momentum = np.array([-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g])
+    twist = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c
+    v = np.array([0, 0, -slip * b.g]) + 1j * h / b.I1 * momentum + 1j * twist * n
+    modes = np.linalg.eigvals(np.array([n, momentum, v]))
+    return modes[np.argsort(-modes.real)]
+
+
+LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
+
+
+def will_leave(theta: float, omega3: float, b: Body) -> bool:
+    """Whether a gliding body at theta [rad] with spin omega3 [rad/s] is about to leave the pole: it is so near that its
+    motion is linear, and a mode grows there. [section 6]"""
+    inverted = theta > math.pi / 2
+    near = min(theta, math.pi - theta) < LINEAR
+    return near and bool(linear_modes(omega3, b, inverted=inverted)[0].real > 0)
+
+
+def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
+    """The two rates p near a spinning state of a body whose contact is at rest (rolling, or a fixed tip) [1/s]."""
+    up = -1 if inverted else 1
+    h = b.R - up * b.c
+    p = np.roots([b.I1 + b.m * h**2, -1j * omega3 * up * (b.I3 + b.m * h * b.R), up * b.m * b.g * b.c])
+    return p[np.argsort(-p.real)]

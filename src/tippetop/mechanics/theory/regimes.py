@@ -1,0 +1,51 @@
+"""Which asymptotic states are stable for a value of Jellett's integral."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..contact.body import Body
+from .thresholds import lambda_s, lambda_u
+from .tumbling import tumbling_is_stable, tumbling_states
+
+
+# --- regimes --------------------------------------------------------------------------------------------------------
+
+
+class Regime(NamedTuple):
+    """Which asymptotic states are stable for a value of Jellett's integral."""
+
+    upright: bool
+    inverted: bool
+    tumbling: tuple[float, ...]  # theta of the stable tumbling states [rad], descending z
+    unstable: tuple[float, ...]  # theta of the unstable ones
+
+    @property
+    def attractors(self) -> list[str]:
+        """The stable states in words."""
+        names = ["the upright spin"] if self.upright else []
+        names += [f"tumbling at theta = {theta:.6g} rad" for theta in self.tumbling]
+        return names + (["the inverted spin"] if self.inverted else [])
+
+    def sentence(self) -> str:
+        """What is stable."""
+        found = self.attractors
+        if not found:
+            return "no spinning or tumbling state is stable"
+        if len(found) == 1:
+            return f"only {found[0]} is stable"
+        word = "both" if len(found) == 2 else "all"
+        return f"{', '.join(found[:-1])} and {found[-1]} are {word} stable"
+
+
+def regime(lam: float, b: Body) -> Regime:
+    """The regime of Jellett's integral lam."""
+    states = tumbling_states(lam, b)[::-1] if lam else np.zeros(0)
+    stable = [bool(tumbling_is_stable(z, b)) for z in states]
+    angles = np.arccos(states)
+    return Regime(
+        upright=abs(lam) < lambda_u(b),
+        inverted=abs(lam) > lambda_s(b),
+        tumbling=tuple(float(t) for t, s in zip(angles, stable, strict=True) if s),
+        unstable=tuple(float(t) for t, s in zip(angles, stable, strict=True) if not s),
+    )

@@ -1,0 +1,102 @@
+"""Numbers that separate the regimes of a top: lambda_u, lambda_s, gamma_c and others.
+
+Bodies are `contact.body.Body` records of floats, SI; thresholds also take arrays.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..contact.body import Body
+from ..units import JELLETT, ONE, RADIAN_PER_SECOND, Unit
+
+
+class Threshold(NamedTuple):
+    """A number that separates regimes: value (SI), unit, and what it means."""
+
+    value: float
+    unit: Unit
+    long_name: str
+
+
+class Shape(NamedTuple):
+    """alpha, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 alpha I3) [kg m^3/s]."""
+
+    alpha: Any
+    gamma: Any
+    sigma: Any
+    beta: Any
+
+
+def shape(b: Body) -> Shape:
+    """The numbers that decide about a tippe top."""
+    alpha = b.c / b.R
+    return Shape(alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3))
+
+
+# --- spinning states ------------------------------------------------------------------------------------------------
+
+
+def lambda_u(b: Body) -> Any:
+    """The upright spin is stable for |lambda| below it; infinite if always. [T Theorem 3.3.2]"""
+    alpha, gamma, _, beta = shape(b)
+    return _over_root(beta * (1 - alpha) ** 2, alpha + gamma - 1)
+
+
+def lambda_s(b: Body) -> Any:
+    """The inverted spin is stable for |lambda| above it; infinite if never. [T 4.30]"""
+    alpha, gamma, _, beta = shape(b)
+    return _over_root(beta * (1 + alpha) ** 2, 1 + alpha - gamma)
+
+
+def _over_root(number: Any, x: Any) -> Any:
+    """number/sqrt(x), infinite where x is not positive."""
+    with np.errstate(divide="ignore"):
+        return number / np.sqrt(np.maximum(x, 0.0))
+
+
+def lambda_de(b: Body) -> Any:
+    """Above it the inverted spin has less energy E~ than the upright one of the same lambda. [T 4.29]"""
+    alpha = b.c / b.R
+    return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
+
+
+def gamma_c(alpha: float) -> float:
+    """lambda_s > lambda_u if and only if gamma is above it. [section 6]"""
+    return (1 - alpha**2) * (1 + 3 * alpha**2) / (1 + 6 * alpha**2 + alpha**4)
+
+
+def gamma_plus(alpha: float) -> float:
+    """All tumbling states are stable if and only if gamma is at least this. [section 6]"""
+    return (1 - alpha) * (7 + alpha + math.sqrt(1 + 14 * alpha + alpha**2)) / 8
+
+
+def spin_of(lam: float, b: Body, *, inverted: bool = False) -> float:
+    """omega_3 of the upright (or inverted) spin with Jellett's integral lam [rad/s]."""
+    return -lam / ((b.R + b.c) * b.I3) if inverted else lam / ((b.R - b.c) * b.I3)
+
+
+def thresholds(b: Body) -> dict[str, Threshold]:
+    """Every threshold of a tippe top."""
+    alpha, gamma = b.c / b.R, b.I1 / b.I3
+    return {
+        "lambda_u": Threshold(lambda_u(b), JELLETT, "upright spin stable below"),
+        "lambda_s": Threshold(lambda_s(b), JELLETT, "inverted spin stable above"),
+        "lambda_de": Threshold(lambda_de(b), JELLETT, "inverted spin has less energy than upright spin above"),
+        "spin_upright": Threshold(spin_of(lambda_u(b), b), RADIAN_PER_SECOND, "upright spin loses stability at"),
+        "spin_inverted": Threshold(
+            -spin_of(lambda_s(b), b, inverted=True), RADIAN_PER_SECOND, "inverted spin gains stability at"
+        ),
+        "spin_full": Threshold(
+            spin_of(lambda_s(b), b), RADIAN_PER_SECOND, "initial upright spin from which the inverted one is stable"
+        ),
+        "gamma": Threshold(gamma, ONE, "I1/I3"),
+        "gamma_c": Threshold(gamma_c(alpha), ONE, "lambda_s > lambda_u above"),
+        "gamma_plus": Threshold(gamma_plus(alpha), ONE, "every tumbling state stable from here on"),
+    }
+
+
+def sleeping_spin(b: Body) -> float:
+    """|omega_3| above which the upright heavy top with a fixed tip is stable, 2 sqrt(m g l I1*)/I3 [rad/s]. [T 5.54]"""
+    return 2 * math.sqrt(b.m * b.g * -b.c * (b.I1 + b.m * b.c**2)) / b.I3

@@ -1,0 +1,91 @@
+"""Tumbling states of a tippe top, and every asymptotic state as curves over lambda.
+
+Theorem 3.3.2 of the source is used as corrected: below gamma_+ some tumbling states near the upright are unstable, and
+below gamma_c the upright spin outlives the inverted one.
+"""
+
+import itertools
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..contact.body import Body
+from .thresholds import lambda_s, lambda_u, shape
+
+
+# --- tumbling states ------------------------------------------------------------------------------------------------
+
+
+def tumbling_limits(b: Body) -> tuple[float, float]:
+    """The open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]"""
+    alpha, gamma, *_ = shape(b)
+    low = max(-1.0, -alpha / (gamma - 1)) if gamma > 1 else -1.0
+    return low, min(1.0, alpha / (1 - gamma)) if gamma < 1 else 1.0
+
+
+def tumbling(z: Any, b: Body) -> tuple[Any, Any]:
+    """phi' and omega_3 [rad/s] of the tumbling state at z, for phi' > 0; NaN where there is none. [T 3.62]"""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        phi_dot = np.sqrt(b.m * b.g * b.c / (b.I3 * (b.c / b.R - z) + b.I1 * z))
+    return phi_dot, -(b.c / b.R - z) * phi_dot
+
+
+def tumbling_jellett(z: Any, b: Body) -> Any:
+    """lambda of the tumbling state at z, for phi' > 0 [kg m^3/s]; NaN where there is none. [T 3.42, 3.66]"""
+    alpha, gamma, _, beta = shape(b)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return beta * ((alpha - z) ** 2 + gamma * (1 - z**2)) / np.sqrt(alpha + (gamma - 1) * z)
+
+
+def lambda_t(b: Body) -> Any:
+    """The least lambda of a tumbling state [kg m^3/s]; less than lambda_u where gamma_c < gamma < gamma_plus: there the
+    upright spin and tumbling are both stable in between. To about 1e-5."""
+    z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
+    return np.nanmin(tumbling_jellett(z, b), axis=0)
+
+
+def tumbling_is_stable(z: Any, b: Body) -> Any:
+    """Whether the tumbling state at z is stable, which is d|lambda|/dz < 0. [T Theorem 3.3.2, corrected]"""
+    alpha, gamma, *_ = shape(b)
+    rising = ((1 - gamma) * z - alpha) ** 2 > gamma * (1 - alpha**2 - gamma) / 3
+    return rising & np.isfinite(tumbling_jellett(z, b))
+
+
+def tumbling_states(lam: float, b: Body) -> np.ndarray:
+    """Every z at which a tumbling state has Jellett's integral lam, ascending: roots of a quartic."""
+    alpha, gamma, _, beta = shape(b)
+    h = np.array([1 - gamma, -2 * alpha, alpha**2 + gamma])
+    rest = np.polysub(beta**2 * np.polymul(h, h), lam**2 * np.array([gamma - 1, alpha]))
+    roots = np.roots(rest)
+    z = np.sort(roots[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))].real)
+    low, high = tumbling_limits(b)
+    return z[(z > low) & (z < high)]
+
+
+class Branch(NamedTuple):
+    """A curve of asymptotic states in the plane of lambda [kg m^3/s] and z = cos(theta), all stable or all not."""
+
+    kind: str
+    stable: bool
+    z: np.ndarray
+    lam: np.ndarray
+
+
+def branches(b: Body, most: float) -> list[Branch]:
+    """Every asymptotic state of a tippe top with 0 <= lambda <= most, as curves cut where stability changes.
+
+    The source's figure 3.3."""
+    found = []
+    for kind, pole, limit, inside in (("upright", 1.0, lambda_u(b), True), ("inverted", -1.0, lambda_s(b), False)):
+        for ends, calm in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):
+            if ends[0] < ends[1]:
+                found.append(Branch(kind, calm, np.full(2, pole), np.array(ends)))
+    low, high = tumbling_limits(b)
+    z = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 2001)[1:-1])) / 2
+    lam: Any = tumbling_jellett(z, b)
+    stable: Any = tumbling_is_stable(z, b)
+    cuts = [0, *(np.flatnonzero(np.diff(stable)) + 1), len(z)]
+    for first, last in itertools.pairwise(cuts):
+        piece = slice(first, min(last + 1, len(z)))  # one point on, so that the curve has no gap
+        found.append(Branch("tumbling", bool(stable[first]), z[piece], lam[piece]))
+    return found

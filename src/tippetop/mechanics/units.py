@@ -1,0 +1,46 @@
+"""Units as powers of mass, length and time, and the units in which a system is integrated."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit as powers of mass, length and time, with the SI symbol that people read."""
+
+    mass: int
+    length: int
+    time: int
+    symbol: str
+
+
+ONE = Unit(0, 0, 0, "1")
+RADIAN = Unit(0, 0, 0, "rad")
+RADIAN_PER_SECOND = Unit(0, 0, -1, "rad s-1")
+RADIAN_PER_SECOND2 = Unit(0, 0, -2, "rad s-2")
+PER_SECOND = Unit(0, 0, -1, "s-1")
+SECOND = Unit(0, 0, 1, "s")
+SECOND_PER_METRE = Unit(0, -1, 1, "s m-1")
+KILOGRAM = Unit(1, 0, 0, "kg")
+METRE = Unit(0, 1, 0, "m")
+METRE_PER_SECOND = Unit(0, 1, -1, "m s-1")
+METRE_PER_SECOND2 = Unit(0, 1, -2, "m s-2")
+INERTIA = Unit(1, 2, 0, "kg m2")
+ANGULAR_MOMENTUM = Unit(1, 2, -1, "kg m2 s-1")
+JELLETT = Unit(1, 3, -1, "kg m3 s-1")
+JOULE = Unit(1, 2, -2, "J")
+WATT = Unit(1, 2, -3, "W")
+NEWTON = Unit(1, 1, -2, "N")
+NEWTON_SECOND = Unit(1, 1, -1, "N s")
+
+
+class Scales(NamedTuple):
+    """The units of mass [kg], length [m] and time [s] in which a system is integrated."""
+
+    mass: Any
+    length: Any
+    time: Any
+
+    def of(self, unit: Unit) -> Any:
+        """How many SI units one internal unit of `unit` is."""
+        return self.mass**unit.mass * self.length**unit.length * self.time**unit.time

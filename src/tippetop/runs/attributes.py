@@ -1,0 +1,75 @@
+"""What a run leaves: the tables of its store, and the summary that `run` and `info` give."""
+
+from typing import TYPE_CHECKING, Any
+
+from ..columns import Column
+from ..mechanics.systems import SYSTEMS
+from ..problem import ROUNDING, Problem
+from ..scenario.build import resolved, tables_of
+from ..store.provenance import provenance
+from .events import event_columns
+
+
+if TYPE_CHECKING:
+    from ..engine.status import Status
+    from .run import Run
+
+
+def groups(run: "Run") -> dict[str, dict[str, Column]]:
+    """The groups of a store, of a run in memory: trajectory and events."""
+    return {"trajectory": run.columns(), "events": event_columns(run.events)}
+
+
+def datasets(run: "Run") -> dict[str, Any]:
+    """The groups of the store as labelled Datasets, in memory."""
+    import xarray as xr
+
+    attrs = attributes(run.problem, run.status, run.reason, run.final, run.report)
+    return {
+        name: xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs).set_coords("time")
+        for name, columns in groups(run).items()
+    }
+
+
+def attributes(problem: Problem, status: "Status", reason: str, final: Any, report: dict[str, Any]) -> dict[str, Any]:
+    """The root attributes of a store: scenario, what was measured, provenance. No times of the clock."""
+    names = problem.form.units._fields
+    values = [float(v) * float(w) for v, w in zip(final, problem.weights(problem.form), strict=True)]
+    parameters = {**problem.system.parameters, **problem.system.initial}
+    return {
+        "title": problem.system.title,
+        "source": problem.system.source,
+        "status": status.value,
+        "reason": reason,
+        **resolved(problem),
+        "tolerance": problem.tolerance or ROUNDING[problem.precision],
+        "precision": problem.precision,
+        "units": {name: parameter.unit.symbol for name, parameter in parameters.items()},
+        "final_state": dict(zip(names, values, strict=True)),
+        "report": report,
+        **provenance(),
+    }
+
+
+def info(attrs: dict[str, Any]) -> dict[str, Any]:
+    """The object that `run --json` and `info --json` print, from a store's root attributes."""
+    return {
+        "status": attrs["status"],
+        "reason": attrs["reason"],
+        **attrs["report"],
+        **tables_of(attrs),
+        **({"certificate": attrs["certificate"]} if "certificate" in attrs else {}),
+        **{key: attrs[key] for key in ("tolerance", "precision", "final_state", "versions", "cpu")},
+    }
+
+
+def headline_of(attrs: dict[str, Any]) -> str:
+    """One line: what was integrated."""
+    words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
+    if "friction" in attrs:
+        law, *numbers = attrs["friction"].items()
+        laws = SYSTEMS[attrs["system"]].laws
+        units = {name: p.unit.symbol for name, p in laws[law[1]].parameters.items()}
+        said = [f"{name} = {value:g} {units[name]}".removesuffix(" 1") for name, value in numbers]
+        words.append(", ".join([f"{law[1]} friction", *said]) if numbers else "no friction")
+    return " · ".join(words)

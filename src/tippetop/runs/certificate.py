@@ -1,0 +1,78 @@
+"""The accuracy contract: what every run promises of its invariants, and a second run in wider numbers as a witness."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from ..problem import Problem
+from ..sampling import Given
+from .run import Run, solve
+
+
+PROMISED = {"jellett": 1e-13, "axis_norm": 1e-13, "energy_balance": 1e-12}
+PROMISED_OTHERWISE = 1e-12  # any other integral: Routh's function, L_z, L_3
+GROWS_AFTER = 1e4  # [s]: rounding adds up like a random walk, so from here on the promise grows with sqrt(t)
+PROMISED_THETA = 1e-10  # [rad]: of theta against the wider run, over the certified window
+WIDER = {"double": "longdouble", "longdouble": "quad"}
+SAMPLES = 2001
+
+
+def broken_promises(report: dict[str, Any], tolerance: float, precision: str) -> list[str]:
+    """Sentences on the drifts that exceed the contract. A run at a tolerance of its own promises nothing."""
+    if tolerance > 2.3e-16 or precision not in ("double", "longdouble", "quad"):
+        return []
+    growth = math.sqrt(max(1.0, report["t_end"] / GROWS_AFTER))
+    return [
+        f"the drift of {name.replace('_', ' ')} must be at most {bound:.1e}, but is {drift:.1e}."
+        for name, drift in report["drift"].items()
+        if not drift <= (bound := PROMISED.get(name, PROMISED_OTHERWISE) * growth)
+    ]
+
+
+def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]:
+    """Repeats the run from its start over `window` seconds (all of it if None) in this precision and in the next wider
+    one, and compares them: largest error of theta and of the state, and of the times of the turnings they share."""
+    if problem.precision not in WIDER:
+        return {"against": None, "reason": "no wider precision than quad"}
+    until = min(problem.until, window or problem.until)
+    times = np.linspace(0.0, until, SAMPLES)
+    plain = dataclasses.replace(problem, until=until, times=Given(times), output="times", stop_when="until")
+    wide = dataclasses.replace(plain, precision=WIDER[problem.precision], tolerance=0.0)
+    mine, witness = solve(plain), solve(wide)
+    rows = min(len(mine.times), len(witness.times))
+    theta = _difference(mine, witness, "theta", rows)
+    found: dict[str, Any] = {
+        "against": wide.precision,
+        "window": [0.0, until],
+        "theta": float(theta.max(initial=0.0)),
+        "theta_end": float(theta[-1]) if rows else 0.0,
+        "same_end": mine.status is witness.status,
+    }
+    if "axis" in problem.system.vectors:
+        found["axis"] = float(_difference(mine, witness, "axis", rows).max(initial=0.0))
+    turnings = [run.events.of("turning", significant=True).time for run in (mine, witness)]
+    shared = min(map(len, turnings))
+    if shared:
+        found["turnings"] = {"compared": shared, "counts": [len(t) for t in turnings]}
+        found["turnings"]["time"] = float(np.abs(turnings[0][:shared] - turnings[1][:shared]).max())
+    return found
+
+
+def broken_certificate(found: dict[str, Any]) -> list[str]:
+    """Sentences on what the wider run contradicts."""
+    if found["against"] is None:
+        return []
+    faults = []
+    if not found["theta"] <= PROMISED_THETA:
+        faults.append(
+            f"theta must be within {PROMISED_THETA:.0e} of the wider run, but differs by {found['theta']:.1e}."
+        )
+    if not found["same_end"]:
+        faults.append("the run must end as the wider run does, but ends otherwise.")
+    return faults
+
+
+def _difference(mine: Run, witness: Run, name: str, rows: int) -> np.ndarray:
+    return np.abs(mine.columns()[name].values[:rows] - witness.columns()[name].values[:rows])

@@ -1,0 +1,67 @@
+"""What a run says of itself: drift of the invariants, range of the normal force, inversion, band."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..engine.extremes import Extremes
+from ..engine.invariants import invariants, size
+from ..engine.observables import View
+from ..mechanics.units import NEWTON, SECOND
+from ..problem import Problem
+
+
+SAMPLES_PER_SLICE = 256  # step ends at which the invariants are compared: 1 % of the cost of a slice of 4096 steps
+
+
+@dataclass
+class Monitor:
+    """Follows a run slice by slice. Drifts are relative, and the worst of the run."""
+
+    problem: Problem
+    view: View
+    drift: dict[str, float] = field(default_factory=dict)
+    force: Extremes = field(default_factory=Extremes)
+    steps: int = 0
+    _start: dict[str, float] = field(default_factory=dict)
+
+    def begin(self, row: np.ndarray) -> None:
+        """Takes the start, (1, variables), as what the invariants are compared with."""
+        self._start = {name: float(values[0]) for name, values in self._invariants(row).items()}
+        self.drift = dict.fromkeys(self._start, 0.0)
+
+    def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
+        """Takes in step ends (n, variables) of a slice of so many steps."""
+        for name, values in self._invariants(rows).items():
+            start = self._start[name]
+            self.drift[name] = max(self.drift[name], float(np.max(np.abs(values - start) / size(start))))
+        self.force = self.force.joined(force)
+        self.steps += steps
+
+    def _invariants(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        return invariants(self.problem, self.view.values(rows))
+
+    def report(self) -> dict[str, Any]:
+        """The measured part of `info --json` that does not concern events."""
+        report: dict[str, Any] = {"steps": self.steps, "drift": self.drift}
+        if math.isfinite(self.force.least):
+            newton = float(self.problem.scales.of(NEWTON))
+            second = float(self.problem.scales.of(SECOND))
+            report["normal_force"] = {
+                "min": self.force.least * newton,
+                "max": self.force.most * newton,
+                "t_min": self.force.t_least * second,
+                "t_max": self.force.t_most * second,
+                "weight": self.problem.parameters["m"] * self.problem.parameters["g"],
+            }
+        return report
+
+    def snapshot(self) -> dict[str, Any]:
+        """What a checkpoint keeps."""
+        return {"drift": self.drift, "force": list(self.force), "steps": self.steps}
+
+    def restore(self, kept: dict[str, Any]) -> None:
+        """Goes on from a checkpoint; the start is that of the problem."""
+        self.drift, self.force, self.steps = kept["drift"], Extremes(*kept["force"]), kept["steps"]

@@ -1,0 +1,172 @@
+"""A run from start to end: slices flow to a sink, the monitor and the log follow, and the end gets its name."""
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..engine.extremes import Extremes
+from ..engine.normal_force import grazing, normal_force
+from ..engine.observables import View
+from ..engine.status import SETTLED_FOR, Status
+from ..engine.taylor import Slice, fingerprint, integrator_of, rows_at, slices, terminal_kinds
+from ..mechanics.contact.body import Body
+from ..mechanics.theory.modes import will_leave
+from ..mechanics.units import SECOND
+from ..problem import Problem
+from ..store import hexfloat
+from .drift import SAMPLES_PER_SLICE, Monitor
+from .event_log import EventLog
+from .events import EventTable
+from .sinks import Sink
+
+
+SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
+
+
+class Course:
+    """A run on its way: all that an interruption must not lose."""
+
+    def __init__(self, problem: Problem):
+        clock = time.perf_counter()
+        self.problem, self.integrator = problem, integrator_of(problem)
+        self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
+        self.view = View(problem)
+        self.second = float(problem.scales.of(SECOND))
+        self.first = problem.start()[None, :]
+        self.last = self.first  # last good state
+        self.monitor = Monitor(problem, self.view)
+        self.monitor.begin(self.first)
+        self.log = EventLog(problem, self.view, self.first)
+        self.filled, self.t_end, self.fresh = 0, 0.0, True
+        self.status: Status | None = None
+
+    def run(self, sink: Sink, progress: Callable[["Course"], None] | None = None) -> None:
+        """Goes on to the end. What the sink has taken after a slice is what a snapshot then stands for."""
+        problem = self.problem
+        end = problem.number(problem.until) / problem.number(self.second)
+        if self.fresh and problem.output != "times":
+            self._write(sink, np.array([0.0]), self.first)
+        steps = SETTLED_SLICE if problem.stop_when == "settled" else None
+        for found in slices(self.integrator, end, terminal_kinds(problem), steps):
+            force = normal_force(found, problem) if len(found.times) > 1 else Extremes()
+            piece = grazing(found, force, problem)
+            self.seconds["integrate"] += piece.wall
+            self.fresh = False
+            self._follow(piece, force, sink)
+            if self.status is not None:
+                break
+            if problem.stop_when == "settled" and self._settled_long():
+                self.status = Status.SETTLED
+                break
+            sink.slice_done(self)
+            if progress is not None:
+                progress(self)
+        sink.events(EventTable.empty(), self.log.finish(self.last))
+        if problem.output == "events":
+            self._write(sink, np.array([self.t_end]), self.last)
+
+    def _follow(self, piece: Slice, force: Extremes, sink: Sink) -> None:
+        problem, self.status = self.problem, piece.status
+        steps = len(piece.times) - 1
+        ends = piece.ends
+        while steps and not np.all(np.isfinite(ends[steps - 1].astype(float))):  # never let a bad state in
+            steps -= 1
+        reached = float(piece.times[steps])
+        self.t_end = reached * self.second
+        upto = problem.times.count(self.t_end, inclusive=self.status is not None)
+        if steps:
+            ends = ends[:steps]
+            self.last = ends[-1:].copy()
+            every = max(1, steps // SAMPLES_PER_SLICE)
+            self.monitor.follow(np.concatenate([ends[::every], ends[-1:]]), force, steps)
+            table, marks, states = self.log.take(piece)
+            sink.events(table, marks)
+            if problem.output == "steps":
+                self._write(sink, np.asarray(piece.times[1 : steps + 1], float) * self.second, ends)
+            elif problem.output == "events" and len(table.time):
+                self._write(sink, table.time, states)
+        if problem.output == "times" and upto > self.filled:
+            times = problem.times[self.filled : upto]
+            self.filled += len(times)
+            last = self.last  # the dense output of the slice is not used again here: another thread may have it
+            sink.rows(
+                times,
+                lambda: rows_at(piece, times / self.second, problem) if steps else np.repeat(last, len(times), axis=0),
+            )
+
+    def _write(self, sink: Sink, times: np.ndarray, states: np.ndarray) -> None:
+        sink.rows(times, lambda: states)
+        self.filled += len(times)
+
+    def _settled_long(self) -> bool:
+        if not self.log.settled(self.last):
+            return False
+        if not self.t_end - self.log.tally["settled"][1] > SETTLED_FOR * self.second:
+            return False
+        b, last = self.problem.body(), self.view.values(self.last)
+        if not isinstance(b, Body):
+            return True
+        return not will_leave(float(last["theta"][0]), float(last["omega3"][0]) / self.second, b)
+
+    def report(self) -> dict[str, Any]:
+        """The measured part of `info --json`, as far as the run has come."""
+        theta_end = self.view.theta(self.last)
+        return {"t_end": self.t_end, **self.monitor.report(), **self.log.report(), "theta_end": theta_end}
+
+    def reason(self) -> str:
+        """The sentence that a person reads about the end."""
+        t, status = self.t_end, self.status
+        lifted = self.log.tally["lifted_at"] if terminal_kinds_of_model(self.problem) else None
+        beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
+        if status is None:
+            return f"on its way: t = {t:.6g} s of {self.problem.until:.6g} s"
+        if status is Status.FINISHED:
+            return f"finished at t = {t:.6g} s{beyond}"
+        if status is Status.SETTLED:
+            died = self.log.tally["settled"][1]
+            return f"settled: sliding died at t = {died:.6g} s, stopped at t = {t:.6g} s{beyond}"
+        if status is Status.LIFTOFF:
+            return f"the top lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
+        if status is Status.FALLEN:
+            return f"the top fell at t = {t:.9g} s (theta = pi/2): the plane is in its way"
+        hazards = self.view.hazards(self.last)
+        meaning, least = min(hazards.items(), key=lambda item: item[1]) if hazards else ("no known cause", math.inf)
+        stiff = "no singularity is near, so the equations are too stiff (large mu, small eps)"
+        what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
+        return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
+
+    def snapshot(self) -> dict[str, Any]:
+        """All that is needed to go on bit by bit, as plain JSON data."""
+        integrator = self.integrator
+        return hexfloat.packed(
+            {
+                "equations": fingerprint(integrator),
+                "state": integrator.state,
+                "time": list(integrator.dtime),
+                "filled": self.filled,
+                "t_end": self.t_end,
+                "monitor": self.monitor.snapshot(),
+                "log": self.log.snapshot(),
+            }
+        )
+
+    def restore(self, kept: dict[str, Any]) -> None:
+        """Goes on from a snapshot. Raises ValueError if it was made of other equations."""
+        integrator, number = self.integrator, self.problem.number
+        if kept["equations"] != fingerprint(integrator):
+            raise ValueError("the equations must be those of the checkpoint, but this release has others")
+        integrator.state[:] = [hexfloat.number(text, number) for text in kept["state"]]
+        integrator.dtime = tuple(hexfloat.number(text, number) for text in kept["time"])
+        self.last = integrator.state.copy()[None, :]
+        self.filled, self.t_end = kept["filled"], hexfloat.unpacked(kept["t_end"])
+        self.monitor.restore(hexfloat.unpacked(kept["monitor"]))
+        self.fresh = self.t_end == 0  # it was killed before its first slice
+        self.log.restore(hexfloat.unpacked(kept["log"]), fresh=self.fresh)
+
+
+def terminal_kinds_of_model(problem: Problem) -> bool:
+    """Whether liftoff ends the model of this system (a fixed tip holds on)."""
+    return any(event.name == "liftoff" and event.stops for event in problem.system.events)

@@ -1,0 +1,65 @@
+"""Where a run goes as it is made: memory, or a store."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from .events import EventTable
+
+
+if TYPE_CHECKING:
+    from .integration import Course
+
+
+class Sink(Protocol):
+    """Where a run goes as it is made: memory, or a store."""
+
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Takes rows: times [s], and what gives their internal states; it may be called later, in another thread."""
+
+    def events(self, table: EventTable, marks: list[int]) -> None:
+        """Takes new rows of the event log, and indices of rows that are significant after all."""
+
+    def slice_done(self, course: "Course") -> None:
+        """Called after every slice: the moment to commit, and to raise if the run has to stop."""
+
+
+@dataclass
+class Memory:
+    """Gathers a run in memory."""
+
+    times: list[np.ndarray] = field(default_factory=list)
+    states: list[np.ndarray] = field(default_factory=list)
+    tables: list[EventTable] = field(default_factory=list)
+    marks: list[int] = field(default_factory=list)
+
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Takes rows."""
+        self.times.append(times)
+        self.states.append(states())
+
+    def events(self, table: EventTable, marks: list[int]) -> None:
+        """Takes rows of the event log."""
+        self.tables.append(table)
+        self.marks += marks
+
+    def slice_done(self, course: "Course") -> None:
+        """Nothing to commit."""
+
+    def table(self) -> EventTable:
+        """The event log."""
+        log = EventTable.joined(self.tables)
+        log.significant[self.marks] = True
+        return log
+
+
+class Nowhere(Memory):
+    """Keeps nothing: for those who want what a run reports, however long it is."""
+
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Drops rows, which then are not even made."""
+
+    def events(self, table: EventTable, marks: list[int]) -> None:
+        """Drops rows of the event log."""

@@ -1,0 +1,188 @@
+"""A scenario's tables become a checked Problem, or sentences that say all that is wrong with them."""
+
+import itertools
+import math
+from typing import Any, get_args
+
+import numpy as np
+from pydantic import ValidationError
+
+from ..errors import InputError
+from ..mechanics.contact.gliding.catalogue import POLE
+from ..mechanics.friction import LAWS
+from ..mechanics.operand import leaves, refill
+from ..mechanics.system import System
+from ..mechanics.systems import SYSTEMS
+from ..problem import PRECISIONS, Problem
+from ..sampling import Given, Grid
+from .reading import override, read
+from .schema import RunTable, scenario_model
+from .sentences import scenario_sentence
+
+
+MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
+
+
+# --- checking -------------------------------------------------------------------------------------------------------
+
+
+def problem(tables: dict[str, Any]) -> Problem:
+    """The checked Problem of a scenario's tables. Raises ScenarioError with every fault that was found."""
+    name = tables.get("system")
+    if not isinstance(name, str) or name not in SYSTEMS:
+        found = "is missing" if name is None else f"is {name!r}"
+        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}."])
+    system, shape = SYSTEMS[name], scenario_model(name)
+    try:
+        scenario: Any = shape.model_validate(tables)
+    except ValidationError as error:
+        raise InputError([scenario_sentence(e, tables, shape) for e in error.errors(include_url=False)]) from None
+    parameters = scenario.parameters.model_dump()
+    initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
+    run = scenario.run
+    events = tuple(run.events) if run.events is not None else tuple(e.name for e in system.events)
+    faults = [*system.checks(parameters), *_initial_faults(system, scenario.form, initial), *_run_faults(system, run)]
+    if faults:
+        raise InputError(faults)
+    law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
+    values = scenario.friction.model_dump() if system.frictional else {}
+    built = Problem(
+        system=system,
+        form=system.forms[scenario.form],
+        parameters=parameters,
+        friction=law.record(*(values[n] for n in law.parameters)),
+        friction_units=law.units(),
+        initial=initial,
+        until=run.until,
+        times=_times(run),
+        events=events,
+        on_liftoff=run.on_liftoff,
+        precision=run.precision,
+        tolerance=run.tolerance,
+        output=run.output,
+        stop_when=run.stop_when,
+    )
+    _check_start(built)
+    return built
+
+
+def load(source: str, assignments: list[str] | None = None, until: float | None = None) -> Problem:
+    """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises ScenarioError."""
+    tables = override(read(source), assignments or [])
+    return problem(tables if until is None else ending(tables, until))
+
+
+def ending(tables: dict[str, Any], until: float) -> dict[str, Any]:
+    """The tables with another `run.until`; output times beyond it go."""
+    tables = override(tables, [f"run.until={float(until)!r}"])
+    times = tables["run"].get("output_times")
+    if isinstance(times, list):
+        tables["run"]["output_times"] = [t for t in times if isinstance(t, int | float) and t <= until]
+    return tables
+
+
+def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
+    """The tables that a store's root attributes hold: what `resolved` wrote."""
+    names = ("system", "form", "parameters", "friction", "initial", "run")
+    return {name: attrs[name] for name in names if name in attrs}
+
+
+def law_name(problem: Problem) -> str:
+    """The name of the friction law of a problem, as in `[friction] law`."""
+    laws = {**LAWS, **problem.system.laws}
+    return next(name for name, law in laws.items() if law.record is type(problem.friction))
+
+
+def resolved(problem: Problem) -> dict[str, Any]:
+    """The scenario as it was understood, defaults filled in: plain data, also what the store keeps."""
+    return {
+        "system": problem.system.name,
+        "form": problem.form.name,
+        "parameters": dict(problem.parameters),
+        **({"friction": {"law": law_name(problem), **problem.friction._asdict()}} if problem.system.frictional else {}),
+        "initial": dict(problem.initial),
+        "run": {
+            "until": problem.until,
+            **_output(problem),
+            "events": list(problem.events),
+            "on_liftoff": problem.on_liftoff,
+            "precision": problem.precision,
+            "tolerance": problem.tolerance,
+            "stop_when": problem.stop_when,
+        },
+    }
+
+
+def _output(problem: Problem) -> dict[str, Any]:
+    """The keys of [run] that say when rows are wanted."""
+    if problem.output != "times":
+        return {"output": problem.output}
+    if isinstance(problem.times, Grid):
+        return {"output_step": problem.times.step}
+    return {"output_times": problem.times.times.tolist()}
+
+
+def _initial_faults(system: System, form: str, initial: dict[str, Any]) -> list[str]:
+    faults = []
+    if "psi_dot" in initial and "omega3" in initial:
+        faults.append("`initial.psi_dot` must stand alone, but `initial.omega3` is given too.")
+    if initial.get("centre_at_rest") and ("nu_x" in initial or "nu_y" in initial):
+        faults.append("`initial.centre_at_rest` must stand alone, but `initial.nu_x` or `initial.nu_y` is given too.")
+    singular = form in system.forms and POLE in system.forms[form].hazards
+    if singular and initial.get("theta", 0.0) in (0.0, math.pi):
+        faults.append(f'`initial.theta` must not be 0 or pi where form = "{form}" is singular; form = "vector" can.')
+    return faults
+
+
+def _run_faults(system: System, run: RunTable) -> list[str]:
+    faults = []
+    known = [event.name for event in system.events]
+    faults += [
+        f"`run.events` must be of {', '.join(known)}, but has {e!r}." for e in run.events or [] if e not in known
+    ]
+    if run.output_step is not None and run.output_times is not None:
+        faults.append("`run.output_step` must stand alone, but `run.output_times` is given too.")
+    if run.output_step is not None and not run.until / run.output_step <= MOST_ROWS:
+        faults.append(
+            f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {run.output_step:g} gives "
+            f"{run.until / run.output_step:.3g}."
+        )
+    if run.output != "times" and (run.output_step is not None or run.output_times is not None):
+        faults.append('`run.output` must be "times" where `run.output_step` or `run.output_times` is given.')
+    times = run.output_times or []
+    if any(b <= a for a, b in itertools.pairwise(times)):
+        faults.append("`run.output_times` must ascend strictly, but do not.")
+    if times and times[-1] > run.until:
+        faults.append(f"`run.output_times` must not exceed run.until = {run.until:g}, but reach {times[-1]:g}.")
+    return faults
+
+
+def _times(run: RunTable) -> Grid | Given:
+    """Times of the rows [s]; a grid always ends with `until` itself."""
+    if run.output_times is not None:
+        return Given(np.array(run.output_times, dtype=float))
+    return Grid(run.output_step or run.until / 1000, run.until)
+
+
+def _check_start(built: Problem) -> None:
+    """Numbers that are finite one by one may still overflow together, or start where the model has no solution."""
+    with np.errstate(all="ignore"):
+        try:
+            state, body = built.start(), built.internal_body
+            number = np.float64 if built.precision == "double" else np.longdouble
+            plain = refill(body, (number(float(leaf)) for leaf in leaves(body)))
+            record = built.record([np.array([number(float(v))]) for v in state])
+            scalars = built.form.scalars(record, plain)
+            numbers: list[Any] = [leaves(body), state, built.weights(built.form)]
+            numbers.append([np.ravel(q.formula(scalars, plain))[0] for q in built.system.quantities])
+            finite = all(math.isfinite(float(v)) for group in numbers for v in group)
+        except (OverflowError, ZeroDivisionError):
+            finite = False
+        if not finite:
+            raise InputError(["`parameters` and `initial` must stay finite together, but they overflow."])
+        for hazard in built.form.hazards:
+            if not np.min(hazard.formula(scalars, plain)) > 0:
+                raise InputError([f"`initial` must allow a motion, but {hazard.meaning}."])
+
+
+assert set(PRECISIONS) == set(get_args(RunTable.model_fields["precision"].annotation))

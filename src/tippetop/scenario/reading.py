@@ -1,0 +1,59 @@
+"""TOML text becomes tables: files, presets, and `--set` assignments."""
+
+import re
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+
+
+# --- reading --------------------------------------------------------------------------------------------------------
+
+
+def presets() -> dict[str, str]:
+    """The built-in scenarios: name -> TOML text."""
+    folder = files("tippetop") / "scenario" / "presets"
+    named = {p.name.removesuffix(".toml"): p for p in folder.iterdir() if p.name.endswith(".toml")}
+    return {name: named[name].read_text(encoding="utf-8") for name in sorted(named)}
+
+
+def read(source: str) -> dict[str, Any]:
+    """The tables of a TOML file or of a preset. Raises ScenarioError."""
+    path = Path(source)
+    try:
+        if path.suffix != ".toml" and not path.is_file():
+            known = presets()
+            if source not in known:
+                raise InputError(
+                    [f"`{source}` must be a TOML file or one of the presets {', '.join(known)}, but is neither."]
+                )
+            return tomllib.loads(known[source])
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        if isinstance(error, OSError):
+            raise InputError([f"`{source}` must be a readable file, but: {error.strerror or error}."]) from None
+        raise InputError([f"`{source}` must be TOML in UTF-8, but: {error}."]) from None
+
+
+def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
+    """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a string."""
+    changed = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
+    for assignment in assignments:
+        key, equals, text = assignment.partition("=")
+        parts = key.strip().split(".")
+        if not equals or not all(re.fullmatch(r"\w[\w-]*", p) for p in parts) or len(parts) > 2:
+            raise InputError([f"--set must be table.key=value, but is `{assignment}`."])
+        word = re.fullmatch(r"[A-Za-z][\w-]*", text.strip()) and text.strip() not in ("true", "false", "nan", "inf")
+        try:
+            value = text.strip() if word else tomllib.loads(f"value = {text}")["value"]
+        except ValueError:
+            raise InputError([f"--set {key} must be given a TOML value, but is `{text}`."]) from None
+        table = changed.setdefault(parts[0], {}) if len(parts) == 2 else changed
+        if not isinstance(table, dict):
+            raise InputError([f"--set {key} must name a key of a table, but `{parts[0]}` is none."])
+        table[parts[-1]] = value
+    return changed

@@ -1,0 +1,64 @@
+"""The shape of a scenario: tables, keys and types, made from a system's own record."""
+
+from functools import lru_cache
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, create_model
+
+from ..mechanics.system import Parameter
+from ..mechanics.systems import SYSTEMS
+
+
+# --- the shape of a scenario ----------------------------------------------------------------------------------------
+
+
+class Table(BaseModel):
+    """A table of TOML: no unknown keys, no conversions, no infinities."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class RunTable(Table):
+    until: Annotated[float, Field(gt=0)]
+    output_step: Annotated[float, Field(gt=0)] | None = None
+    output_times: list[Annotated[float, Field(ge=0)]] | None = None
+    output: Literal["times", "events", "steps"] = "times"
+    stop_when: Literal["until", "settled"] = "until"
+    events: list[str] | None = None
+    on_liftoff: Literal["stop", "continue"] = "stop"
+    precision: Literal["double", "longdouble", "quad"] = "double"
+    tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.0
+
+
+def _number(parameter: Parameter) -> Any:
+    bounds: dict[str, Any] = {"gt": parameter.above, "ge": parameter.least, "lt": parameter.below, "le": parameter.most}
+    return Annotated[float, Field(**{k: v for k, v in bounds.items() if v is not None})]
+
+
+def _table(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
+    fields: dict[str, Any] = {
+        n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()
+    }
+    return create_model(name, __base__=Table, **extra, **fields)
+
+
+@lru_cache
+def scenario_model(name: str) -> type[BaseModel]:
+    """The pydantic model of a scenario of one system, made from the system's own record."""
+    system = SYSTEMS[name]
+    fields: dict[str, Any] = {
+        "system": (Literal[name], ...),
+        "form": (Literal[tuple(system.forms)], next(iter(system.forms))),
+        "parameters": (_table("Parameters", system.parameters, required=True), ...),
+        "run": (RunTable, ...),
+    }
+    flags = {"centre_at_rest": (bool, False)} if "nu_x" in system.initial else {}
+    initial = _table("Initial", system.initial, required=False, **flags)
+    fields["initial"] = (initial, initial())
+    if system.frictional:
+        laws = [_table(n, law.parameters, required=True, law=(Literal[n], ...)) for n, law in system.laws.items()]
+        union: Any = laws[0]
+        for law in laws[1:]:
+            union = union | law
+        fields["friction"] = (Annotated[union, Field(discriminator="law")], ...)
+    return create_model("Scenario", __base__=Table, **fields)

@@ -1,0 +1,194 @@
+"""Columns in chunks on disk: growing row by row, checked, and read thinly where there are more than memory holds."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+
+from ..columns import Column
+from ..errors import StoreError
+from .files import synced
+
+
+class Appender:
+    """Grows the arrays of a group row by row, in whole chunks; rows that do not fill a chunk wait in memory.
+
+    A flush writes the waiting rows too, as a chunk that is written again when it is full: so the files of a finished
+    store do not depend on when it was flushed.
+    """
+
+    def __init__(self, group: Any):
+        self.arrays = dict(group.arrays())
+        self.chunk = chunk = next(iter(self.arrays.values())).chunks[0]
+        self.written, self.waiting = 0, 0  # rows in full chunks, rows in memory
+        self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
+        self.unflushed = False
+        self.unsynced: set[int] = set()  # first rows of the chunks that may not have reached the disk
+
+    @classmethod
+    def created(cls, root: Any, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
+        """A new group whose arrays have the columns' names, types and attributes, and no rows."""
+        group = root.create_group(name)
+        for key, column in columns.items():
+            group.create_array(
+                key,
+                shape=(0, *column.values.shape[1:]),
+                dtype=column.values.dtype,
+                chunks=(chunk, *column.values.shape[1:]),
+                dimension_names=column.dims,
+                attributes=column.attrs,
+                fill_value=np.nan if column.values.dtype.kind == "f" else 0,
+                compressors=codecs(),
+            )
+        return cls(group)
+
+    @property
+    def rows(self) -> int:
+        """How many rows were appended."""
+        return self.written + self.waiting
+
+    def append(self, columns: dict[str, Column]) -> None:
+        """Takes rows; writes every chunk that they fill."""
+        values = {name: column.values for name, column in columns.items()}
+        count, taken = len(next(iter(values.values()))), 0
+        while taken < count:
+            step = min(self.chunk - self.waiting, count - taken)
+            for name, buffer in self.buffers.items():
+                buffer[self.waiting : self.waiting + step] = values[name][taken : taken + step]
+            self.waiting, taken, self.unflushed = self.waiting + step, taken + step, True
+            if self.waiting == self.chunk:
+                self._write(self.chunk)
+                self.written, self.waiting = self.written + self.chunk, 0
+
+    def flush(self) -> None:
+        """Writes the rows that wait."""
+        if self.unflushed and self.waiting:
+            self._write(self.waiting)
+        self.unflushed = False
+
+    def _write(self, count: int) -> None:
+        end = self.written + count
+        for name, array in self.arrays.items():
+            if array.shape[0] < end:
+                array.resize((end, *array.shape[1:]))
+            array[self.written : end] = self.buffers[name][:count]
+        self.unsynced.add(self.written)
+
+    def sync(self) -> None:
+        """Waits until the disk itself has what was written: then a power failure cannot take it back."""
+        if not self.unsynced:
+            return
+        for array in self.arrays.values():
+            folder = array.store_path.store.root.joinpath(array.store_path.path)
+            files = [folder / _chunk_file(array, start) for start in sorted(self.unsynced)]
+            for path in (*files, *{file.parent for file in files}, folder / "zarr.json", folder):
+                synced(path)
+        self.unsynced.clear()
+
+    def mark(self, name: str, rows: list[int]) -> None:
+        """Sets a column of flags to true in some rows, written or waiting."""
+        waiting = [row - self.written for row in rows if row >= self.written]
+        self.buffers[name][waiting] = True
+        self.unflushed = self.unflushed or bool(waiting)
+        older = [row for row in rows if row < self.written]
+        if older:
+            self.arrays[name].set_coordinate_selection(np.array(older), np.ones(len(older), dtype=bool))
+            self.unsynced |= {row // self.chunk * self.chunk for row in older}
+
+    def cut(self, rows: int) -> None:
+        """Cuts the arrays to the rows that a checkpoint acknowledges."""
+        for name, array in self.arrays.items():
+            if array.shape[0] < rows:
+                raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
+            array.resize((rows, *array.shape[1:]))
+
+    def reload(self, rows: int) -> None:
+        """Takes the rows that do not fill a chunk back into memory."""
+        self.written = rows // self.chunk * self.chunk
+        self.waiting = rows - self.written
+        for name, array in self.arrays.items():
+            self.buffers[name][: self.waiting] = array[self.written : rows]
+        self.unflushed = True
+
+
+def codecs() -> list[Any]:
+    """How a chunk becomes bytes: lz4 and shuffle, smaller and faster than zstd here; a checksum makes damage an error
+    to read."""
+    from zarr.codecs import BloscCodec, Crc32cCodec
+
+    return [BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"), Crc32cCodec()]
+
+
+def verify(group: Any) -> None:
+    """Reads every chunk of a group. Raises StoreError, which names the array and the rows that cannot be read."""
+    for _, array in group.arrays():
+        for start in range(0, array.shape[0], array.chunks[0]):
+            readable(array, start)
+
+
+def readable(array: Any, start: int) -> None:
+    """Reads the chunk of an array that begins at row `start`. Raises StoreError if it is missing or damaged."""
+    end = min(start + array.chunks[0], array.shape[0])
+    try:
+        if not array.store_path.store.root.joinpath(array.store_path.path, _chunk_file(array, start)).is_file():
+            raise OSError("the file of the chunk is missing")
+        array[start:end]
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{array.path}` must be readable in rows {start} to {end}, but: {error}.") from None
+
+
+def _chunk_file(array: Any, start: int) -> str:
+    """The name of the file of the chunk that begins at row `start`, below the array's folder."""
+    return "/".join(["c", str(start // array.chunks[0]), *("0" for _ in array.shape[1:])])
+
+
+def pieces(path: str | Path, group: str, names: list[str], rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
+    """The columns of a group, a stretch of rows at a time. Raises StoreError."""
+    arrays = {name: array for name, array in _arrays(path, group).items() if name in names}
+    total = min((array.shape[0] for array in arrays.values()), default=0)
+    for start in range(0, total, rows):
+        try:
+            yield {name: array[start : min(start + rows, total)] for name, array in arrays.items()}
+        except Exception as error:  # codecs raise what they like
+            raise StoreError(f"`{path}` must be readable in rows {start} to {start + rows}, but: {error}.") from None
+
+
+def digest(path: str | Path, group: str, key: str | None = None, most: int = 400_000) -> dict[str, Column]:
+    """A group as columns of at most about `most` rows: all rows if there are no more; else of every bin of rows the one
+    where `key` is least and the one where it is largest, so that no peak is lost (without key, the first)."""
+    arrays = _arrays(path, group)
+    total = min((array.shape[0] for array in arrays.values()), default=0)
+    size = -(-total // (most // 2)) if total > most else 1
+    kept: dict[str, list[np.ndarray]] = {name: [] for name in arrays}
+    for piece in pieces(path, group, list(arrays), rows=(1 << 19) // size * size):
+        picked = _picked(piece.get(key) if key else None, len(next(iter(piece.values()))), size)
+        for name, values in piece.items():
+            kept[name].append(values[picked])
+    return {
+        name: Column(
+            tuple(map(str, array.metadata.dimension_names)),
+            np.concatenate(kept[name]) if kept[name] else array[:0],
+            dict(array.attrs),
+        )
+        for name, array in arrays.items()
+    }
+
+
+def _picked(key: np.ndarray | None, count: int, size: int) -> np.ndarray:
+    """Indices of the rows that stand for bins of `size` rows; the last row is always among them."""
+    if size == 1:
+        return np.arange(count)
+    first = np.arange(0, count, size)
+    if key is None:
+        return np.union1d(first, [count - 1])
+    filled = np.concatenate([np.nan_to_num(key), np.full(-count % size, key[-1])]).reshape(-1, size)
+    return np.unique(np.minimum([*(first + filled.argmin(1)), *(first + filled.argmax(1)), count - 1], count - 1))
+
+
+def _arrays(path: str | Path, group: str) -> dict[str, Any]:
+    try:
+        return dict(zarr.open_group(store=str(path), mode="r", path=group).arrays())
+    except (OSError, ValueError, KeyError) as error:
+        raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None

@@ -1,0 +1,132 @@
+"""A store in the formats of others: netCDF, CSV, Parquet; a stretch of rows at a time, whole or not at all."""
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, StoreError
+from . import chunks, root
+
+
+DIMENSIONS = {"trajectory": "time", "events": "event", "sweep": "top"}
+
+
+def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
+    """Writes a store as one file. netCDF takes all groups; CSV and Parquet take the one that is named, or the first.
+
+    Raises ScenarioError for an unknown format, StoreError for what cannot be read, written, or lacks its library.
+    """
+    if to not in FORMATS:
+        raise InputError([f"--to must be one of {', '.join(FORMATS)}, but is `{to}`."])
+    attrs = root.attributes(store)
+    groups = [attrs["content"]] if "content" in attrs else ["trajectory", "events"]
+    if not DIMENSIONS.keys() >= set(groups):
+        raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")
+    if group not in (None, *groups):
+        raise InputError([f"--group must be {' or '.join(groups)}, but is `{group}`."])
+    if out.exists():
+        raise StoreError(f"`{out}` must not exist yet, but does.")
+    scratch = out.with_name(f".{out.name}.part")
+    try:
+        FORMATS[to](store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
+        os.replace(scratch, out)
+    except ImportError as error:
+        raise StoreError(
+            f"the export to {to} must find its library, but: {error} (install tippetop[export])."
+        ) from None
+    except OSError as error:
+        if isinstance(error, StoreError):
+            raise
+        raise StoreError(f"`{out}` must be writable, but: {error.strerror or error}.") from None
+    finally:
+        with contextlib.suppress(OSError):
+            scratch.unlink()
+
+
+def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
+    import h5netcdf
+    import zarr
+
+    with h5netcdf.File(path, "w") as file:
+        file.attrs.update({name: _plain(value) for name, value in attrs.items() if value is not None})
+        for name in groups:
+            arrays = dict(zarr.open_group(store=str(store), mode="r", path=name).arrays())
+            group, dim = file.create_group(name), DIMENSIONS[name]
+            group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
+            if name == "trajectory":
+                group.dimensions["xyz"] = 3
+            for key, array in arrays.items():
+                kind = "i1" if array.dtype == bool else array.dtype
+                metadata: Any = array.metadata
+                variable = group.create_variable(key, metadata.dimension_names, kind, compression="gzip")
+                variable.attrs.update({k: _plain(v) for k, v in array.attrs.items()})
+            start = 0
+            for piece in chunks.pieces(store, name, list(arrays)):
+                count = len(next(iter(piece.values())))
+                for key, values in piece.items():
+                    group.variables[key][start : start + count] = values
+                start += count
+
+
+def _csv(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
+    for i, table in enumerate(_tables(store, groups[0], attrs)):
+        table.to_csv(path, mode="a" if i else "w", header=not i, index=False, float_format="%.17g")
+
+
+def _parquet(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    writer = None
+    try:
+        for table in _tables(store, groups[0], attrs):
+            arrow = pa.Table.from_pandas(table, preserve_index=False)
+            if writer is None:
+                meta = {name: str(_plain(value)) for name, value in attrs.items() if value is not None}
+                writer = pq.ParquetWriter(path, arrow.schema.with_metadata(meta))
+            writer.write_table(arrow.replace_schema_metadata(writer.schema.metadata))
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
+    """The rows as pandas tables, vectors as three columns, flags by their meanings; at least one table."""
+    import pandas as pd
+    import zarr
+
+    arrays = dict(zarr.open_group(store=str(store), mode="r", path=group).arrays())
+    meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
+    first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time"]
+    names = sorted(arrays, key=lambda name: (first.index(name) if name in first else len(first), name))
+    empty = True
+    for piece in chunks.pieces(store, group, names):
+        columns: dict[str, Any] = {}
+        for name in names:
+            values = piece[name]
+            if values.ndim == 2:
+                columns |= {f"{name}_{axis}": values[:, i] for i, axis in enumerate("xyz")}
+            else:
+                columns[name] = np.array(meanings[name])[values] if meanings[name] else values
+        empty = False
+        yield pd.DataFrame(columns)
+    if empty:
+        yield pd.DataFrame({name: [] for name in names})
+
+
+def _plain(value: Any) -> Any:
+    """An attribute as netCDF and Parquet can hold it."""
+    import json
+
+    return value if isinstance(value, int | float | str) and not isinstance(value, bool) else json.dumps(value)
+
+
+FORMATS: dict[str, Callable[[Path, list[str], dict[str, Any], Path], None]] = {
+    "netcdf": _netcdf,
+    "csv": _csv,
+    "parquet": _parquet,
+}

@@ -1,0 +1,49 @@
+"""What every store says of its making: format, versions, processor."""
+
+import os
+import platform
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+
+FORMAT = "tippetop"
+FORMAT_VERSION = 1
+
+
+@lru_cache
+def versions() -> dict[str, str]:
+    """Versions of what a result depends on."""
+    found = {"python": platform.python_version()}
+    for name in ("tippetop", "heyoka", "numpy", "zarr"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+@lru_cache
+def cpu() -> str:
+    """The model of this machine's processor: results are bit-identical only on the same one."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def provenance() -> dict[str, Any]:
+    """What every store says of its making."""
+    return {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "Conventions": "CF-1.11",
+        "versions": versions(),
+        "cpu": cpu(),
+        "threads": 1,
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
+    }

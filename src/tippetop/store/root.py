@@ -1,0 +1,116 @@
+"""The root attributes of a store: what it is, and whether it is ours."""
+
+import contextlib
+import json
+import math
+import shutil
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import StoreError
+from .files import replace_text
+from .provenance import FORMAT, FORMAT_VERSION
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+CHECKPOINT = "checkpoint.json"
+
+
+def finite(value: Any) -> Any:
+    """The value as JSON can hold it: numbers that are not finite become None."""
+    if isinstance(value, dict):
+        return {k: finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(v) for v in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def attributes(path: str | Path) -> dict[str, Any]:
+    """Root attributes of a store. Raises StoreError if there is none of ours."""
+    place = Path(path)
+    try:
+        found = json.loads((place / "zarr.json").read_text(encoding="utf-8"))["attributes"]
+        if found["format"] != FORMAT:
+            raise KeyError("format")
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        why = "does not exist" if not place.exists() else "is none" if not isinstance(error, OSError) else str(error)
+        raise StoreError(f"`{path}` must be a store of tippetop, but {why}.") from None
+    if found.get("format_version") != FORMAT_VERSION:
+        raise StoreError(
+            f"`{path}` must have format version {FORMAT_VERSION}, but has {found.get('format_version')}: "
+            "use the release that wrote it."
+        )
+    if found.get("status") == "running":
+        try:
+            record = json.loads((place / CHECKPOINT).read_text(encoding="utf-8"))
+            found |= {"report": record["report"], "reason": record["reason"]}
+        except (OSError, ValueError, KeyError):
+            pass  # it just finished, or never began: the root attributes stand
+    return found
+
+
+def annotate(path: str | Path, more: dict[str, Any]) -> None:
+    """Adds root attributes to a finished store."""
+    place = Path(path) / "zarr.json"
+    content = json.loads(place.read_text(encoding="utf-8"))
+    content["attributes"] |= finite(more)
+    replace_text(place, json.dumps(content, indent=2, allow_nan=False))
+
+
+def open_group(path: str | Path, group: str) -> "xr.Dataset":
+    """A group of a store as a labelled Dataset, read when needed. Raises StoreError."""
+    import xarray as xr
+
+    attrs = attributes(path)
+    try:
+        return xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+    except (OSError, ValueError, KeyError) as error:
+        raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+
+
+@contextlib.contextmanager
+def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Gives a scratch folder beside `target`, which becomes `target` when the block ends well and vanishes when not.
+
+    Raises StoreError at once if `target` exists (and is not ours to overwrite) or cannot be written.
+    """
+    target = Path(target)
+    _refuse_existing(target, overwrite)
+    scratch = target.with_name(f".{target.name}.part-{uuid.uuid4().hex[:8]}")
+    try:
+        scratch.mkdir()
+    except OSError as error:
+        raise StoreError(f"`{target}` must be writable, but: {error.strerror or error}.") from None
+    try:
+        yield scratch
+        if target.exists():
+            old = scratch.with_suffix(".old")
+            target.rename(old)
+            scratch.rename(target)
+            shutil.rmtree(old)
+        else:
+            scratch.rename(target)
+    except OSError as error:
+        raise StoreError(f"`{target}` must be written whole, but: {error.strerror or error}.") from error
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _refuse_existing(target: Path, overwrite: bool) -> None:
+    if not target.exists():
+        return
+    if not overwrite:
+        raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
+    try:
+        attributes(target)
+    except StoreError:
+        raise StoreError(f"`{target}` must be a store of tippetop to be overwritten, but is something else.") from None

@@ -1,0 +1,79 @@
+"""The lines of some tops of a sweep: what a worker is sent, and what it gives back. Numbers travel, no integrators."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..columns import Column
+from ..ensembles import ensemble, outcomes
+from ..problem import Problem
+from ..scenario import build
+from ..store import provenance
+
+
+FINAL, DRIFT = "final_state", "drift"  # in `keep`, names for all columns that begin so
+
+
+class Task(NamedTuple):
+    """A chunk to compute: its number, the base scenario, the numbers of its tops, the columns that are kept (None:
+    all), and the versions that the store promises."""
+
+    chunk: int
+    tables: dict[str, Any]
+    columns: dict[str, np.ndarray]
+    keep: list[str] | None
+    versions: dict[str, str]
+
+
+class OtherVersions(Exception):
+    """A worker has other releases than the sweep was begun with: its bits could differ."""
+
+
+def lines(task: Task, threads: int = 1) -> dict[str, np.ndarray]:
+    """The columns of a chunk, by name. What it computes depends on the task alone."""
+    if provenance.versions() != task.versions:
+        differ = [name for name, found in provenance.versions().items() if found != task.versions.get(name)]
+        raise OtherVersions(f"the worker has other versions of {', '.join(differ)} than the sweep was begun with")
+    found = columns(build.problem(task.tables), task.columns, task.keep, threads)
+    return {name: column.values for name, column in found.items()}
+
+
+def columns(
+    base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
+) -> dict[str, Column]:
+    """The lines of tops as labelled columns; `status` is among them whatever is kept."""
+    tops, _ = ensemble.varied(base, numbers)
+    measured = ensemble.measure(tops, threads=threads)
+    with np.errstate(all="ignore"):  # of tops that cannot be
+        found = {**outcomes.table(measured), **_final_states(measured)}
+    return {name: column for name, column in found.items() if name == "status" or keep is None or _kept(name, keep)}
+
+
+def _final_states(measured: outcomes.Measured) -> dict[str, Column]:
+    """The integrated variables at the end of each run, SI, as columns `final_ux`, ...; NaN where there was no run."""
+    tops = measured.tops
+    values = tops.record(measured.final)._asdict()
+    return {
+        f"final_{name}": Column(
+            ("top",),
+            values[name] * tops.unit(unit),
+            {"units": unit.symbol, "long_name": f"{name} at the end"},
+        )
+        for name, unit in tops.base.form.units._asdict().items()
+    }
+
+
+def empty(base: Problem, keep: list[str] | None) -> dict[str, Column]:
+    """Labelled columns without a line."""
+    found = columns(base, {"run.until": np.array([np.nan])}, keep)  # a top that cannot be is not run
+    return {name: Column(c.dims, c.values[:0], c.attrs) for name, c in found.items()}
+
+
+def words(base: Problem) -> list[str]:
+    """What `keep` may name: columns, and the groups of columns `final_state` and `drift`."""
+    return [name for name in empty(base, None) if name != "status"] + [FINAL, DRIFT]
+
+
+def _kept(name: str, keep: list[str]) -> bool:
+    group = FINAL if name.startswith("final_") else DRIFT if name.startswith("drift_") else name
+    return group in keep or name in keep

@@ -1,0 +1,100 @@
+"""Numbers without unit by which theory sorts tippe tops; a sweep that varies one sets numbers of the scenario by it."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..ensembles.tops import Tops
+from ..mechanics.theory import thresholds
+from ..mechanics.units import JELLETT
+from ..problem import Problem
+
+
+Numbers = dict[str, np.ndarray]
+
+
+class Derived(NamedTuple):
+    """What it means, the keys that it sets, what it sets them to, and the parameters or system without which not."""
+
+    long_name: str
+    sets: tuple[str, ...]
+    numbers: Callable[[Problem, Numbers, np.ndarray], Numbers]
+    needs: tuple[str, ...]
+    systems: tuple[str, ...] = ()  # empty: every system that has the parameters
+
+
+def body(base: Problem, columns: Numbers) -> Any:
+    """The bodies of tops with other numbers than the base, SI."""
+    varied = {name: columns.get(f"parameters.{name}", value) for name, value in base.parameters.items()}
+    return base.system.body(varied, base.friction)
+
+
+def jellett(base: Problem, columns: Numbers) -> np.ndarray:
+    """Jellett's integral of tops at their start [kg m^3/s], (n,)."""
+    tops = Tops(base, columns)
+    formula = next(q.formula for q in base.system.quantities if q.name == "jellett")
+    return formula(base.form.scalars(tops.record(tops.start), tops.internal_body), tops.internal_body) * tops.unit(
+        JELLETT
+    )
+
+
+def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
+    b = body(base, columns)
+    now = thresholds.shape(b)
+    I3 = b.I3 * now.sigma / sigma
+    return {"parameters.I3": I3, "parameters.I1": I3 * now.gamma}
+
+
+def _by_gamma(base: Problem, columns: Numbers, gamma: np.ndarray) -> Numbers:
+    b = body(base, columns)
+    return {"parameters.I1": b.I1 * gamma / thresholds.shape(b).gamma}
+
+
+def _by_lambda(base: Problem, columns: Numbers, ratio: np.ndarray) -> Numbers:
+    still, turning = (jellett(base, {**columns, "initial.omega3": np.full(len(ratio), w)}) for w in (0.0, 1.0))
+    wanted = ratio * thresholds.lambda_s(body(base, columns))
+    return {"initial.omega3": (wanted - still) / (turning - still)}  # lambda is linear in omega3
+
+
+DERIVED = {
+    "sigma": Derived(
+        "sigma = m R^2/I3, set by I3 at the same gamma",
+        ("parameters.I3", "parameters.I1"),
+        _by_sigma,
+        ("m", "R", "I1", "I3"),
+    ),
+    "gamma": Derived("gamma = I1/I3, set by I1", ("parameters.I1",), _by_gamma, ("R", "I1", "I3")),
+    "lambda": Derived(
+        "lambda of the start over lambda_s, set by omega3", ("initial.omega3",), _by_lambda, (), ("tippe-top",)
+    ),
+}
+"""In the order in which they are applied: each takes what those before it have set."""
+
+
+def resolved(base: Problem, numbers: Numbers) -> Numbers:
+    """The numbers of tops under keys of a scenario only: what is derived replaced by what it sets."""
+    columns = {key: values for key, values in numbers.items() if key not in DERIVED}
+    with np.errstate(all="ignore"):  # what cannot be becomes a number that the door refuses
+        for name, rule in DERIVED.items():
+            if name in numbers:
+                columns |= rule.numbers(base, columns, numbers[name])
+    return columns
+
+
+def faults(base: Problem, keys: list[str]) -> list[str]:
+    """What is wrong with varying these keys together."""
+    found = []
+    for name, rule in DERIVED.items():
+        if name not in keys:
+            continue
+        if rule.systems and base.system.name not in rule.systems:
+            found.append(
+                f"`{name}` must be an axis of {', '.join(rule.systems)}, but the system is {base.system.name}."
+            )
+        missing = [p for p in rule.needs if p not in base.parameters]
+        if missing:
+            found.append(f"`{name}` must have {', '.join(rule.needs)}, but {base.system.name} has no {missing[0]}.")
+        rivals = {*rule.sets, *({"initial.psi_dot"} if "initial.omega3" in rule.sets else ())}
+        found += [f"`{name}` must stand alone, but `{key}` varies too." for key in keys if key in rivals]
+    return found

@@ -1,0 +1,187 @@
+"""Maps of a sweep: what became of its tops over one or two of its axes, and the borders that theory draws there."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..ensembles.outcomes import CLASSES, STATUSES
+from ..errors import InputError
+from ..mechanics.theory import thresholds, tumbling
+from . import derived, plan
+from .design import Axis
+from .plan import Plan
+from .summary import open_sweep
+
+
+MOST_CELLS = 1000  # along an axis of a map; more values share cells
+POINTS = 121  # of a border, along each axis
+TOPS_PER_CELL = 4  # where axes were drawn
+NEEDED = {
+    "class": ("class", "theta_end"),
+    "inversion": ("inverted_at", "first_equator"),
+    "normal-force": ("normal_force_min", "normal_force_max"),
+}
+"""What is mapped, and what is added to it where a sweep has but one axis."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An axis of a map: its key, label, and the edges of its cells, ascending."""
+
+    key: str
+    label: str
+    edges: np.ndarray
+    log: bool
+
+    @property
+    def centres(self) -> np.ndarray:
+        """The middles of the cells."""
+        a, b = self.edges[:-1], self.edges[1:]
+        return np.sqrt(a * b) if self.log else (a + b) / 2
+
+    @property
+    def span(self) -> np.ndarray:
+        """Evenly spread points across the axis."""
+        first, last = self.edges[[0, -1]]
+        return np.geomspace(first, last, POINTS) if self.log else np.linspace(first, last, POINTS)
+
+
+@dataclass(frozen=True)
+class Map:
+    """Fields over cells, (x,) or (x, y): names -> array, NaN where there is nothing; borders: label -> function over
+    the `span`s of the axes, zero at the border; `notes` say what is shown of what the axes do not show."""
+
+    kind: str
+    title: str
+    axes: tuple[Shown, ...]
+    fields: dict[str, np.ndarray]
+    borders: dict[str, np.ndarray]
+    notes: list[str]
+
+
+def mapped(path: Path, kind: str) -> Map:
+    """A map of a stored sweep. Raises ScenarioError: no such kind, or its column was not kept; StoreError."""
+    if kind not in NEEDED:
+        raise InputError([f"the kind of figure must be one of {', '.join(NEEDED)} of a sweep, but is `{kind}`."])
+    table = open_sweep(path)
+    made = plan.of(table.attrs["plan"])
+    varying = [axis for axis in made.design.axes if axis.sampled or len(set(axis.values)) > 1] or [made.design.axes[0]]
+    wanted = NEEDED[kind][:1] if len(varying) > 1 else NEEDED[kind]
+    missing = [name for name in wanted if name not in table]
+    if missing:
+        raise InputError([f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."])
+    axes = tuple(_shown(made, axis, table) for axis in varying[:2])
+    numbers = made.design.numbers(np.arange(made.n))
+    here, notes = _slice(made, varying[2:], numbers)
+    here &= table["status"].values != STATUSES.index("todo")
+    cells = np.zeros(made.n, int)
+    for axis in axes:
+        at = numbers[axis.key]
+        here &= np.isfinite(at)
+        cells = cells * (len(axis.edges) - 1) + np.searchsorted(axis.edges[1:-1], at, side="right")
+    shape = tuple(len(axis.edges) - 1 for axis in axes)
+    several = np.bincount(cells[here], minlength=math.prod(shape)).max() > 1 if here.any() else False
+    weight = _weight(made, numbers)
+    fields = {}
+    for name in wanted:
+        values = table[name].values / weight if kind == "normal-force" else table[name].values
+        fields[name] = _gathered(name, cells[here], values[here], math.prod(shape)).reshape(shape)
+    if several:
+        how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
+        notes.append(f"{how} of the tops in a cell")
+    if table.attrs["status"] != "finished":
+        notes.append("unfinished")
+    title = table.attrs["title"].partition(": ")[2]
+    return Map(kind, title, axes, fields, _borders(made, axes, varying[2:]), notes)
+
+
+def _shown(made: Plan, axis: Axis, table: Any) -> Shown:
+    """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
+    attrs = table[axis.key].attrs
+    unit = attrs["units"].replace("-1", "⁻¹").replace("-2", "⁻²").replace("m2", "m²").replace("m3", "m³")
+    words = (
+        attrs["long_name"]
+        .replace("omega_3", "ω₃")
+        .replace("lambda_s", "λₛ")
+        .replace("lambda", "λ")
+        .replace("gamma", "γ")
+        .replace("sigma", "σ")
+    )
+    label = words + (f" ({unit})" if unit != "1" else "")
+    values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
+    if not len(values):
+        raise InputError([f"the figure must have numbers on `{axis.key}`, but there are none."])
+    log = axis.log and values[0] > 0
+    scaled = np.log(values) if log else values
+    if axis.sampled or len(values) > MOST_CELLS:
+        drawn = sum(a.sampled for a in made.design.axes)
+        bins = (made.n / TOPS_PER_CELL) ** (1 / min(drawn, 2)) if axis.sampled else MOST_CELLS
+        edges = np.linspace(scaled[0], scaled[-1], int(np.clip(bins, 4, MOST_CELLS)) + 1)
+    else:
+        middles = (scaled[1:] + scaled[:-1]) / 2
+        first, last = (middles[0], middles[-1]) if len(middles) else (scaled[0] - 0.5, scaled[0] + 0.5)
+        ends = (2 * scaled[0] - first, 2 * scaled[-1] - last) if len(middles) else (first, last)
+        edges = np.concatenate([ends[:1], middles, ends[1:]])
+    return Shown(axis.key, label, np.exp(edges) if log else edges, log)
+
+
+def _slice(made: Plan, others: list[Axis], numbers: dict[str, np.ndarray]) -> tuple[np.ndarray, list[str]]:
+    """Which tops are shown, and what that means: of further axes of the grid the middle number."""
+    here, notes = np.ones(made.n, bool), []
+    for axis in others:
+        if axis.sampled:
+            notes.append(f"all {axis.key}")
+            continue
+        middle = axis.values[len(axis.values) // 2]
+        here &= numbers[axis.key] == middle
+        notes.append(f"{axis.key} = {middle:.4g} (one of {len(axis.values)})")
+    return here, notes
+
+
+def _gathered(name: str, cells: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
+    """One number for each cell: the most frequent class, the least force, the median of anything else."""
+    found = np.full(size, np.nan)
+    counts = np.bincount(cells, minlength=size)
+    if name == "class":
+        each = np.bincount(cells * len(CLASSES) + values, minlength=size * len(CLASSES)).reshape(size, -1)
+        return np.where(counts > 0, each.argmax(axis=1), np.nan)
+    ranked = np.where(np.isnan(values), np.inf, values)  # what never happens comes last
+    order = np.lexsort((ranked, cells))
+    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    filled = counts > 0
+    rank = 0 if name == "normal_force_min" else np.where(name == "normal_force_max", counts - 1, (counts - 1) // 2)
+    found[filled] = ranked[order[(first + rank)[filled]]]
+    return np.where(np.isinf(found), np.nan, found)
+
+
+def _weight(made: Plan, numbers: dict[str, np.ndarray]) -> Any:
+    """m g of the tops [N]."""
+    b = derived.body(made.base, derived.resolved(made.base, numbers))
+    return b.m * b.g
+
+
+def _borders(made: Plan, axes: tuple[Shown, ...], others: list[Axis]) -> dict[str, np.ndarray]:
+    """log(|lambda|/threshold) over the axes, by what the threshold means; none where theory is silent."""
+    if made.base.system.name != "tippe-top" or any(axis.sampled for axis in others):
+        return {}
+    grids = np.meshgrid(*(axis.span for axis in axes), indexing="ij")
+    shape = grids[0].shape
+    numbers = {axis.key: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
+    for axis in others:
+        numbers[axis.key] = np.full(grids[0].size, axis.values[len(axis.values) // 2])
+    with np.errstate(all="ignore"):
+        columns = derived.resolved(made.base, numbers)
+        lam, b = np.abs(derived.jellett(made.base, columns)), derived.body(made.base, columns)
+        limits = {
+            "λ = λ_u: upright spin stable below": thresholds.lambda_u(b),
+            "λ = λ_s: inverted spin stable above": thresholds.lambda_s(b),
+            "λ = λ_de: inverted spin has less energy above": thresholds.lambda_de(b),
+            "λ = λ_t: tumbling possible above": tumbling.lambda_t(b),
+        }
+        found = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
+        upright, *_, folded = found.values()
+        folded[np.abs(folded - upright) < 1e-3] = np.nan  # no fold: tumbling begins where the upright spin ends
+        return {label: values for label, values in found.items() if (values < 0).any() and (values > 0).any()}

@@ -1,0 +1,271 @@
+"""The plan of a sweep: a TOML file becomes the checked numbers of many tops, or sentences that say what is wrong."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, ValidationError
+
+from ..ensembles import ensemble
+from ..errors import InputError
+from ..problem import Problem
+from ..scenario import build, reading
+from ..scenario.schema import Table
+from ..scenario.sentences import worded
+from . import derived
+from .design import Axis, Design, Sample
+
+
+MOST_TOPS = 10**9
+CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk takes 0.03 s, whatever its size
+LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks leave few cores idle
+MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
+FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
+CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
+
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
+AnyNumber = Annotated[  # an absurd top is marked, and its neighbours run
+    float, Field(allow_inf_nan=True), BeforeValidator(lambda v: float(v) if v in NOT_FINITE else v)
+]
+Count = Annotated[int, Field(ge=1)]
+
+
+class _Axis(Table):
+    of: str
+    values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
+    linspace: Pair | None = None
+    geomspace: Pair | None = None
+    between: Pair | None = None
+    n: Count | None = None
+    log: bool | None = None
+
+
+class _Sample(Table):
+    method: Literal["random", "sobol", "latin-hypercube"]
+    n: Count
+    seed: Annotated[int, Field(ge=0)]
+
+
+class _Plan(Table):
+    scenario: str | dict[str, Any]
+    set: dict[str, Any] = Field(default_factory=dict)
+    axis: Annotated[list[_Axis], Field(min_length=1)]
+    sample: _Sample | None = None
+    keep: list[str] | None = None
+    runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
+    chunk: Count | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked sweep. `document` says all of it in plain data: `of(document)` is the same plan."""
+
+    base: Problem
+    design: Design
+    document: dict[str, Any]
+
+    @property
+    def n(self) -> int:
+        """Number of tops."""
+        return self.design.n
+
+    @property
+    def keep(self) -> list[str] | None:
+        """Names of the columns that are kept; None: all."""
+        return self.document["keep"]
+
+    @property
+    def runs(self) -> list[int]:
+        """Tops that are also run alone, with rows and events."""
+        return self.document["runs"]
+
+    @cached_property
+    def chunk(self) -> int:
+        """Tops that are computed and stored together; the same whoever computes them."""
+        given = self.document["chunk"]
+        if given is not None:
+            return min(given, self.n)
+        seconds = np.clip(self.n * self.seconds_per_top / LEAST_CHUNKS, *CHUNK_SECONDS)
+        best = 2 ** round(math.log2(max(1.0, seconds / self.seconds_per_top)))
+        return min(max(best, CHUNKS[0]), CHUNKS[1], self.n)
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return -(-self.n // self.chunk)
+
+    def tops(self, chunk: int) -> np.ndarray:
+        """Numbers of the tops of a chunk."""
+        return np.arange(chunk * self.chunk, min((chunk + 1) * self.chunk, self.n))
+
+    def columns(self, tops: np.ndarray) -> dict[str, np.ndarray]:
+        """The numbers of some tops, under keys of the scenario."""
+        return derived.resolved(self.base, self.design.numbers(tops))
+
+    def problem(self, top: int) -> Problem:
+        """The problem of one top, to run alone. Raises ScenarioError."""
+        tables = build.resolved(self.base)
+        rivals = {"initial.omega3": "psi_dot", "initial.psi_dot": "omega3"}
+        for key, values in self.columns(np.array([top])).items():
+            table, _, name = key.partition(".")
+            tables[table][name] = float(values[0])
+            tables["initial"].pop(rivals.get(key), None)
+        return build.problem(build.ending(tables, tables["run"]["until"]))
+
+    @cached_property
+    def seconds_per_top(self) -> float:
+        """What a top takes one core, an order of magnitude from some of them."""
+        from ..runs import forecast
+
+        steps = []
+        for top in np.unique(np.linspace(0, self.n - 1, 48).astype(int)).tolist():
+            try:
+                steps.append(forecast.cost(self.problem(top))["steps"])
+            except InputError:
+                steps.append(0)
+        return max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6
+
+
+def read(path: str | Path) -> Plan:
+    """The plan of a TOML file. Raises ScenarioError with every fault that was found."""
+    return of(reading.read(str(path)), Path(path).parent)
+
+
+def is_plan(tables: dict[str, Any]) -> bool:
+    """Whether a TOML file is meant as a plan rather than as a scenario."""
+    return "axis" in tables or "sample" in tables
+
+
+def of(document: dict[str, Any], folder: Path = Path()) -> Plan:
+    """The plan of plain data; files are named relative to `folder`. Raises ScenarioError."""
+    try:
+        shape = _Plan.model_validate(document)
+    except ValidationError as error:
+        raise InputError([scenario_sentence(e) for e in error.errors(include_url=False)]) from None
+    sentences = [s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)]
+    sentences += _design_faults(shape)
+    base = None
+    try:
+        base = build.problem(_base(shape, folder))
+    except InputError as error:
+        sentences += error.sentences
+    if base is not None:
+        sentences += _key_faults(base, [axis.of for axis in shape.axis])
+    if sentences or base is None:
+        raise InputError(sentences)
+    sample = Sample(**shape.sample.model_dump()) if shape.sample else None
+    design = Design(tuple(_axis(axis) for axis in shape.axis), sample)
+    plain = shape.model_dump(exclude_none=True, exclude={"set"}) | {"scenario": build.resolved(base)}
+    for axis in plain["axis"]:
+        if "values" in axis:
+            axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
+    made = Plan(base, design, {"keep": None, "chunk": None, **plain})
+    sentences = _whole_faults(made)
+    if sentences:
+        raise InputError(sentences)
+    return made
+
+
+def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
+    """The tables of the scenario, with what `set` changes in them."""
+    if isinstance(shape.scenario, dict):
+        tables = dict(shape.scenario)
+    else:
+        beside = folder / shape.scenario
+        tables = reading.read(str(beside) if beside.is_file() else shape.scenario)
+    for name, value in shape.set.items():
+        old = tables.get(name)
+        tables[name] = {**old, **value} if isinstance(old, dict) and isinstance(value, dict) else value
+    until = shape.set["run"].get("until") if isinstance(shape.set.get("run"), dict) else None
+    return build.ending(tables, until) if isinstance(until, int | float) else tables
+
+
+def _axis(axis: _Axis) -> Axis:
+    if axis.between is not None:
+        return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
+    if axis.values is not None:
+        return Axis(axis.of, tuple(axis.values))
+    spread, (first, last) = (np.linspace, axis.linspace) if axis.linspace else (np.geomspace, axis.geomspace or (1, 1))
+    return Axis(axis.of, tuple(spread(first, last, axis.n or 1).tolist()), log=axis.geomspace is not None)
+
+
+def _axis_faults(name: str, axis: _Axis) -> list[str]:
+    ways = ("values", "linspace", "geomspace", "between")
+    given = [way for way in ways if getattr(axis, way) is not None]
+    found = []
+    if len(given) != 1:
+        found.append(f"`{name}` must have one of {', '.join(ways)}, but has {' and '.join(given) or 'none'}.")
+    spaced = {"linspace", "geomspace"} & set(given)
+    if spaced and axis.n is None:
+        found.append(f"`{name}.n` must be given beside `{name}.{min(spaced)}`, but is missing.")
+    if axis.n is not None and not spaced:
+        found.append(f"`{name}.n` must stand beside linspace or geomspace, but there is none.")
+    if axis.log is not None and "between" not in given:
+        found.append(f"`{name}.log` must stand beside between, but there is none.")
+    if axis.geomspace and not axis.geomspace[0] * axis.geomspace[1] > 0:
+        found.append(f"`{name}.geomspace` must have two ends of one sign, but has {axis.geomspace}.")
+    if axis.between and not (axis.between[0] < axis.between[1] and (not axis.log or axis.between[0] > 0)):
+        must = "ascend from above 0" if axis.log else "ascend"
+        found.append(f"`{name}.between` must {must}, but is {axis.between}.")
+    return found
+
+
+def _design_faults(shape: _Plan) -> list[str]:
+    keys = [axis.of for axis in shape.axis]
+    found = [f"`{key}` must be one axis only, but is several." for key in dict.fromkeys(keys) if keys.count(key) > 1]
+    drawn = any(axis.between is not None for axis in shape.axis)
+    if drawn and shape.sample is None:
+        found.append("`sample` must say method, n and seed where an axis has `between`, but is missing.")
+    if shape.sample and not drawn:
+        found.append("`sample` must have an axis with `between` to draw, but there is none.")
+    if shape.sample and shape.sample.method == "sobol" and shape.sample.n & (shape.sample.n - 1):
+        found.append(f"`sample.n` must be a power of two for sobol, but is {shape.sample.n}.")
+    return found
+
+
+def _key_faults(base: Problem, keys: list[str]) -> list[str]:
+    """What is wrong with varying these keys of the base."""
+    found = derived.faults(base, keys)
+    plain = {key: [math.nan] for key in keys if key not in derived.DERIVED}
+    known = ", ".join(derived.DERIVED)
+    try:
+        ensemble.varied(base, plain or {"run.until": [math.nan]})
+    except InputError as error:
+        found += [s.replace(" must be one of ", f" must be one of {known}, ") for s in error.sentences]
+    return found
+
+
+def _whole_faults(made: Plan) -> list[str]:
+    """What is wrong with the plan as a whole."""
+    found = []
+    if made.n > MOST_TOPS:
+        found.append(f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {made.n:.3g}.")
+    for top in made.runs:
+        if top >= made.n:
+            found.append(f"`runs` must be numbers of tops, 0 to {made.n - 1}, but has {top}.")
+            continue
+        try:
+            made.problem(top)
+        except InputError as error:
+            found += [f"`runs` must name tops that can be, but top {top}: {s}" for s in error.sentences]
+    if made.keep is not None:
+        from .chunk import words
+
+        known = words(made.base)
+        found += [f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in made.keep if name not in known]
+    return found
+
+
+def scenario_sentence(error: Any) -> str:
+    """One pydantic error of a plan as `key` must ..., but is ...; axes are counted from 1."""
+    place = [
+        p + 1 if isinstance(p, int) and error["loc"][0] == "axis" and i == 1 else p for i, p in enumerate(error["loc"])
+    ]
+    models: dict[Any, type[Table]] = {"axis": _Axis, "sample": _Sample}
+    inner = models.get(place[0]) if len(place) > 1 else None
+    key = ".".join(str(p) for p in place if p not in ("str", "dict[str,any]"))
+    return worded(error, key, list((inner or _Plan).model_fields))

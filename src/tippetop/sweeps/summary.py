@@ -1,0 +1,122 @@
+"""What is in a sweep's store, finished or not: counts, worst drift, and what is wrong with tops and chunks."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..ensembles import ensemble, outcomes
+from ..errors import StoreError
+from ..store import root
+from . import plan
+from .store import CHUNK_STATUSES, GROUP, RUNS, failures
+
+
+FAULTS = 5  # tops that cannot be of which it is said why
+
+
+def open_sweep(path: str | Path) -> Any:
+    """The table of a sweep, dimension `top`, read when needed; what varies is its coordinates. Raises StoreError."""
+    found = root.open_group(path, GROUP)
+    return found.set_coords(found.attrs["coordinates"])[found.attrs["columns"]]
+
+
+def gridded(table: Any) -> Any:
+    """A table of a sweep (or some of its columns) with the axes of the plan as dimensions; read into memory."""
+    import xarray as xr
+
+    names, shape = table.attrs["dimensions"], table.attrs["shape"]
+    axes = plan.of(table.attrs["plan"]).design.grid
+    found = xr.Dataset(attrs=table.attrs)
+    for name, values in table.variables.items():
+        if name not in names:
+            found[name] = (names, np.asarray(values).reshape(shape), values.attrs)
+    for axis in axes:
+        found = found.assign_coords({axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)})
+    return found.set_coords([name for name in table.coords if name not in names])
+
+
+def report(path: str | Path) -> dict[str, Any]:
+    """What `info --json` says of a sweep."""
+    table, attrs, folder = open_sweep(path), root.attributes(path), Path(path)
+    status = column(path, table, "status")
+    chunks = _chunks(path)
+    done = status != outcomes.STATUSES.index("todo")
+    return {
+        **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
+        "tops_done": int(done.sum()),
+        "chunks": {name: int((chunks == i).sum()) for i, name in enumerate(CHUNK_STATUSES)},
+        "counts": {
+            name: _counts(column(path, table, name), table[name].attrs) for name in ("status", "class") if name in table
+        },
+        "drift": {
+            str(name).removeprefix("drift_"): _worst(column(path, table, str(name)))
+            for name in table
+            if str(name).startswith("drift_")
+        },
+        "faults": _faults(attrs["plan"], np.flatnonzero(status == outcomes.STATUSES.index("invalid"))),
+        "failed": failures(folder),
+        "runs": sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit()),
+        **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
+    }
+
+
+def lines(found: dict[str, Any]) -> list[tuple[str, str]]:
+    """Name and text of each line of a summary."""
+    chunks, sizes = found["chunks"], dict(zip(found["dimensions"], found["shape"], strict=True))
+    drawn = ", ".join(axis["of"] for axis in found["plan"]["axis"] if "between" in axis)
+    said = [
+        ("status", f"{found['status']}: {found['tops_done']} of {found['tops']} tops; {_text(chunks)} chunks"),
+        ("axes", " x ".join(f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes.items())),
+    ]
+    said += [(name, _text(counts)) for name, counts in found["counts"].items()]
+    if found["drift"]:
+        worst = (f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})" for k, v in found["drift"].items() if v)
+        said.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
+    if found["runs"]:
+        said.append(("runs", ", ".join(f"{RUNS}/{top}" for top in found["runs"])))
+    said += [("fault", fault) for fault in found["faults"]]
+    said += [("failed", f"chunk {k}: {sentence}") for k, sentence in found["failed"].items()]
+    base = found["plan"]["scenario"]
+    for name in ("parameters", "friction", "initial", "run"):
+        if name in base:
+            said.append((name, ", ".join(f"{k} = {v}" for k, v in base[name].items())))
+    return [*said, ("versions", ", ".join(f"{k} = {v}" for k, v in found["versions"].items()))]
+
+
+def _text(counts: dict[str, int]) -> str:
+    return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "none"
+
+
+def column(path: str | Path, table: Any, name: str) -> np.ndarray:
+    try:
+        return table[name].values
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{path}` must hold a readable column `{name}`, but: {error}.") from None
+
+
+def _chunks(path: str | Path) -> np.ndarray:
+    import zarr
+
+    return np.asarray(zarr.open_group(store=str(path), mode="r")["chunk_status"])
+
+
+def _counts(values: np.ndarray, attrs: dict[str, Any]) -> dict[str, int]:
+    found = np.bincount(values, minlength=len(attrs["flag_values"]))
+    return {name: int(n) for name, n in zip(attrs["flag_meanings"].split(), found, strict=True) if n}
+
+
+def _worst(values: np.ndarray) -> dict[str, Any] | None:
+    if np.isnan(values).all():
+        return None
+    top = int(np.nanargmax(values))
+    return {"worst": float(values[top]), "top": top}
+
+
+def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
+    """Why the first tops that cannot be cannot be."""
+    if not len(invalid):
+        return []
+    made, some = plan.of(document), invalid[:FAULTS]
+    _, faults = ensemble.varied(made.base, made.columns(some))
+    return [f"top {some[i]}: {sentence}" for i, sentence in faults]

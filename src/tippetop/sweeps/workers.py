@@ -1,0 +1,145 @@
+"""Who computes the chunks of a sweep: this process, or the workers of dask. They come back here, in any order.
+
+The results travel to the one process that holds the store's lock, which writes them: workers need no file system in
+common, two writers cannot meet, and a worker that dies leaves nothing half-written.
+"""
+
+import contextlib
+import logging
+import signal
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from . import chunk
+from .chunk import Task
+
+
+Outcome = tuple[Task, dict[str, np.ndarray] | str]  # columns, or why there are none
+AHEAD = 2  # chunks in flight for each thread of the workers: one that computes, one that waits
+CONNECT_FOR = "10 s"
+
+
+class SchedulerLost(Exception):
+    """The scheduler went away while chunks were in flight."""
+
+
+def here(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
+    """Computes in this process."""
+    for task in tasks:
+        try:
+            yield task, chunk.lines(task, threads)
+        except Exception as error:  # whatever it is, the other chunks go on
+            yield task, _said(error)
+
+
+@contextlib.contextmanager
+def connected(scheduler: str) -> Iterator[Any]:
+    """A client of the dask scheduler at an address. Raises ScenarioError if there is none."""
+    from distributed import Client
+    from distributed.comm.addressing import get_address_host_port
+
+    try:
+        get_address_host_port(scheduler)
+        found = Client(scheduler, timeout=CONNECT_FOR, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:  # TimeoutError is an OSError
+        raise InputError(
+            [f"--scheduler must be the address of a running dask scheduler, but `{scheduler}`: {error}."]
+        ) from None
+    with found:
+        yield found
+
+
+@contextlib.contextmanager
+def own(workers: int) -> Iterator[Any]:
+    """A client of processes on this machine, one thread each, that nobody else can reach; Ctrl-C is not for them."""
+    import dask
+    from distributed import Client, LocalCluster, WorkerPlugin
+
+    class Deaf(WorkerPlugin):
+        def setup(self, worker: Any) -> None:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    with (
+        dask.config.set({"distributed.worker.profile.enabled": False}),  # it looks at every thread each 10 ms
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",  # None would still open port 8787
+            scheduler_kwargs={"dashboard": False},
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        client.register_plugin(Deaf())
+        yield client
+
+
+def on(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
+    """Computes on the workers of a dask client. Raises SchedulerLost.
+
+    dask gives the chunk of a dead worker to another, but blames all chunks that the worker held: those that it gives up
+    are tried once more, each alone, so that a chunk that kills its workers takes no other with it.
+    """
+    from distributed import CancelledError
+
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what goes wrong is said here
+    blamed = []
+    try:
+        for task, found, killed in _flow(client, tasks):
+            if killed:
+                blamed.append(task)
+            else:
+                yield task, found
+        for task in blamed:
+            for _, found, _ in _flow(client, iter([task])):
+                yield task, found
+    except (CancelledError, OSError) as error:  # CommClosedError is an OSError
+        raise SchedulerLost from error
+
+
+def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]]:
+    """Task, its columns or a sentence, and whether its workers died."""
+    from distributed import CancelledError, KilledWorker, as_completed
+    from distributed.comm import CommClosedError
+
+    flying: dict[Any, Task] = {}
+    completed = as_completed(loop=client.loop)
+
+    def send() -> None:
+        while len(flying) < AHEAD * max(1, sum(client.nthreads().values())):
+            task = next(tasks, None)
+            if task is None:
+                return
+            future = client.submit(chunk.lines, task, pure=False)
+            flying[future] = task
+            completed.add(future)
+
+    send()
+    for future in completed:
+        if future.status in ("pending", "lost"):  # its worker died with the result, and another computes it again
+            completed.add(future)
+            continue
+        if future.status == "cancelled":
+            raise SchedulerLost
+        task, killed = flying.pop(future), False
+        try:
+            found = future.result()
+        except (CancelledError, CommClosedError):
+            raise
+        except Exception as error:  # whatever it is, the other chunks go on
+            found, killed = _said(error), isinstance(error, KilledWorker)
+        yield task, found, killed
+        send()
+
+
+def _said(error: BaseException) -> str:
+    """What happened to a chunk, in a sentence."""
+    if type(error).__name__ == "KilledWorker":
+        return "every worker that tried it died"
+    return f"{type(error).__name__}: {error}".rstrip(".: ")
