@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from sweeps import PLAN
+from plans import PLAN
 
 
 @pytest.fixture

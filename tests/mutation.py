@@ -13,6 +13,8 @@ from types import CodeType, ModuleType
 
 import numpy as np
 
+
+sys.path.insert(0, str(Path(__file__).parent / "helpers"))
 import laws
 
 

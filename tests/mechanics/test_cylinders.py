@@ -2,10 +2,10 @@
 
 import math
 
+import examples
 import numpy as np
 import pytest
 
-import tops
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.systems import cylinder, tippe_top
@@ -21,15 +21,15 @@ VISCOUS = ("viscous", {"mu": 0.3})
 def test_round_cylinder_follows_the_closed_form() -> None:
     """[T 6.8], and the published numbers at 0.2 s."""
     start = {"nu_x": 0.5, "theta_dot": 3.0, "theta": 0.2}
-    made = tops.run("gliding-cylinder", ROUND, start, 0.5, VISCOUS)
-    rows, t = tops.columns(made), made.times
+    made = examples.run("gliding-cylinder", ROUND, start, 0.5, VISCOUS)
+    rows, t = examples.columns(made), made.times
     m, R, inertia = 0.02, 0.02, 4e-6
     decay = np.exp(-(inertia + m * R**2) / inertia * 0.3 * 9.82 * t)
     np.testing.assert_allclose(rows["nu_x"], 0.5 * decay, rtol=1e-13)
     final = (m * R * 0.5 + (inertia + m * R**2) * 3.0) / (inertia + m * R**2)
     np.testing.assert_allclose(rows["theta_dot"], final - m * R / (inertia + m * R**2) * 0.5 * decay, rtol=1e-13)
-    made = tops.run("gliding-cylinder", ROUND, {"nu_x": 0.5}, 0.2, VISCOUS)
-    rows = tops.columns(made)
+    made = examples.run("gliding-cylinder", ROUND, {"nu_x": 0.5}, 0.2, VISCOUS)
+    rows = examples.columns(made)
     assert rows["nu_x"][-1] == pytest.approx(0.08537113947514, rel=1e-12)
     assert rows["theta_dot"][-1] == pytest.approx(13.820962017495, rel=1e-12)
 
@@ -38,8 +38,8 @@ def test_cylinder_is_the_planar_tippe_top() -> None:
     """phi' = omega_3 = nu_y = 0 is an invariant subset of the tippe top, I1 -> I."""
     start = {"theta": 0.5, "theta_dot": 8.0, "nu_x": 0.1}
     top = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 4e-6, "I3": 3e-6, "g": 9.82}
-    flat = tops.columns(tops.run("gliding-cylinder", BODY, start, 0.4, VISCOUS))
-    solid = tops.columns(tops.run("tippe-top", top, start, 0.4, VISCOUS))
+    flat = examples.columns(examples.run("gliding-cylinder", BODY, start, 0.4, VISCOUS))
+    solid = examples.columns(examples.run("tippe-top", top, start, 0.4, VISCOUS))
     side = np.sign(flat["theta"])  # the top's axis leans to the other side where the cylinder's angle is negative
     assert set(side) == {-1, 1}
     for name in ("theta", "theta_dot", "nu_x"):
@@ -50,7 +50,7 @@ def test_cylinder_is_the_planar_tippe_top() -> None:
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_liftoff_where_theta_dot_squared_cos_theta_is_minus_g_over_R_alpha(mu: float) -> None:
-    made = tops.run("gliding-cylinder", BODY, {"theta": 1.0, "theta_dot": 60.0}, 2.0, ("viscous", {"mu": mu}))
+    made = examples.run("gliding-cylinder", BODY, {"theta": 1.0, "theta_dot": 60.0}, 2.0, ("viscous", {"mu": mu}))
     assert made.status is Status.LIFTOFF
     last = made.problem.form.units._fields
     state = dict(
@@ -60,7 +60,7 @@ def test_liftoff_where_theta_dot_squared_cos_theta_is_minus_g_over_R_alpha(mu: f
 
 
 def test_turning_points_of_an_oscillation_alternate() -> None:
-    made = tops.run("rolling-cylinder", BODY, {"theta": -0.5}, 3.0)
+    made = examples.run("rolling-cylinder", BODY, {"theta": -0.5}, 3.0)
     turning = made.events.of("turning", significant=True)
     np.testing.assert_allclose(np.abs(turning.theta), 0.5, rtol=1e-13)
     assert np.all(turning.theta_dot_sign == np.where(turning.theta > 0, -1, 1))
@@ -68,8 +68,8 @@ def test_turning_points_of_an_oscillation_alternate() -> None:
 
 @pytest.mark.parametrize(("amplitude", "period"), [(0.5, 0.5329210375359308), (2.0, 0.8321650553406782)])
 def test_period_of_the_rolling_cylinder(amplitude: float, period: float) -> None:
-    made = tops.problem("rolling-cylinder", BODY, {"theta": amplitude}, 2 * period)
-    b, start = tops.si(made), tops.at_start(made)
+    made = examples.problem("rolling-cylinder", BODY, {"theta": amplitude}, 2 * period)
+    b, start = examples.si(made), examples.at_start(made)
     found = nutation.nutation(
         lambda z: tippe_top.theta_inertia(z, b),
         lambda z: contact.height_energy(z, b),
@@ -83,7 +83,7 @@ def test_period_of_the_rolling_cylinder(amplitude: float, period: float) -> None
 
 
 def test_rolling_cylinder_keeps_its_energy_over_many_turns() -> None:
-    made = tops.run(
+    made = examples.run(
         "rolling-cylinder", BODY, {"theta": 0.6, "theta_dot": 30.0}, 100.0, events=(), on_liftoff="continue"
     )
     assert made.report["theta_end"] > 1000
@@ -94,10 +94,10 @@ def test_gliding_tends_to_rolling_as_one_over_mu() -> None:
     """The source calls v_A -> 0 inconsistent with a vertical reaction. Really: v_A tends to zero as 1/mu while the
     friction force mu g_n v_A tends to the horizontal reaction of rolling, so the motion tends to rolling."""
     start, until = {"theta": 0.5, "theta_dot": 2.0}, 0.5
-    rolling = tops.columns(tops.run("rolling-cylinder", BODY, start, until))
+    rolling = examples.columns(examples.run("rolling-cylinder", BODY, start, until))
     motion, speed, force = [], [], []
     for mu in (50.0, 100.0, 200.0, 400.0):
-        rows = tops.columns(tops.run("gliding-cylinder", BODY, start, until, ("viscous", {"mu": mu})))
+        rows = examples.columns(examples.run("gliding-cylinder", BODY, start, until, ("viscous", {"mu": mu})))
         motion.append(np.abs(rows["theta"] - rolling["theta"]).max())
         speed.append(np.abs(rows["nu_x"][10:]).max())
         push = np.abs(mu * rows["normal_force"] * rows["nu_x"])[10:]
@@ -111,7 +111,7 @@ def test_gliding_tends_to_rolling_as_one_over_mu() -> None:
 
 
 def modified(parameters: dict, start: dict, until: float, mu: float = 0.05, v_k: float = 0.1, **options):
-    return tops.run("gliding-cylinder", parameters, start, until, ("modified", {"mu": mu, "v_k": v_k}), **options)
+    return examples.run("gliding-cylinder", parameters, start, until, ("modified", {"mu": mu, "v_k": v_k}), **options)
 
 
 def test_modified_reaction_of_a_round_cylinder() -> None:
@@ -129,7 +129,7 @@ def test_modified_reaction_of_a_round_cylinder() -> None:
 def test_modified_reaction_may_feed_energy_in() -> None:
     """E' = F.v_A of either sign [T 6.23]: it is logged, and the balance with it is exact."""
     made = modified(BODY, {"theta": 0.5, "theta_dot": 10.0, "nu_x": 0.2}, 1.0, mu=0.01)
-    power = tops.columns(made)["friction_power"]
+    power = examples.columns(made)["friction_power"]
     assert power.min() < 0 < power.max()
     assert made.report["drift"]["energy_balance"] < 1e-13
 
@@ -137,8 +137,8 @@ def test_modified_reaction_may_feed_energy_in() -> None:
 def test_modified_reaction_tends_to_rolling() -> None:
     """For v_A = 0 it is the reaction of rolling exactly (kappa = 1): the rolling motion is a solution."""
     start = {"theta": 0.5, "theta_dot": 2.0}
-    rolling = tops.columns(tops.run("rolling-cylinder", BODY, start, 1.0))
-    rows = tops.columns(modified(BODY, start, 1.0))
+    rolling = examples.columns(examples.run("rolling-cylinder", BODY, start, 1.0))
+    rows = examples.columns(modified(BODY, start, 1.0))
     np.testing.assert_allclose(rows["theta"], rolling["theta"], atol=1e-13)
     np.testing.assert_allclose(rows["nu_x"], 0, atol=1e-13)
     np.testing.assert_allclose(rows["normal_force"], rolling["normal_force"], rtol=1e-12)

@@ -1,11 +1,11 @@
 """F, its minimiser and its gradient against 60 digits: at random, next to the marked lines, for extreme bodies."""
 
+import landscape_oracle as oracle
 import mpmath as mp
 import numba
 import numpy as np
 import pytest
 
-import landscape_oracle as oracle
 from tippetop.landscape import body as bodies
 from tippetop.landscape import formulas, marked_lines, surface
 from tippetop.mechanics.systems import spinning

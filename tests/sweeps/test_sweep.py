@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 import zarr
+from plans import PLAN, assert_same, written
 
 import tippetop
-from sweeps import PLAN, assert_same, written
 from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root

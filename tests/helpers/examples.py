@@ -84,7 +84,7 @@ COLUMNS = {
 
 def reference(name: str, system: str, form: str, precision: str = "double") -> Case:
     """A reference case as a problem of a system in a form."""
-    stored = json.loads((Path(__file__).parent / "reference" / f"{name}.json").read_text())
+    stored = json.loads((Path(__file__).parent.parent / "reference" / f"{name}.json").read_text())
     given = {k: float(v) for k, v in stored["parameters"].items()}
     given["I"] = given["I1"]
     initial = {ANGLES.get(k, k): float(Fraction(v)) for k, v in stored["initial_exact"].items()}

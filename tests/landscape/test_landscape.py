@@ -1,12 +1,12 @@
 """The landscape against published numbers, laws and 60 digits: potential, surface, turning angles, periods, bands."""
 
+import landscape_oracle as oracle
 import mpmath as mp
 import numpy as np
 import pytest
 import scipy.optimize
 import xarray as xr
 
-import landscape_oracle as oracle
 from tippetop.landscape import body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.systems import heavy_top, spinning, tippe_top

@@ -3,10 +3,10 @@
 import dataclasses
 import math
 
+import examples
 import numpy as np
 import pytest
 
-import tops
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import euler as gliding_euler
@@ -25,8 +25,8 @@ def significant_turnings(made) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_period_of_the_rolling_tippe_top() -> None:
-    made = tops.problem("rolling-tippe-top", tops.CANONICAL, FAST, 0.2)
-    b, start = tops.si(made), tops.at_start(made)
+    made = examples.problem("rolling-tippe-top", examples.CANONICAL, FAST, 0.2)
+    b, start = examples.si(made), examples.at_start(made)
     found = nutation.nutation(
         lambda z: tippe_top.theta_inertia(z, b),
         lambda z: tippe_top.potential(z, start["routh"], start["jellett"], b),
@@ -43,7 +43,7 @@ def test_period_of_the_rolling_tippe_top() -> None:
 @pytest.mark.parametrize(
     ("system", "parameters", "initial", "period", "other"),
     [
-        ("tippe-top", tops.CANONICAL, FAST, 0.06011604153899423, 0.79505511802680335),
+        ("tippe-top", examples.CANONICAL, FAST, 0.06011604153899423, 0.79505511802680335),
         (
             "gliding-heavy-top",
             {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82},
@@ -54,8 +54,8 @@ def test_period_of_the_rolling_tippe_top() -> None:
     ],
 )
 def test_period_without_friction(system: str, parameters: dict, initial: dict, period: float, other: float) -> None:
-    made = tops.problem(system, parameters, initial, 3.2 * period)
-    b, s, z = tops.si(made), math.sin(initial["theta"]), math.cos(initial["theta"])
+    made = examples.problem(system, parameters, initial, 3.2 * period)
+    b, s, z = examples.si(made), math.sin(initial["theta"]), math.cos(initial["theta"])
     start = SYSTEMS[system].start(initial, s, z, b)
     scalars = gliding_euler.euler_scalars(start._replace(theta=initial["theta"]), b)
     found = nutation.nutation(
@@ -75,9 +75,9 @@ def test_period_without_friction(system: str, parameters: dict, initial: dict, p
 @pytest.mark.parametrize("until", [100.0, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_rolling_keeps_its_integrals(form: str, until: float) -> None:
     """lambda, D and E drift by rounding alone: 2e-16 times the root of the number of steps, times a few."""
-    made = tops.run(
+    made = examples.run(
         "rolling-tippe-top",
-        tops.CANONICAL,
+        examples.CANONICAL,
         {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0},
         until,
         form=form,
@@ -90,8 +90,8 @@ def test_rolling_keeps_its_integrals(form: str, until: float) -> None:
 
 def test_rolling_separates() -> None:
     """E = inertia theta'^2 + V(z, D, lambda) with constant D, lambda all along a run. [T 4.10]"""
-    made = tops.run("rolling-tippe-top", tops.CANONICAL, FAST, 1.0)
-    b, rows = tops.si(made.problem), tops.columns(made)
+    made = examples.run("rolling-tippe-top", examples.CANONICAL, FAST, 1.0)
+    b, rows = examples.si(made.problem), examples.columns(made)
     z = np.cos(rows["theta"])
     V = tippe_top.potential(z, rows["routh"][0], rows["jellett"][0], b)
     np.testing.assert_allclose(tippe_top.theta_inertia(z, b) * rows["theta_dot"] ** 2 + V, rows["energy"], rtol=1e-13)
@@ -100,10 +100,12 @@ def test_rolling_separates() -> None:
 def test_strong_friction_rolls() -> None:
     """With mu growing the gliding top tends to the rolling one, as 1/mu."""
     initial, until = {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0}, 0.05
-    rolling = tops.columns(tops.run("rolling-tippe-top", tops.CANONICAL, initial, until))["theta"]
+    rolling = examples.columns(examples.run("rolling-tippe-top", examples.CANONICAL, initial, until))["theta"]
     distance = [
         np.abs(
-            tops.columns(tops.run("tippe-top", tops.CANONICAL, initial, until, ("viscous", {"mu": mu})))["theta"]
+            examples.columns(examples.run("tippe-top", examples.CANONICAL, initial, until, ("viscous", {"mu": mu})))[
+                "theta"
+            ]
             - rolling
         ).max()
         for mu in (100.0, 200.0, 400.0)
@@ -117,10 +119,10 @@ def test_strong_friction_rolls() -> None:
 def test_exact_start_at_a_pole_stays_there(system: str, theta: float) -> None:
     """The spinning states are solutions; nothing divides by sin(theta), no digit of theta moves."""
     heavy = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
-    parameters = heavy if "heavy" in system else tops.CANONICAL
+    parameters = heavy if "heavy" in system else examples.CANONICAL
     friction = VISCOUS if SYSTEMS[system].frictional else ("none", {})
-    made = tops.run(system, parameters, {"theta": theta, "omega3": 100.0}, 1.0, friction)
-    rows = tops.columns(made)
+    made = examples.run(system, parameters, {"theta": theta, "omega3": 100.0}, 1.0, friction)
+    rows = examples.columns(made)
     assert made.status is Status.FINISHED
     assert np.all(rows["theta"] == (math.pi if theta else 0.0))
     assert np.all(np.isnan(rows["phi"]))
@@ -128,15 +130,15 @@ def test_exact_start_at_a_pole_stays_there(system: str, theta: float) -> None:
 
 
 def test_no_friction_keeps_the_energy() -> None:
-    made = tops.run("tippe-top", tops.CANONICAL, {"theta": 0.5, "omega3": 120.0, "nu_x": 0.1}, 5.0)
-    energy = tops.columns(made)["energy"]
+    made = examples.run("tippe-top", examples.CANONICAL, {"theta": 0.5, "omega3": 120.0, "nu_x": 0.1}, 5.0)
+    energy = examples.columns(made)["energy"]
     assert np.abs(energy / energy[0] - 1).max() < 1e-14
 
 
 def test_a_kilogram_and_a_gram_move_alike() -> None:
     """Another size: lengths times 4, times times 2 and masses times 8 give the same angles."""
-    small = tops.problem("tippe-top", tops.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 2.0, VISCOUS)
-    p = tops.CANONICAL
+    small = examples.problem("tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 2.0, VISCOUS)
+    p = examples.CANONICAL
     scaled = {
         "m": 8 * p["m"],
         "R": 4 * p["R"],
@@ -145,8 +147,8 @@ def test_a_kilogram_and_a_gram_move_alike() -> None:
         "I3": 128 * p["I3"],
         "g": p["g"],
     }
-    large = tops.problem("tippe-top", scaled, {"theta": 0.3, "omega3": 77.5}, 4.0, ("viscous", {"mu": 0.15}))
-    one, other = tops.columns(solve(small)), tops.columns(solve(large))
+    large = examples.problem("tippe-top", scaled, {"theta": 0.3, "omega3": 77.5}, 4.0, ("viscous", {"mu": 0.15}))
+    one, other = examples.columns(solve(small)), examples.columns(solve(large))
     np.testing.assert_allclose(other["theta"], one["theta"], rtol=0, atol=1e-13)
     np.testing.assert_allclose(other["energy"], one["energy"] * 32, rtol=1e-12)
 
@@ -155,8 +157,8 @@ def test_mirrored_start_gives_the_mirrored_run() -> None:
     start = {"theta": 0.4, "theta_dot": 1.0, "phi": 0.3, "phi_dot": 3.0, "omega3": 120.0, "nu_x": 0.1, "nu_y": -0.2}
     odd = ("phi", "phi_dot", "omega3", "nu_y", "jellett", "routh")
     mirrored = {k: -v if k in odd else v for k, v in start.items()}
-    one = tops.columns(tops.run("tippe-top", tops.CANONICAL, start, 1.0, VISCOUS))
-    other = tops.columns(tops.run("tippe-top", tops.CANONICAL, mirrored, 1.0, VISCOUS))
+    one = examples.columns(examples.run("tippe-top", examples.CANONICAL, start, 1.0, VISCOUS))
+    other = examples.columns(examples.run("tippe-top", examples.CANONICAL, mirrored, 1.0, VISCOUS))
     for name in (
         "theta",
         "theta_dot",
@@ -175,7 +177,7 @@ def test_mirrored_start_gives_the_mirrored_run() -> None:
 
 
 def test_events_do_not_change_the_bits() -> None:
-    plain = tops.problem("tippe-top", tops.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 3.0, VISCOUS)
+    plain = examples.problem("tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 3.0, VISCOUS)
     few = solve(dataclasses.replace(plain, events=(), times=np.array([0.0])))
     many = solve(dataclasses.replace(plain, times=np.linspace(0, 3, 10_001)))
     assert few.final.tobytes() == many.final.tobytes()
@@ -192,8 +194,8 @@ def test_events_do_not_change_the_bits() -> None:
     ],
 )
 def test_every_friction_law_balances_the_energy(law: str, numbers: dict[str, float]) -> None:
-    made = tops.run("tippe-top", tops.CANONICAL, {"theta": 0.3, "omega3": 60.0}, 2.0, (law, numbers))
+    made = examples.run("tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 60.0}, 2.0, (law, numbers))
     assert made.status is Status.FINISHED
     assert made.report["drift"]["jellett"] < 1e-13
     assert made.report["drift"]["energy_balance"] < 1e-12
-    assert np.all(tops.columns(made)["friction_power"] >= 0)
+    assert np.all(examples.columns(made)["friction_power"] >= 0)

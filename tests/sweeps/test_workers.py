@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plans import PLAN, assert_same, chunks, written
 
 import tippetop
-from sweeps import PLAN, assert_same, chunks, written
 from tippetop.cli import outcome
 from tippetop.errors import Unfinished
 from tippetop.scenario import build

@@ -1,8 +1,8 @@
 """With a regularised Coulomb law eps decides when a top inverts."""
 
+import examples
 import pytest
 
-import tops
 from tippetop.runs.regularisation import inversion_sensitivity
 from tippetop.scenario.build import load
 
@@ -25,5 +25,5 @@ def test_published_times_for_smaller_eps() -> None:
 
 
 def test_viscous_friction_has_no_eps() -> None:
-    made = tops.problem("tippe-top", tops.CANONICAL, {"theta": 0.1}, 1.0, ("viscous", {"mu": 0.3}))
+    made = examples.problem("tippe-top", examples.CANONICAL, {"theta": 0.1}, 1.0, ("viscous", {"mu": 0.3}))
     assert inversion_sensitivity(made) == {}

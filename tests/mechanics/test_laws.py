@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 import heyoka as hy
+import laws
 import numpy as np
 import pytest
 
-import laws
 from tippetop.engine.expressions import variables
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import leaves, refill

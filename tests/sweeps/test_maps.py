@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from plans import PLAN, assert_same
 
 import tippetop
-from sweeps import PLAN, assert_same
 from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.mechanics.theory import thresholds

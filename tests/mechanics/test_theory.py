@@ -2,10 +2,10 @@
 
 import math
 
+import examples
 import numpy as np
 import pytest
 
-import tops
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import euler as gliding_euler
 from tippetop.mechanics.friction import Coulomb, Viscous
@@ -65,8 +65,10 @@ def test_modes_are_the_growth_of_a_run(inverted: bool) -> None:
     p = modes.linear_modes(omega3, B, inverted=inverted)
     theta = math.pi - 1e-6 if inverted else 1e-6
     until = 0.5
-    made = tops.run("tippe-top", tops.CANONICAL, {"theta": theta, "omega3": omega3}, until, ("viscous", {"mu": 0.3}))
-    axis = tops.columns(made)["axis"]
+    made = examples.run(
+        "tippe-top", examples.CANONICAL, {"theta": theta, "omega3": omega3}, until, ("viscous", {"mu": 0.3})
+    )
+    axis = examples.columns(made)["axis"]
     tilt, t = axis[:, 0] + 1j * axis[:, 1], made.times
     motions = np.exp(np.outer(t, p))  # three modes carry the tilt exactly, to first order
     weights, *_ = np.linalg.lstsq(motions / np.abs(motions).max(axis=0), tilt, rcond=None)
@@ -149,10 +151,12 @@ def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
     lam = factor * thresholds.lambda_s(b)
     found = regimes.regime(lam, b)
     assert len(found.attractors) == 1
-    parameters = {**tops.CANONICAL, "I1": b.I1}
+    parameters = {**examples.CANONICAL, "I1": b.I1}
     spin = lam / (b.I3 * (b.R * math.cos(0.3) - b.c)) / 1.0
-    made = tops.run("tippe-top", parameters, {"theta": 0.3, "omega3": spin}, 300.0, ("viscous", {"mu": 0.3}), events=())
-    lam = tops.at_start(made.problem)["jellett"]
+    made = examples.run(
+        "tippe-top", parameters, {"theta": 0.3, "omega3": spin}, 300.0, ("viscous", {"mu": 0.3}), events=()
+    )
+    lam = examples.at_start(made.problem)["jellett"]
     found = regimes.regime(lam, b)
     end = 0.0 if found.upright else math.pi if found.inverted else found.tumbling[0]
     assert made.report["theta_end"] == pytest.approx(end, abs=1e-5)
@@ -187,10 +191,10 @@ def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
     """2.4 times the threshold, 1e-3 rad from upright: the tilt grows as the leading mode says, to 1 % over 60 s."""
     spin = 2.44 * thresholds.sleeping_spin(TIP)
     growth = modes.linear_modes(spin, TIP)[0].real
-    made = tops.run(
+    made = examples.run(
         "gliding-heavy-top", HEAVY, {"theta": 1e-3, "omega3": spin}, 60.0, ("viscous", {"mu": 0.3}), events=()
     )
-    theta, t = tops.columns(made)["theta"], made.times
+    theta, t = examples.columns(made)["theta"], made.times
     late = t > 10
     assert theta[-1] > 2 * theta[0]
     assert np.polyfit(t[late], np.log(theta[late]), 1)[0] == pytest.approx(growth, rel=1e-2)
@@ -198,15 +202,15 @@ def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
 
 def test_assessment_speaks_for_every_system() -> None:
     for name, system in SYSTEMS.items():
-        parameters = HEAVY if "heavy" in name else {**tops.CANONICAL, "I": 4e-6}
-        made = tops.problem(
+        parameters = HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6}
+        made = examples.problem(
             name,
             {k: parameters[k] for k in system.parameters},
             {"theta": 0.1, "theta_dot": 1.0},
             1.0,
             ("viscous", {"mu": 0.3}),
         )
-        found = outlook.assessment(system, tops.si(made), made.initial)
+        found = outlook.assessment(system, examples.si(made), made.initial)
         assert found["regime"]
         assert all(t.long_name and t.unit for t in found["thresholds"].values())
     canonical = outlook.assessment(SYSTEMS["tippe-top"], B, {"theta": 0.1, "omega3": 155.0})

@@ -2,10 +2,10 @@
 
 import dataclasses
 
+import examples
 import numpy as np
 import pytest
 
-import tops
 from tippetop.engine.status import Status
 from tippetop.runs.run import solve
 
@@ -28,10 +28,10 @@ CASES = [  # double precision; the inversion amplifies rounding a thousandfold, 
 
 @pytest.mark.parametrize(("name", "system", "form", "tolerance"), CASES)
 def test_reference(name: str, system: str, form: str, tolerance: float) -> None:
-    case = tops.reference(name, system, form)
+    case = examples.reference(name, system, form)
     made = solve(case.problem)
     assert made.status is Status.FINISHED
-    found = tops.columns(made)
+    found = examples.columns(made)
     for column in found.keys() & case.values.keys():
         size = max(1.0, np.abs(case.values[column]).max()) if column in ("theta", "axis", "x") else None
         size = size or np.abs(case.values[column]).max() or 1.0
@@ -46,7 +46,7 @@ def test_reference(name: str, system: str, form: str, tolerance: float) -> None:
 
 def test_the_inversion_crosses_the_equator_when_it_should() -> None:
     """Three crossings of pi/2, and pi - 0.1 at 6.94384761678 s."""
-    case = tops.reference("case1_inverting", "tippe-top", "vector")
+    case = examples.reference("case1_inverting", "tippe-top", "vector")
     made = solve(case.problem)
     expected = [t for level, t in case.crossings if level == "pi/2"]
     np.testing.assert_allclose(made.events.of("equator").time, expected, rtol=0, atol=1e-10)
@@ -58,20 +58,20 @@ def test_the_inversion_crosses_the_equator_when_it_should() -> None:
 @pytest.mark.parametrize("precision", ["longdouble", "quad"])
 def test_more_digits_agree_with_the_reference(precision: str) -> None:
     """Half a second of the inversion, to what 80 bits can show."""
-    case = tops.reference("case1_inverting", "tippe-top", "vector", precision)
+    case = examples.reference("case1_inverting", "tippe-top", "vector", precision)
     until = 0.5
     made = solve(dataclasses.replace(case.problem, until=until, times=case.times[case.times <= until]))
     n = len(made.times)
-    assert np.abs(tops.columns(made)["theta"] - case.values["theta"][:n]).max() < 3e-16
+    assert np.abs(examples.columns(made)["theta"] - case.values["theta"][:n]).max() < 3e-16
     t = made.events.of("turning").time
     np.testing.assert_allclose(t, case.turnings[case.turnings < until], rtol=0, atol=2e-16)
 
 
 @pytest.mark.parametrize(("name", "system", "form", "tolerance"), [c for c in CASES if c[2] == "euler"])
 def test_forms_agree_in_longdouble(name: str, system: str, form: str, tolerance: float) -> None:
-    one = tops.reference(name, system, form, "longdouble").problem
-    other = tops.reference(name, system, "vector", "longdouble").problem
+    one = examples.reference(name, system, form, "longdouble").problem
+    other = examples.reference(name, system, "vector", "longdouble").problem
     short = {"until": 1.0, "times": np.linspace(0, 1, 5)}
-    found = [tops.columns(solve(dataclasses.replace(p, **short))) for p in (one, other)]
+    found = [examples.columns(solve(dataclasses.replace(p, **short))) for p in (one, other)]
     for column in ("theta", "theta_dot", "phi_dot", "energy", "normal_force"):
         np.testing.assert_allclose(found[0][column], found[1][column], rtol=1e-14, atol=1e-14)

@@ -2,10 +2,10 @@
 
 import math
 
+import examples
 import numpy as np
 import pytest
 
-import tops
 from tippetop.engine.observables import View
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import body as contact
@@ -20,7 +20,7 @@ BODY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 
 
 def closed(made) -> heavy_top_motion.ClosedForm:
-    b, start = tops.si(made), tops.at_start(made)
+    b, start = examples.si(made), examples.at_start(made)
     inertia = heavy_top.tip_inertia(b)
     return heavy_top_motion.closed_form(start["energy"], start["Lz"], start["L3"], inertia, b.I3, -b.m * b.g * b.c)
 
@@ -37,14 +37,14 @@ def closed(made) -> heavy_top_motion.ClosedForm:
 )
 def test_closed_form(form: str, initial: dict[str, float]) -> None:
     """theta(t) is the elliptic function of the source, to 1e-12; all starts are turning points."""
-    made = tops.problem("heavy-top", BODY, initial, 2.0, form=form)
+    made = examples.problem("heavy-top", BODY, initial, 2.0, form=form)
     exact = closed(made)
     z0 = math.cos(initial["theta"])
     shift = 0.0 if abs(z0 - exact.z1) < abs(z0 - exact.z2) else exact.period / 2
     result = solve(made)
     z = exact.z(result.times + shift)
-    assert np.abs(np.cos(tops.columns(result)["theta"]) - z).max() < 1e-12
-    assert np.abs(tops.columns(result)["theta"] - np.arccos(z)).max() < 1e-12
+    assert np.abs(np.cos(examples.columns(result)["theta"]) - z).max() < 1e-12
+    assert np.abs(examples.columns(result)["theta"] - np.arccos(z)).max() < 1e-12
     assert max(result.report["drift"].values()) < 2e-13
 
 
@@ -55,25 +55,25 @@ def test_published_heavy_tops() -> None:
     joneja = {"m": m, "l": l, "I1": pivot - m * l**2, "I3": 0.3 * m * R**2, "g": 9.81}
     assert joneja["I1"] < 0  # the published cone is not a body of this tip: only the moment about the pivot enters
     exudyn = {"m": 15.0, "l": 1.0, "I1": 0.234375, "I3": 0.46875, "g": 9.81}
-    made = tops.run(
+    made = examples.run(
         "heavy-top",
         exudyn,
         {"theta": math.pi / 2, "phi_dot": -4.61538, "omega3": 150.0},
         0.2,
         times=np.array([0.0, 0.2]),
     )
-    rows = tops.columns(made)
+    rows = examples.columns(made)
     assert rows["theta"][-1] == pytest.approx(2.122316990777, abs=1e-11)
     assert rows["phi"][-1] == pytest.approx(-0.790871611821, abs=1e-11)
     start = {"theta": 0.1, "psi_dot": 125.0}
-    rows = tops.columns(tops.run("heavy-top", joneja, start, 1.0, times=np.array([0.0, 0.99999, 1.0])))
+    rows = examples.columns(examples.run("heavy-top", joneja, start, 1.0, times=np.array([0.0, 0.99999, 1.0])))
     np.testing.assert_allclose(rows["theta"][1:], [0.239331610776, 0.239334535444], atol=1e-11)
 
 
 def test_period_of_the_fixed_top() -> None:
     body = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
-    made = tops.problem("heavy-top", body, {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0}, 0.3)
-    b, start = tops.si(made), tops.at_start(made)
+    made = examples.problem("heavy-top", body, {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0}, 0.3)
+    b, start = examples.si(made), examples.at_start(made)
     found = nutation.nutation(
         lambda z: heavy_top.theta_inertia(z, b),
         lambda z: heavy_top.potential(z, start["Lz"], start["L3"], b),
@@ -100,8 +100,8 @@ def test_period_of_the_fixed_top() -> None:
     ],
 )
 def test_motions_have_names(initial: dict[str, float], name: str) -> None:
-    made = tops.problem("heavy-top", BODY, initial, 1.0)
-    b, start = tops.si(made), tops.at_start(made)
+    made = examples.problem("heavy-top", BODY, initial, 1.0)
+    b, start = examples.si(made), examples.at_start(made)
     arguments = heavy_top.tip_inertia(b), b.I3, -b.m * b.g * b.c
     assert heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], *arguments) == name
 
@@ -111,11 +111,11 @@ def test_regular_precession_has_its_name() -> None:
     inertia, theta, omega3 = 8e-5 + 0.1 * 0.04**2, 0.6, 200.0
     a, half, weight = inertia * math.cos(theta), 5e-5 * omega3 / 2, 0.1 * 9.82 * 0.04
     slow = (half - math.sqrt(half**2 - a * weight)) / a
-    made = tops.problem("heavy-top", BODY, {"theta": theta, "phi_dot": slow, "omega3": omega3}, 1.0)
-    b, start = tops.si(made), tops.at_start(made)
+    made = examples.problem("heavy-top", BODY, {"theta": theta, "phi_dot": slow, "omega3": omega3}, 1.0)
+    b, start = examples.si(made), examples.at_start(made)
     name = heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], inertia, b.I3, weight)
     assert name == "regular precession"
-    assert np.ptp(tops.columns(solve(made))["theta"]) < 1e-13
+    assert np.ptp(examples.columns(solve(made))["theta"]) < 1e-13
 
 
 # --- the tippe top with R alpha = -l, R -> 0 ------------------------------------------------------------------------
@@ -161,21 +161,21 @@ def test_equations_and_integrals_of_the_tippe_top_tend_to_the_gliding_heavy_top(
 def test_motions_of_the_tippe_top_tend_to_the_gliding_heavy_top() -> None:
     """theta(t) after half a second converges to first order in R."""
     start, until = {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05, "nu_y": -0.02}, 0.5
-    exact = tops.columns(tops.run("gliding-heavy-top", BODY, start, until, ("viscous", {"mu": 0.3})))["theta"]
+    exact = examples.columns(examples.run("gliding-heavy-top", BODY, start, until, ("viscous", {"mu": 0.3})))["theta"]
     errors = []
     for R in RADII:
         parameters = {"m": 0.1, "R": R, "alpha": -0.04 / R, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
-        made = tops.run("tippe-top", parameters, start, until, ("viscous", {"mu": 0.3}), on_liftoff="continue")
-        errors.append(np.abs(tops.columns(made)["theta"] - exact).max())
+        made = examples.run("tippe-top", parameters, start, until, ("viscous", {"mu": 0.3}), on_liftoff="continue")
+        errors.append(np.abs(examples.columns(made)["theta"] - exact).max())
     assert np.all(np.abs(orders(errors) - 1) < 0.05), errors
 
 
 def test_main_equation_of_the_gliding_heavy_top_along_a_run() -> None:
     """E~ = I1* theta'^2/2 + V(z, L_z(t), L_3); L_3 constant. [T 5.26]"""
-    made = tops.run(
+    made = examples.run(
         "gliding-heavy-top", BODY, {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05}, 2.0, ("viscous", {"mu": 0.3})
     )
-    b, rows = tops.si(made.problem), tops.columns(made)
+    b, rows = examples.si(made.problem), examples.columns(made)
     V = heavy_top.potential(np.cos(rows["theta"]), rows["Lz"], rows["L3"], b)
     left = heavy_top.tip_inertia(b) / 2 * rows["theta_dot"] ** 2 + V
     np.testing.assert_allclose(left, rows["modified_energy"], rtol=1e-12)
@@ -183,7 +183,7 @@ def test_main_equation_of_the_gliding_heavy_top_along_a_run() -> None:
 
 
 def test_the_fallen_top_stops_at_the_plane() -> None:
-    made = tops.run("gliding-heavy-top", BODY, {"theta": 0.4, "omega3": 10.0}, 4.0, ("viscous", {"mu": 0.3}))
+    made = examples.run("gliding-heavy-top", BODY, {"theta": 0.4, "omega3": 10.0}, 4.0, ("viscous", {"mu": 0.3}))
     assert made.status is Status.FALLEN
     assert made.report["theta_end"] == pytest.approx(math.pi / 2, abs=1e-12)
     assert list(made.events.kind) == [2]
@@ -192,7 +192,7 @@ def test_the_fallen_top_stops_at_the_plane() -> None:
 def test_forms_of_one_motion_agree() -> None:
     start = {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05, "nu_y": -0.02, "phi": 0.3}
     rows = [
-        tops.columns(tops.run("gliding-heavy-top", BODY, start, 2.0, ("viscous", {"mu": 0.3}), form=form))
+        examples.columns(examples.run("gliding-heavy-top", BODY, start, 2.0, ("viscous", {"mu": 0.3}), form=form))
         for form in SYSTEMS["gliding-heavy-top"].forms
     ]
     for other in rows[1:]:
@@ -202,7 +202,7 @@ def test_forms_of_one_motion_agree() -> None:
 
 
 def test_view_of_the_vectors() -> None:
-    made = tops.run("heavy-top", BODY, {"theta": 0.6, "omega3": 200.0}, 0.5, form="euler")
-    L = tops.columns(made)["L"]
+    made = examples.run("heavy-top", BODY, {"theta": 0.6, "omega3": 200.0}, 0.5, form="euler")
+    L = examples.columns(made)["L"]
     rows = View(made.problem).columns(made.times, made.rows)
     np.testing.assert_allclose(L[:, 2], rows["Lz"].values, rtol=1e-13)

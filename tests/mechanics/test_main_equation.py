@@ -1,9 +1,9 @@
 """Three forms of one motion: the main equation gives back the theta(t) of a run, from D(t) and E~(t) alone."""
 
+import examples
 import numpy as np
 import pytest
 
-import tops
 from tippetop.engine.observables import View
 from tippetop.mechanics.theory.main_equation import reconstruct
 from tippetop.runs.run import solve
@@ -15,8 +15,8 @@ HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 @pytest.mark.parametrize(
     ("system", "parameters", "start", "until", "turnings"),
     [
-        ("tippe-top", tops.CANONICAL, {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}, 0.6, 19),
-        ("tippe-top", tops.CANONICAL, {"theta": 0.5, "phi_dot": -8.0, "omega3": 155.0}, 0.3, 15),
+        ("tippe-top", examples.CANONICAL, {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}, 0.6, 19),
+        ("tippe-top", examples.CANONICAL, {"theta": 0.5, "phi_dot": -8.0, "omega3": 155.0}, 0.3, 15),
         ("gliding-heavy-top", HEAVY, {"theta": 0.4, "phi_dot": 5.0, "omega3": 300.0}, 0.15, 7),
     ],
 )
@@ -24,7 +24,9 @@ def test_main_equation_gives_the_motion_back(
     system: str, parameters: dict, start: dict, until: float, turnings: int
 ) -> None:
     """Through every turning point; the limit is the spline through 6001 rows."""
-    made = tops.problem(system, parameters, start, until, ("viscous", {"mu": 0.3}), times=np.linspace(0, until, 6001))
+    made = examples.problem(
+        system, parameters, start, until, ("viscous", {"mu": 0.3}), times=np.linspace(0, until, 6001)
+    )
     run, view = solve(made), View(made)
     values, scalars, times = view.values(run.rows), view.scalars(run.rows), made.internal_time(run.times)
     momenta = [values[name] for name in made.system.momenta]
