@@ -11,13 +11,12 @@ import numpy as np
 from .mechanics.operand import leaves, refill
 from .mechanics.system import Form, System
 from .mechanics.units import SECOND, Scales
+from .mechanics.variables import Variables
 from .sampling import Given, Grid
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
-QUADRATURE_SCALE = 2.0**-32
-"""Factor on variables that the equations do not read: too small to control the step, and a power of two."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +37,7 @@ class Problem:
     tolerance: float = 0.0  # 0 is the rounding unit of the precision
     output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
     stop_when: str = "until"  # or "settled"
+    orientation: bool = True  # whether the turn of the body about its axis is integrated too
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
@@ -79,18 +79,14 @@ class Problem:
         folds = self.system.folds(self.form).items()
         return refill(body, scaled)._replace(**{name: self.exact(v) for name, v in folds})
 
-    def weights(self, form: Form) -> list:
-        """SI value of one internal unit of each integrated variable."""
-        return [
-            self.scales.of(unit) / (QUADRATURE_SCALE if name in form.quadratures else 1.0)
-            for name, unit in form.units._asdict().items()
-        ]
+    @cached_property
+    def variables(self) -> Variables:
+        """What is integrated."""
+        return Variables(self.form, self.orientation)
 
-    def record(self, state: Any) -> Any:
-        """The state record, in internal units, of the integrated variables."""
-        names = self.form.units._fields
-        scaled = (v / QUADRATURE_SCALE if n in self.form.quadratures else v for n, v in zip(names, state, strict=True))
-        return type(self.form.units)(*scaled)
+    def weights(self) -> list:
+        """SI value of one internal unit of each integrated variable."""
+        return self.variables.weights(self.scales)
 
     def start(self) -> np.ndarray:
         """The internal state at t = 0, in the working precision, as the integrator wants it."""
@@ -102,9 +98,9 @@ class Problem:
         given = {k: v if isinstance(v, bool) else np.array([exact(v)], dtype=exact) for k, v in data.items()}
         body = self.body(lambda value: np.array([exact(value)], dtype=exact))
         euler = self.system.start(given, s, z, body)
-        state = self.form.of_angles(euler, s, z, body)
+        q, carried = self.variables.start(given, euler, s, z, body)
         zero = 0 * theta
-        values = [(component + zero)[0] / w for component, w in zip(state, self.weights(self.form), strict=True)]
+        values = [(component + zero)[0] / w for component, w in zip((*q, *carried), self.weights(), strict=True)]
         return np.array([self.number(v) for v in values], dtype=self.number)
 
     def internal_time(self, t: Any) -> Any:

@@ -4,13 +4,16 @@ Nothing here reads a formula that it judges: vectors, angular velocity, contact 
 from the axis and the angular momentum, and derivatives along the flow are complex steps, exact to rounding.
 """
 
+from collections import namedtuple
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tippetop.mechanics.operand import leaves, refill
+from tippetop.mechanics.variables import Variables
 
 
 STEP = 1e-30  # complex step: exact for any step this small
@@ -31,6 +34,12 @@ class Motion(NamedTuple):
     v: np.ndarray  # velocity of the contact point
 
 
+@cache
+def joint(names: tuple[str, ...]) -> Any:
+    """A record of the state and the integrals."""
+    return namedtuple("Joint", names)
+
+
 @dataclass(frozen=True)
 class Case:
     """A system in a form with a friction law, a random body and random states of it."""
@@ -46,13 +55,22 @@ class Case:
         object.__setattr__(self, "state", self.of_angles(self.form, self.angles))
 
     def of_angles(self, form: Any, e: Any) -> Any:
-        """The state of a form."""
-        return form.of_angles(e, np.sin(e.theta), np.cos(e.theta), self.body)
+        """The state of a form and its integrals, in one record: formulas read them by name."""
+        variables = Variables(form, orientation=False)
+        q, carried = variables.start({}, e, np.sin(e.theta), np.cos(e.theta), self.body)
+        return joint(variables.names)(*q, *carried)
+
+    def rates(self, q: Any, b: Any = None, form: Any = None) -> Any:
+        """The rates of a state and its integrals, in one record."""
+        form, b = form or self.form, self.body if b is None else b
+        integrals = {integral.name: integral.rate(q, q, b) for integral in form.integrals}
+        moving = form.rates(q, b)._asdict()
+        return joint((*moving, *integrals))(*moving.values(), *integrals.values())
 
     def along(self, function: Callable, q: Any = None, rates: Any = None) -> Any:
         """Derivative of function(q) along the flow."""
         q = self.state if q is None else q
-        rates = self.form.rates(q, self.body) if rates is None else rates
+        rates = self.rates(q) if rates is None else rates
         shifted = refill(q, iter([x + 1j * STEP * r for x, r in zip(leaves(q), leaves(rates), strict=True)]))
         result = function(shifted)
         if isinstance(result, tuple):
@@ -94,7 +112,7 @@ class Case:
         arm = b.c * u - b.R * vertical
         arm_speed = np.cross(omega, arm, axis=0)
         if self.system.frictional:
-            rates = self.form.rates(q, b)
+            rates = self.rates(q)
             s_dot = np.array([rates.x, getattr(rates, "y", zero), -arm_speed[2]])
         else:
             s_dot = -arm_speed
@@ -130,7 +148,7 @@ def angles_of_integrals(q: Any, b: Any) -> Angles:
 
 def chart_is_invertible(case: Case) -> Pairs:
     """Angles of the state of angles are those angles."""
-    back = case.form.to_angles(case.state, case.body)
+    back = case.form.to_angles(case.state, case.state, case.body)
     yield from zip(back._fields, back, case.angles, strict=True)
 
 
@@ -143,8 +161,8 @@ def forms_agree(case: Case) -> Pairs:
     mine, theirs = case.form.scalars(case.state, b), reference.scalars(e, b)
     for name in mine._fields:
         yield f"scalar {name}", getattr(mine, name), getattr(theirs, name)
-    pushed = case.along(lambda x: case.of_angles(case.form, x), e, reference.rates(e, b))
-    rates = case.form.rates(case.state, b)
+    pushed = case.along(lambda x: case.of_angles(case.form, x), e, case.rates(e, form=reference))
+    rates = case.rates(case.state)
     for name in rates._fields:
         yield f"rate of {name}", getattr(rates, name), getattr(pushed, name)
 
@@ -185,7 +203,7 @@ def newton_and_euler(case: Case) -> Pairs:
     for i, axis in enumerate("xyz"):
         yield f"L'_{axis}", change.L[i], torque[i]
         yield f"3hat'_{axis}", change.u[i], np.cross(m.omega, m.u, axis=0)[i]
-    rates = case.form.rates(q, b)
+    rates = case.rates(q)
     yield "impulse' = F_z", rates.impulse, F[2]
     yield "normal force", case.quantity("normal_force"), F[2]
     yield "the contact stays on the plane", m.v[2], 0 * F[2]
@@ -293,7 +311,7 @@ def general_system(case: Case) -> Pairs:
         return
     rolling = importlib.import_module("tippetop.mechanics.contact.rolling.euler")
     e, b = case.state, case.body
-    rates = case.form.rates(e, b)
+    rates = case.rates(e)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
     found = rolling.general_accelerations(e, np.sin(e.theta), np.cos(e.theta), w_x, w_y, b)
     for name, mine in zip(("theta_dot", "phi_dot", "omega3"), found, strict=True):
@@ -316,12 +334,12 @@ def mirror(case: Case) -> Pairs:
         yield quantity.name, case.quantity(quantity.name, q), sign * case.quantity(quantity.name)
     if case.form.name in ("euler", "angle"):
         signs = {**dict.fromkeys(odd, -1), "s": -1 if "theta" in odd else 1}
-        mine, theirs = case.form.rates(case.state, case.body), case.form.rates(q, case.body)
+        mine, theirs = case.rates(case.state), case.rates(q)
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
     else:
         signs = dict.fromkeys(("uy", "Lx", "Lz", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1)
-        mine, theirs = case.form.rates(case.state, case.body), case.form.rates(q, case.body)
+        mine, theirs = case.rates(case.state), case.rates(q)
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
 
@@ -344,11 +362,14 @@ def units(case: Case) -> Pairs:
     law = case.system.laws[case.law].units() if case.system.frictional else case.body.friction
 
     def scaled(record: Any, unit: Any) -> Any:
-        return refill(record, (x * scale.of(u) for x, u in zip(leaves(record), leaves(unit), strict=True)))
+        return refill(record, (x * scale.of(u) for x, u in zip(leaves(record), unit, strict=True)))
 
-    b, q = scaled(case.body, case.system.body_units(law)), scaled(case.state, case.form.units)
-    rates, other = case.form.rates(case.state, case.body), case.form.rates(q, b)
-    for name, unit in case.form.units._asdict().items():
+    b, q = (
+        scaled(case.body, leaves(case.system.body_units(law))),
+        scaled(case.state, Variables(case.form, orientation=False).units.values()),
+    )
+    rates, other = case.rates(case.state), case.rates(q, b)
+    for name, unit in Variables(case.form, orientation=False).units.items():
         yield f"rate of {name}", getattr(other, name), getattr(rates, name) * scale.of(unit) / scale.time
     s = case.form.scalars(q, b)
     for quantity in case.system.quantities:

@@ -1,45 +1,57 @@
 """A system as heyoka expressions: for the integrator, and for functions over arrays that are compiled like it."""
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import heyoka as hy
 
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.systems import SYSTEMS
-from ..problem import QUADRATURE_SCALE
+from ..mechanics.variables import Variables
 
 
-def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list[tuple]]:
-    """State and body as heyoka expressions, and the equations of motion, in internal units.
+class Equations(NamedTuple):
+    """A system in symbols, internal units.
+
+    Parameters
+    ----------
+    q, carried, body
+        The records that formulas take: the state, the integrals, the body.
+    rates
+        Pairs (variable, its time derivative), one for each integrated variable.
+    """
+
+    q: Any
+    carried: Any
+    body: Any
+    rates: list[tuple[Any, Any]]
+
+
+def equations_of_motion(system: System, variables: Variables, friction: Any) -> Equations:
+    """The equations of motion of a system as heyoka expressions, in internal units.
 
     What is 0 or 1 by construction is a number, so that expressions fold; everything else is a run-time parameter.
     """
-    state = hy.make_vars(*form.units._fields)
-    scaled = [v / QUADRATURE_SCALE if v_ in form.quadratures else v for v, v_ in zip(state, form.units._fields)]  # noqa: B905
-    record = type(form.units)(*scaled)
+    symbols = hy.make_vars(*variables.names)
+    q, carried = variables.split(symbols)
     template = system.body({name: 1.0 for name in system.parameters}, friction(*(1.0 for _ in friction._fields)))
     count = iter(range(len(leaves(template))))
-    body = refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
-    rates = form.rates(record, body)
-    equations = [
-        (v, hy.expression(0.0) + (QUADRATURE_SCALE * rate if name in form.quadratures else rate))
-        for v, name, rate in zip(state, form.units._fields, rates, strict=True)
-    ]
-    return record, body, equations
+    body = refill(template, (hy.par[i] for i in count))._replace(**system.folds(variables.form))
+    rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
+    return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
 
-def observed(system: System, form: Form, record: Any, body: Any) -> dict[str, Any]:
+def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
     """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions.
 
     `_s2` and `_axis_speed2` come along where a system has poles.
     """
-    scalars, angles = form.scalars(record, body), form.to_angles(record, body)
+    scalars, angles = form.scalars(q, body), form.to_angles(q, carried, body)
     values = dict(angles._asdict())
     if system.vectors:
         vector, direct = system.forms["vector"], form.name == "vector"
-        state = record if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
+        state = q if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
         values |= {name: getattr(state, name) for names in system.vectors.values() for name in names}
     values |= {quantity.name: quantity.formula(scalars, body) for quantity in system.quantities}
     if hasattr(scalars, "axis_speed2"):
@@ -48,14 +60,14 @@ def observed(system: System, form: Form, record: Any, body: Any) -> dict[str, An
 
 
 @lru_cache(maxsize=32)
-def table(system_name: str, form_name: str, friction: Any) -> tuple[tuple[str, ...], Any]:
+def table(system_name: str, form_name: str, friction: Any, orientation: bool) -> tuple[tuple[str, ...], Any]:
     """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
     system = SYSTEMS[system_name]
     form = system.forms[form_name]
-    record, body, equations = variables(system, form, friction)
-    values = observed(system, form, record, body)
+    q, carried, body, rates = equations_of_motion(system, Variables(form, orientation), friction)
+    values = observed(system, form, q, carried, body)
     outputs = [hy.expression(0.0) + value for value in values.values()]
-    return tuple(values), hy.cfunc(outputs, vars=[variable for variable, _ in equations])
+    return tuple(values), hy.cfunc(outputs, vars=[variable for variable, _ in rates])

@@ -21,13 +21,13 @@ class View:
         self.body = _cast(body, lambda leaf: _widened(np.array(leaf), self._wide)[()])
         self._pars = np.array(leaves(self.body), dtype=float)
 
-    def record(self, rows: np.ndarray) -> Any:
-        """The state record of the rows, in internal units."""
-        return self.problem.record(_widened(np.asarray(rows), self._wide).T)
+    def record(self, rows: np.ndarray) -> tuple[Any, Any]:
+        """The state record of the rows and the record of their integrals, in internal units."""
+        return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
 
     def scalars(self, rows: np.ndarray) -> Any:
         """The scalars of the rows, in internal units."""
-        return self.form.scalars(self.record(rows), self.body)
+        return self.form.scalars(self.record(rows)[0], self.body)
 
     def values(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole."""
@@ -35,7 +35,7 @@ class View:
             values = self._compiled(np.asarray(rows, dtype=float))
         else:
             with np.errstate(invalid="ignore", divide="ignore"):
-                found = observed(self.system, self.form, self.record(rows), self.body)
+                found = observed(self.system, self.form, *self.record(rows), self.body)
             values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in found.items()}
         if "_s2" in values:
             pole = values.pop("_s2") == 0  # the axis leaves a pole at its full speed, along no particular azimuth
@@ -47,7 +47,8 @@ class View:
         return values
 
     def _compiled(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        names, function = table(self.system.name, self.form.name, self.problem.friction.__class__)
+        problem = self.problem
+        names, function = table(self.system.name, self.form.name, problem.friction.__class__, problem.orientation)
         outputs = np.empty((len(names), len(rows)))
         for start in range(0, len(rows), BLOCK):
             part = rows[start : start + BLOCK].T
@@ -85,10 +86,8 @@ class View:
             si = values[q.name] * scale(q.unit)
             columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
         if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole
-            for name, variable, weight in zip(
-                self.form.units._fields, rows.T, self.problem.weights(self.form), strict=True
-            ):
-                unit = getattr(self.form.units, name)
+            units = self.problem.variables.units.items()
+            for (name, unit), variable, weight in zip(units, rows.T, self.problem.weights(), strict=True):
                 columns |= self._split(
                     f"state_{name}", variable * np.array([weight]), unit, f"integrated variable {name}"
                 )

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from ..engine.expressions import variables
+from ..engine.expressions import equations_of_motion
 from ..engine.status import SETTLED_FOR, Status
 from ..mechanics.operand import leaves
 from ..mechanics.system import KINDS
 from ..mechanics.systems import SYSTEMS
-from ..problem import QUADRATURE_SCALE, Problem
+from ..mechanics.variables import INTEGRAL_SCALE, Variables
+from ..problem import Problem
 from . import observer
 from .observer import GOING, LIFTED, SETTLED, STALLED, Rules, Sources
 from .tops import Tops
@@ -46,16 +47,17 @@ def compiled(name: str, form_name: str, friction: Any, tolerance: float, lanes: 
     """
     system = SYSTEMS[name]
     form = system.forms[form_name]
-    record, body, equations = variables(system, form, friction)
-    scalars = form.scalars(record, body)
+    variables = Variables(form, orientation=False)
+    q, _, body, equations = equations_of_motion(system, variables, friction)
+    scalars = form.scalars(q, body)
     found = {}
     for event in system.events:
         function = event.formula(scalars, body)
         source = _source(function, equations)
-        found[event.name] = source or (len(equations), 1, QUADRATURE_SCALE, 0.0)
+        found[event.name] = source or (len(equations), 1, INTEGRAL_SCALE, 0.0)
         if not source:
-            equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(QUADRATURE_SCALE) * function))
-    axis = [form.units._fields.index(v) for v in ("ux", "uy", "uz")]
+            equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
+    axis = [variables.names.index(v) for v in ("ux", "uy", "uz")]
     rows = np.unique([*axis, *(index for index, *_ in found.values())])
     index, shift, scale, offset = map(np.array, zip(*(found.get(k, (-1, 0, 1.0, 0.0)) for k in KINDS), strict=True))
     sources = Sources(
@@ -83,7 +85,7 @@ def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, flo
         alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
         if alone and hy.diff(function, variable) == hy.expression(1.0):
             return index, 0, 1.0, float(hy.cfunc([function], vars=[variable])([0.0])[0])
-        for scale in (1.0, QUADRATURE_SCALE):
+        for scale in (1.0, INTEGRAL_SCALE):
             if hy.expression(scale) * function == rate:
                 return index, 1, scale, 0.0
     return None

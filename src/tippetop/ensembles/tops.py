@@ -1,5 +1,6 @@
 """Many tops that differ in numbers only: what `Problem` says of one, said of all at once, bit by bit the same."""
 
+import dataclasses
 import math
 from functools import cached_property
 from typing import Any
@@ -10,7 +11,7 @@ from ..engine.expressions import table
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import Parameter
 from ..mechanics.units import SECOND, Scales, Unit
-from ..problem import QUADRATURE_SCALE, Problem
+from ..problem import Problem
 
 
 TABLES = ("parameters", "friction", "initial", "run")
@@ -20,7 +21,7 @@ class Tops:
     """A problem of which some numbers vary: `columns` has arrays (n,) under dotted keys, checked by `faults`."""
 
     def __init__(self, base: Problem, columns: dict[str, np.ndarray]):
-        self.base, self.columns = base, columns
+        self.base, self.columns = dataclasses.replace(base, orientation=False), columns
         self.n = len(next(iter(columns.values())))
         self.valid = np.ones(self.n, bool)
 
@@ -69,18 +70,15 @@ class Tops:
     @cached_property
     def start(self) -> np.ndarray:
         """Internal states at t = 0, (variables, n)."""
-        form, data = self.base.form, self._wide(self.given("initial"))
+        data = self._wide(self.given("initial"))
         theta = np.array(data.get("theta", np.zeros(self.n, np.longdouble)))
         s, z = np.sin(theta), np.cos(theta)
         pole = theta.astype(float) == math.pi
         s[pole], z[pole] = 0, -1
         euler = self.base.system.start(data, s, z, self.body)
-        state = form.of_angles(euler, s, z, self.body)
-        weights = [
-            self.scales.of(unit) / (QUADRATURE_SCALE if name in form.quadratures else 1)
-            for name, unit in form.units._asdict().items()
-        ]
-        return np.array([(v + 0 * theta) / w for v, w in zip(state, weights, strict=True)], dtype=float)
+        q, carried = self.base.variables.start(data, euler, s, z, self.body)
+        weights = self.base.variables.weights(self.scales)
+        return np.array([(v + 0 * theta) / w for v, w in zip((*q, *carried), weights, strict=True)], dtype=float)
 
     @cached_property
     def end(self) -> np.ndarray:
@@ -93,7 +91,7 @@ class Tops:
 
     def values(self, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
         """All that states (variables, k) of the tops `which` (k,) say, by name, in internal units."""
-        names, function = table(self.base.system.name, self.base.form.name, self.base.friction.__class__)
+        names, function = table(self.base.system.name, self.base.form.name, self.base.friction.__class__, False)
         k = states.shape[1]
         fill = -k % function.batch_size  # whole SIMD batches: the bits of a column do not depend on its neighbours
         padded = np.ascontiguousarray(np.pad(states, ((0, 0), (0, fill)), mode="edge"))
@@ -150,12 +148,7 @@ class Tops:
 
     def record(self, states: np.ndarray) -> Any:
         """The state record of states (variables, n), in internal units."""
-        form = self.base.form
-        scaled = [
-            v / QUADRATURE_SCALE if n in form.quadratures else v
-            for n, v in zip(form.units._fields, states, strict=True)
-        ]
-        return type(form.units)(*scaled)
+        return self.base.variables.split(states)[0]
 
     @cached_property
     def internal_body(self) -> Any:

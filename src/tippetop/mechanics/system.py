@@ -33,6 +33,45 @@ class Quantity:
 
 
 @dataclass(frozen=True)
+class Integral:
+    """A variable that the equations of motion do not read: it is integrated beside them and must not control the step.
+
+    Parameters
+    ----------
+    name, unit, long_name
+        As a column; the name is unique in its form.
+    rate
+        rate(q, carried, b), its time derivative: of the state that moves, q, and the record of all integrals of the
+        form, `carried`.
+    start
+        start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value of the same name in
+        the record of angles.
+    """
+
+    name: str
+    unit: Unit
+    long_name: str
+    rate: Callable
+    start: Callable | None = None
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """How a form knows which way the whole body is turned, not its axis alone.
+
+    Parameters
+    ----------
+    axes
+        axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at the poles too.
+    integrals
+        What is integrated for it.
+    """
+
+    axes: Callable
+    integrals: tuple[Integral, ...] = ()
+
+
+@dataclass(frozen=True)
 class Event:
     """A zero of formula(scalars, b), in internal units; the formula is regular and of order one.
 
@@ -62,12 +101,13 @@ class Form:
     """
 
     name: str
-    units: Any  # the state record (a NamedTuple) filled with the unit of each variable
+    units: Any  # the state record (a NamedTuple) of what moves, filled with the unit of each variable
     rates: Callable  # rates(q, b) -> the same record: the time derivatives
     scalars: Callable  # scalars(q, b) -> what the quantities are written in
     of_angles: Callable  # of_angles(angles, sin_theta, cos_theta, b) -> q
-    to_angles: Callable  # to_angles(q, b) -> record of angles
-    quadratures: tuple[str, ...] = ()  # variables that the equations do not read: they must not control the step
+    to_angles: Callable  # to_angles(q, carried, b) -> record of angles
+    integrals: tuple[Integral, ...] = ()  # what is integrated beside the state
+    orientation: Orientation | None = None
     hazards: tuple[Hazard, ...] = ()  # where the form or the model breaks down
     stretch: float = 1.0  # the form's unit of length, in that of the system
     unfolded: tuple[str, ...] = ()  # what is then no longer 1

@@ -171,9 +171,9 @@ def _check_start(built: Problem) -> None:
             state, body = built.start(), built.internal_body
             number = np.float64 if built.precision == "double" else np.longdouble
             plain = refill(body, (number(float(leaf)) for leaf in leaves(body)))
-            record = built.record([np.array([number(float(v))]) for v in state])
-            scalars = built.form.scalars(record, plain)
-            numbers: list[Any] = [leaves(body), state, built.weights(built.form)]
+            q, _ = built.variables.split([np.array([number(float(v))]) for v in state])
+            scalars = built.form.scalars(q, plain)
+            numbers: list[Any] = [leaves(body), state, built.weights()]
             numbers.append([np.ravel(q.formula(scalars, plain))[0] for q in built.system.quantities])
             finite = all(math.isfinite(float(v)) for group in numbers for v in group)
         except (OverflowError, ZeroDivisionError):

@@ -1,7 +1,7 @@
 """The eccentric cylinder: planar motion, theta unbounded; gliding, rolling, or with the modified reaction. [T ch. 6]
 
 It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve; there are no poles.
-The state carries sin(theta), cos(theta), and theta as a quadrature: a count of turns does not cost digits.
+The state has sin(theta), cos(theta), and theta is an integral: a count of turns does not cost digits.
 """
 
 from typing import Any, NamedTuple
@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from ..contact import body as contact
 from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
+from ..contact.integrals import integral
 from ..friction import LAWS, SLIP, Law, slip_coefficient
 from ..operand import Operand, formula, select
 from ..system import Event, Form, Parameter, Quantity, System
@@ -96,19 +97,15 @@ class Scalars(NamedTuple):
 
 
 class State(NamedTuple):
-    """sin(theta), cos(theta), theta', nu_x; then what the equations do not read."""
+    """sin(theta), cos(theta), theta', nu_x."""
 
     s: Operand
     z: Operand
     theta_dot: Operand
     nu_x: Operand
-    theta: Operand
-    x: Operand
-    work: Operand
-    impulse: Operand
 
 
-UNITS = State(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND, RADIAN, METRE, JOULE, NEWTON_SECOND)
+UNITS = State(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND)
 
 
 class Angles(NamedTuple):
@@ -203,23 +200,19 @@ def rates(q, b):
         -(q.s * q.theta_dot),
         theta_dot2,
         Fx / b.m - theta_dot2 * h - b.c * c.axis_speed2 * q.s,
-        q.theta_dot,
-        q.nu_x + q.theta_dot * h,
-        -(Fx * q.nu_x),
-        N,
     )
 
 
 @formula
 def of_angles(e, s, z, b):
     """The state of an angle record."""
-    return State(s, z, e.theta_dot, e.nu_x, e.theta, e.x, e.work, e.impulse)
+    return State(s, z, e.theta_dot, e.nu_x)
 
 
 @formula
-def to_angles(q, b):
+def to_angles(q, carried, b):
     """The angle record of a state."""
-    return Angles(q.theta, q.theta_dot, q.nu_x, q.x, q.work, q.impulse)
+    return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
@@ -255,7 +248,21 @@ def sliding(c, b):
 
 
 JAMMED = gliding.JAMMED._replace(formula=yielding)
-FORM = Form("angle", UNITS, rates, scalars, of_angles, to_angles, ("theta", "x", "work", "impulse"), (JAMMED,))
+FORM = Form(
+    "angle",
+    UNITS,
+    rates,
+    scalars,
+    of_angles,
+    to_angles,
+    integrals=(
+        integral("theta", lambda q, carried, b: q.theta_dot),
+        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * (b.R - b.c * q.z)),
+        integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
+        integral("impulse", lambda q, carried, b: normal_force(scalars(q, b), b)),
+    ),
+    hazards=(JAMMED,),
+)
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
 LIFTOFF = Event(
     "liftoff", "normal force falls to zero: beyond it the model does not hold", normal_force, -1, stops=True

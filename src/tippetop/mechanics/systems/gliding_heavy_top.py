@@ -9,13 +9,13 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import euler as gliding_euler
-from ..contact.gliding import vector as gliding_vector
 from ..contact.gliding.vector import axis
+from ..contact.integrals import integral
 from ..contact.rolling import reaction
 from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
 from ..system import Form, System
-from ..units import ANGULAR_MOMENTUM, JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, ONE
+from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from . import heavy_top
 
 
@@ -29,8 +29,7 @@ def Lz_rate(push_n, b):
 
 
 class ContactState(NamedTuple):
-    """3hat, angular momentum L_A about the contact, contact velocity v_A, place of the centre of mass; then the
-    integrals of friction power and normal force."""
+    """3hat, angular momentum L_A about the contact, contact velocity v_A."""
 
     ux: Operand
     uy: Operand
@@ -40,15 +39,9 @@ class ContactState(NamedTuple):
     Lz: Operand
     vx: Operand
     vy: Operand
-    x: Operand
-    y: Operand
-    work: Operand
-    impulse: Operand
 
 
-CONTACT_UNITS = ContactState._make(
-    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
-)
+CONTACT_UNITS = ContactState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2))
 
 
 @formula
@@ -92,16 +85,19 @@ def contact_rates(q, b):
         pull * (u.x * v_dot.y - u.y * v_dot.x),
         v_dot.x,
         v_dot.y,
-        q.vx - b.c * u_dot.x,
-        q.vy - b.c * u_dot.y,
-        slip * s.v2,
-        N,
     )
 
 
 @formula
+def work_rate(q, carried, b):
+    """Power that friction takes [W]."""
+    s = contact_scalars(q, b)
+    return slip_coefficient(s.v2, s.z, b.friction) * contact.g_n(s, b) * s.v2
+
+
+@formula
 def contact_of_angles(e, s, z, b):
-    """The state about the contact of an Euler-angle state. [section 1]"""
+    """The state about the contact of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, heavy_top.tip_inertia(b), b.I3)
     ex, ey = cos(e.phi), sin(e.phi)
     return ContactState(
@@ -113,17 +109,13 @@ def contact_of_angles(e, s, z, b):
         L.z,
         e.nu_x * ex - e.nu_y * ey,
         e.nu_x * ey + e.nu_y * ex,
-        e.x,
-        e.y,
-        e.work,
-        e.impulse,
     )
 
 
 @formula
-def angles_of_contact(q, b):
-    """The Euler-angle state of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
-    return gliding_chart.gliding_angles(contact_scalars(q, b), axis(q), q, b)
+def angles_of_contact(q, carried, b):
+    """The angles of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
+    return gliding_chart.gliding_angles(contact_scalars(q, b), axis(q), carried, b)
 
 
 CONTACT = Form(
@@ -133,8 +125,13 @@ CONTACT = Form(
     contact_scalars,
     contact_of_angles,
     angles_of_contact,
-    gliding_vector.QUADRATURES,
-    (gliding.JAMMED,),
+    integrals=(
+        integral("x", lambda q, carried, b: q.vx - b.c * heavy_top.tip_axis_rate(q, b).x),
+        integral("y", lambda q, carried, b: q.vy - b.c * heavy_top.tip_axis_rate(q, b).y),
+        integral("work", work_rate),
+        integral("impulse", lambda q, carried, b: contact.g_n(contact_scalars(q, b), b)),
+    ),
+    hazards=(gliding.JAMMED,),
 )
 
 
@@ -144,7 +141,7 @@ GLIDING_HEAVY_TOP = System(
     source=heavy_top.SOURCE + "5",
     initial=gliding.INITIAL,
     start=gliding.start,
-    angles=gliding_euler.EULER_UNITS,
+    angles=gliding_euler.ANGLES,
     forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},
     quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),
     integrals=("L3",),

@@ -14,7 +14,10 @@ from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
 from ..contact.gliding.vector import axis
+from ..contact.integrals import integral
 from ..contact.rolling import catalogue as rolling
+from ..contact.rolling import chart as rolling_chart
+from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..operand import Operand, cos, cross, formula, plus, sin, times
 from ..system import Form, Parameter, Quantity, System
@@ -105,7 +108,7 @@ def momentum_about_centre(q, b):
 
 
 class VectorState(NamedTuple):
-    """3hat, and L_A about the tip; then the integral of the vertical reaction."""
+    """3hat, and L_A about the tip."""
 
     ux: Operand
     uy: Operand
@@ -113,10 +116,9 @@ class VectorState(NamedTuple):
     Lx: Operand
     Ly: Operand
     Lz: Operand
-    impulse: Operand
 
 
-VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_SECOND))
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
 
 
 @formula
@@ -132,13 +134,19 @@ def fixed_scalars(q, b):
 def fixed_rates(q, b):
     """3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
     u, u_dot = axis(q), tip_axis_rate(q, b)
-    s = reaction.free_scalars(u, momentum_about_centre(q, b), u_dot, b)
     weight = b.m * b.g * b.c
-    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z, reaction.normal_force(s, b))
+    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z)
 
 
-class EulerState(NamedTuple):
-    """theta, theta', phi', omega_3; then what the equations do not read."""
+@formula
+def vertical_reaction(q, carried, b):
+    """Vertical reaction at the tip [N]."""
+    s = reaction.free_scalars(axis(q), momentum_about_centre(q, b), tip_axis_rate(q, b), b)
+    return reaction.normal_force(s, b)
+
+
+class Angles(NamedTuple):
+    """What users give and read: theta, theta', phi', omega_3, phi, and the integral of the vertical reaction."""
 
     theta: Operand
     theta_dot: Operand
@@ -148,7 +156,7 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
+ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
 
 
 @formula
@@ -189,54 +197,65 @@ def euler_rates(e, b):
     """The equations in Euler angles. [section 8]"""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
-    return EulerState(
-        e.theta_dot,
-        theta_dot2,
-        phi_dot2,
-        0 * z,
-        e.phi_dot,
-        b.m * (b.g + b.c * (theta_dot2 * s + e.theta_dot**2 * z)),
-    )
+    return rolling_euler.EulerState(e.theta_dot, theta_dot2, phi_dot2, 0 * z)
+
+
+@formula
+def euler_vertical_reaction(q, carried, b):
+    """Vertical reaction at the tip [N]."""
+    s, z = sin(q.theta), cos(q.theta)
+    theta_dot2, _ = tip_accelerations(q, s, z, b)
+    return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))
 
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The state about the fixed tip of an Euler-angle state. [section 1]"""
+    """The state about the fixed tip of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z, e.impulse)
+    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
 
 
 @formula
-def angles_of_vector(q, b):
-    """The Euler-angle state of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
+def angles_of_vector(q, carried, b):
+    """The angles of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
     c = fixed_scalars(q, b)
     theta, theta_dot, phi_dot, phi = gliding_chart.axis_angles(c, axis(q))
-    return EulerState(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, q.impulse)
+    return Angles(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, carried.impulse)
 
 
 @formula
-def angles_of_euler(e, b):
+def angles_of_euler(q, carried, b):
     """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
-    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
+    e = Angles(q.theta, q.theta_dot, q.phi_dot, q.omega3, carried.phi, carried.impulse)
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what a person gave."""
-    return gliding.given_angles(EulerState, data, z)
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+    """The angles of what a person gave."""
+    return gliding.given_angles(Angles, data, z)
 
 
 FIXED_VECTOR = Form(
-    "vector", VECTOR_UNITS, fixed_rates, fixed_scalars, vector_of_angles, angles_of_vector, ("impulse",)
+    "vector",
+    VECTOR_UNITS,
+    fixed_rates,
+    fixed_scalars,
+    vector_of_angles,
+    angles_of_vector,
+    integrals=(integral("impulse", vertical_reaction),),
 )
 FIXED_EULER = Form(
     "euler",
-    EULER_UNITS,
+    rolling_euler.EULER_UNITS,
     euler_rates,
     euler_scalars,
-    gliding_chart.euler_of_angles,
+    rolling_chart.euler_of_angles,
     angles_of_euler,
-    ("phi", "impulse"),
-    (gliding.POLE,),
+    integrals=(
+        integral("phi", lambda q, carried, b: q.phi_dot),
+        integral("impulse", euler_vertical_reaction),
+    ),
+    hazards=(gliding.POLE,),
 )
 
 
@@ -265,7 +284,7 @@ HEAVY_TOP = System(
     source=SOURCE + "2",
     initial={name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
     start=start,
-    angles=EULER_UNITS,
+    angles=ANGLES,
     forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
     quantities=(*MOMENTA, *gliding.ENERGIES, *rolling.REACTION[:2]),
     integrals=("L3", "Lz", "energy"),

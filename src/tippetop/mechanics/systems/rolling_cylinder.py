@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 from ..contact import body as contact
 from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
+from ..contact.integrals import integral
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import reaction
 from ..operand import Operand, formula
@@ -14,17 +15,14 @@ from . import cylinder
 
 
 class RollingState(NamedTuple):
-    """sin(theta), cos(theta), theta'; then what the equations do not read."""
+    """sin(theta), cos(theta), theta'."""
 
     s: Operand
     z: Operand
     theta_dot: Operand
-    theta: Operand
-    x: Operand
-    impulse: Operand
 
 
-ROLLING_UNITS = RollingState(ONE, ONE, RADIAN_PER_SECOND, RADIAN, METRE, NEWTON_SECOND)
+ROLLING_UNITS = RollingState(ONE, ONE, RADIAN_PER_SECOND)
 
 
 class RollingAngles(NamedTuple):
@@ -71,27 +69,20 @@ def rolling_scalars(q, b):
 
 @formula
 def rolling_rates(q, b):
-    """theta'' of pure rolling, r' = theta' (R - c z). [T 6.11]"""
-    return RollingState(
-        q.z * q.theta_dot,
-        -(q.s * q.theta_dot),
-        rolling_acceleration(q.s, q.z, q.theta_dot, b),
-        q.theta_dot,
-        q.theta_dot * (b.R - b.c * q.z),
-        reaction.normal_force(rolling_scalars(q, b), b),
-    )
+    """theta'' of pure rolling. [T 6.11]"""
+    return RollingState(q.z * q.theta_dot, -(q.s * q.theta_dot), rolling_acceleration(q.s, q.z, q.theta_dot, b))
 
 
 @formula
 def rolling_of_angles(e, s, z, b):
     """The rolling state of an angle record."""
-    return RollingState(s, z, e.theta_dot, e.theta, e.x, e.impulse)
+    return RollingState(s, z, e.theta_dot)
 
 
 @formula
-def rolling_to_angles(q, b):
+def rolling_to_angles(q, carried, b):
     """The angle record of a rolling state."""
-    return RollingAngles(q.theta, q.theta_dot, q.x, q.impulse)
+    return RollingAngles(carried.theta, q.theta_dot, carried.x, carried.impulse)
 
 
 def rolling_start(data: dict[str, Any], s: Any, z: Any, b: Body) -> RollingAngles:
@@ -106,7 +97,11 @@ ROLLING_FORM = Form(
     rolling_scalars,
     rolling_of_angles,
     rolling_to_angles,
-    ("theta", "x", "impulse"),
+    integrals=(
+        integral("theta", lambda q, carried, b: q.theta_dot),
+        integral("x", lambda q, carried, b: q.theta_dot * (b.R - b.c * q.z)),
+        integral("impulse", lambda q, carried, b: reaction.normal_force(rolling_scalars(q, b), b)),
+    ),
 )
 
 

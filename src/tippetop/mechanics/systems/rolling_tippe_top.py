@@ -21,7 +21,7 @@ ROLLING_TIPPE_TOP = System(
     folded={"m": 1.0, "R": 1.0},
     initial=rolling.INITIAL,
     start=rolling.start,
-    angles=rolling_euler.EULER_UNITS,
+    angles=rolling_euler.ANGLES,
     forms={"vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
     quantities=(
         gliding.JELLETT_QUANTITY,

@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.gliding.catalogue import POLE
+from ..contact.integrals import integral
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..operand import Operand, atan2, cos, formula, sin, sqrt
 from ..system import Form
-from ..units import ANGULAR_MOMENTUM, JELLETT, METRE, NEWTON_SECOND, ONE, PER_SECOND, RADIAN
+from ..units import ANGULAR_MOMENTUM, JELLETT, ONE, PER_SECOND
 from . import tippe_top
 
 
@@ -23,19 +24,15 @@ products do not round evenly: in very long runs the energy then drifts linearly,
 
 
 class ReducedState(NamedTuple):
-    """z = cos(theta), z', Routh's function D, Jellett's integral lambda; then what the equations do not read."""
+    """z = cos(theta), z', Routh's function D, Jellett's integral lambda."""
 
     z: Operand
     z_dot: Operand
     D: Operand
     lam: Operand
-    phi: Operand
-    x: Operand
-    y: Operand
-    impulse: Operand
 
 
-REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT, RADIAN, METRE, METRE, NEWTON_SECOND)
+REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT)
 
 
 @formula
@@ -69,38 +66,41 @@ def reduced_scalars(q, b):
 @formula
 def reduced_rates(q, b):
     """z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
+    return ReducedState(q.z_dot, reaction.z_dot2(free_scalars(q, b), b), 0 * q.D, 0 * q.lam)
+
+
+@formula
+def phi_rate(q, carried, b):
+    """phi' [rad/s]."""
+    s = free_scalars(q, b)
+    return s.precession / s.s2
+
+
+@formula
+def velocity(q, carried, b):
+    """x', y' of the centre of mass [m/s]."""
     s = free_scalars(q, b)
     sine, phi_dot = sqrt(s.s2), s.precession / s.s2
     along_e, along_2 = contact.rolling_velocity(-(q.z_dot / sine), phi_dot, s.L3 / b.I3, sine, q.z, b)
-    ex, ey = cos(q.phi), sin(q.phi)
-    return ReducedState(
-        q.z_dot,
-        reaction.z_dot2(s, b),
-        0 * q.D,
-        0 * q.lam,
-        phi_dot,
-        along_e * ex - along_2 * ey,
-        along_e * ey + along_2 * ex,
-        reaction.normal_force(s, b),
-    )
+    ex, ey = cos(carried.phi), sin(carried.phi)
+    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
 
 
 @formula
 def reduced_of_angles(e, s, z, b):
-    """The reduced state of an Euler-angle state."""
+    """The reduced state of the angles."""
     c = rolling_euler.euler_scalars(e, b)
-    return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b), e.phi, e.x, e.y, e.impulse)
+    return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b))
 
 
 @formula
-def angles_of_reduced(q, b):
-    """The Euler-angle state of a reduced state, phi in (-pi, pi]."""
+def angles_of_reduced(q, carried, b):
+    """The angles of a reduced state, phi in (-pi, pi]."""
     c = free_scalars(q, b)
     s = sqrt(c.s2)
-    phi = atan2(sin(q.phi), cos(q.phi))
-    return rolling_euler.EulerState(
-        atan2(s, q.z), -(q.z_dot / s), c.precession / c.s2, c.L3 / b.I3, phi, q.x, q.y, q.impulse
-    )
+    phi = atan2(sin(carried.phi), cos(carried.phi))
+    rates = (-(q.z_dot / s), c.precession / c.s2, c.L3 / b.I3)
+    return rolling_euler.Angles(atan2(s, q.z), *rates, phi, carried.x, carried.y, carried.impulse)
 
 
 REDUCED = Form(
@@ -110,8 +110,13 @@ REDUCED = Form(
     reduced_scalars,
     reduced_of_angles,
     angles_of_reduced,
-    ("phi", "x", "y", "impulse"),
-    (POLE,),
-    STRETCH,
-    ("R",),
+    integrals=(
+        integral("phi", phi_rate),
+        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
+        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        integral("impulse", lambda q, carried, b: reaction.normal_force(free_scalars(q, b), b)),
+    ),
+    hazards=(POLE,),
+    stretch=STRETCH,
+    unfolded=("R",),
 )

@@ -3,12 +3,13 @@
 from typing import Any
 
 from ...operand import formula
-from ...system import Event, Form, Hazard, Parameter, Quantity
+from ...system import Event, Form, Hazard, Integral, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
 from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
+from ..integrals import integral
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
-from .euler import EULER_UNITS, EulerState, centre_velocity, euler_rates, euler_scalars
-from .vector import QUADRATURES, VECTOR_UNITS, vector_rates, vector_scalars
+from .euler import EULER_UNITS, Angles, centre_velocity, euler_rates, euler_scalars, velocity
+from .vector import VECTOR_UNITS, vector_rates, vector_scalars
 
 
 INITIAL = {
@@ -31,9 +32,9 @@ def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what a person gave; centre_at_rest may stand for nu_x and nu_y."""
-    e = given_angles(EulerState, data, z)
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+    """The angles of what a person gave; centre_at_rest may stand for nu_x and nu_y."""
+    e = given_angles(Angles, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
         e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
@@ -49,8 +50,28 @@ def away_from_pole(s, b):
 JAMMED = Hazard(yielding, "the friction jams the contact (denominator of g_n not positive): no solution of the model")
 POLE = Hazard(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
 
+
+def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
+    """The integrals of friction power and normal force of a form with these scalars."""
+    return (
+        integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
+        integral("impulse", lambda q, carried, b: g_n(scalars(q, b), b)),
+    )
+
+
 VECTOR = Form(
-    "vector", VECTOR_UNITS, vector_rates, vector_scalars, vector_of_angles, angles_of_vector, QUADRATURES, (JAMMED,)
+    "vector",
+    VECTOR_UNITS,
+    vector_rates,
+    vector_scalars,
+    vector_of_angles,
+    angles_of_vector,
+    integrals=(
+        integral("x", lambda q, carried, b: q.rx_dot),
+        integral("y", lambda q, carried, b: q.ry_dot),
+        *work_and_impulse(vector_scalars),
+    ),
+    hazards=(JAMMED,),
 )
 EULER = Form(
     "euler",
@@ -59,8 +80,13 @@ EULER = Form(
     euler_scalars,
     euler_of_angles,
     angles_of_euler,
-    ("phi", *QUADRATURES),
-    (JAMMED, POLE),
+    integrals=(
+        integral("phi", lambda q, carried, b: q.phi_dot),
+        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
+        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        *work_and_impulse(euler_scalars),
+    ),
+    hazards=(JAMMED, POLE),
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
