@@ -21,6 +21,15 @@ TOLERANCE = 3e-11  # the states are of order one, the sums a few dozen terms; de
 STATES = 60
 
 Pairs = Iterator[tuple[str, Any, Any]]
+ODD = {"phi", "phi_dot", "omega3", "nu_y", "y"}
+"""The angles, rates and places that a reflection in the plane y = 0 reverses."""
+
+
+class Pair(NamedTuple):
+    """Axes 1 and 3 of a body."""
+
+    first: Any
+    third: Any
 
 
 class Motion(NamedTuple):
@@ -194,6 +203,54 @@ def scalars_are_what_they_say(case: Case) -> Pairs:
         yield "|3hat| stays 1", case.along(lambda x: x.ux**2 + x.uy**2 + x.uz**2), 0 * q.ux
 
 
+def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
+    """Axes 1 and 3 of the body turn with omega; at the start they are R_z(phi) R_y(theta) R_z(psi) of those of space,
+    psi comes back, and a mirror image has the mirrored axes."""
+    form, b, e, m = case.form, case.body, case.angles, case.motion(case.state)
+    psi = np.linspace(-3.0, 3.0, STATES)
+    variables = Variables(form)
+
+    def start(e: Any, psi: Any) -> Any:
+        data = {"phi": getattr(e, "phi", 0 * psi), "psi": psi}
+        q, carried = variables.start(data, e, np.sin(e.theta), np.cos(e.theta), b)
+        return joint(variables.names)(*q, *carried)
+
+    q = start(e, psi)
+    rates = joint(variables.names)(*form.rates(q, b), *(integral.rate(q, q, b) for integral in variables.integrals))
+    axes = form.orientation.axes(q, q, b)
+    change = case.along(lambda x: Pair(*form.orientation.axes(x, x, b)), q, rates)
+    for name, axis, rate in zip(("axis 1", "axis 3"), axes, change, strict=True):
+        spun = np.cross(m.omega, np.array(np.broadcast_arrays(*axis)), axis=0)
+        for i, letter in enumerate("xyz"):
+            yield f"{name}'_{letter}", rate[i], spun[i]
+    planar = form.orientation.psi is None
+    phi, psi = (0 * psi, 0 * psi) if planar else (e.phi, psi)
+    first, third = rotated(phi, e.theta, psi)
+    for i, letter in enumerate("xyz"):
+        yield f"axis 1 {letter}", axes[0][i], first[i]
+        yield f"axis 3 {letter}", axes[1][i], third[i]
+    if planar:
+        return
+    yield "psi", form.orientation.psi(*axes), psi
+    image = e._replace(**{name: -getattr(e, name) for name in ODD & set(e._fields)})
+    mirrored = start(image, -psi)
+    for axis, other in zip(axes, form.orientation.axes(mirrored, mirrored, b), strict=True):
+        for i, sign in enumerate((1, -1, 1)):
+            yield f"mirrored {'xyz'[i]}", other[i], sign * axis[i]
+
+
+def rotated(phi: Any, theta: Any, psi: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Axes 1 and 3 of R_z(phi) R_y(theta) R_z(psi), by matrices, (3, n) each."""
+    zero, one = 0 * theta, 0 * theta + 1
+
+    def about_z(a: Any) -> np.ndarray:
+        return np.array([[np.cos(a), -np.sin(a), zero], [np.sin(a), np.cos(a), zero], [zero, zero, one]])
+
+    lean = np.array([[np.cos(theta), zero, np.sin(theta)], [zero, one, zero], [-np.sin(theta), zero, np.cos(theta)]])
+    R = np.einsum("ijn,jkn,kln->iln", about_z(phi), lean, about_z(psi))
+    return R[:, 0], R[:, 2]
+
+
 def newton_and_euler(case: Case) -> Pairs:
     """m s'' = F - m g zhat and L' = a x F with one F, which obeys the law of the contact."""
     b, q = case.body, case.state
@@ -320,7 +377,7 @@ def general_system(case: Case) -> Pairs:
 
 def mirror(case: Case) -> Pairs:
     """Reflection in the vertical plane y = 0 maps motions to motions; some quantities change sign."""
-    odd = {"phi", "phi_dot", "omega3", "nu_y", "y"} if not hasattr(case.state, "s") else {"nu_none"}
+    odd = ODD if not hasattr(case.state, "s") else {"nu_none"}
 
     def reflected(e: Any) -> Any:
         return type(e)(*(-value if name in odd else value for name, value in zip(e._fields, e, strict=True)))
@@ -425,6 +482,7 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
     chart_is_invertible,
     forms_agree,
     scalars_are_what_they_say,
+    orientation_follows_the_angular_velocity,
     newton_and_euler,
     quantities_are_what_they_say,
     integrals_are_constant,

@@ -59,6 +59,24 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
     return values
 
 
+def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
+    """Axes 1 and 3 of the body, three components each, and psi if the form knows it; of arrays or of expressions."""
+    orientation = form.orientation
+    assert orientation is not None
+    first, third = orientation.axes(q, carried, body)
+    return [*first, *third, *([orientation.psi(first, third)] if orientation.psi else [])]
+
+
+@lru_cache(maxsize=32)
+def orientation_table(system_name: str, form_name: str, friction: Any) -> Any:
+    """`orientation_of` as a compiled function; apart from `table`, so that the bits of the other columns stay."""
+    system = SYSTEMS[system_name]
+    form = system.forms[form_name]
+    q, carried, body, rates = equations_of_motion(system, Variables(form), friction)
+    outputs = [hy.expression(0.0) + value for value in orientation_of(form, q, carried, body)]
+    return hy.cfunc(outputs, vars=[variable for variable, _ in rates])
+
+
 @lru_cache(maxsize=32)
 def table(system_name: str, form_name: str, friction: Any, orientation: bool) -> tuple[tuple[str, ...], Any]:
     """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it.

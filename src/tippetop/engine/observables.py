@@ -6,9 +6,10 @@ import numpy as np
 
 from ..columns import Column, column
 from ..mechanics.operand import leaves
-from ..mechanics.units import SECOND, Unit
+from ..mechanics.units import ONE, RADIAN, SECOND, Unit
 from ..problem import Problem
-from .expressions import observed, table
+from .expressions import observed, orientation_of, orientation_table, table
+from .orientation import quaternion
 
 
 class View:
@@ -32,7 +33,10 @@ class View:
     def values(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole."""
         if self._wide is np.float64:
-            values = self._compiled(np.asarray(rows, dtype=float))
+            problem = self.problem
+            key = (self.system.name, self.form.name, problem.friction.__class__)
+            names, function = table(*key, problem.orientation)
+            values = dict(zip(names, self._compiled(function, len(names), rows), strict=True))
         else:
             with np.errstate(invalid="ignore", divide="ignore"):
                 found = observed(self.system, self.form, *self.record(rows), self.body)
@@ -46,10 +50,10 @@ class View:
                     values[name][pole] = np.nan
         return values
 
-    def _compiled(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        problem = self.problem
-        names, function = table(self.system.name, self.form.name, problem.friction.__class__, problem.orientation)
-        outputs = np.empty((len(names), len(rows)))
+    def _compiled(self, function: Any, count: int, rows: np.ndarray) -> np.ndarray:
+        """The outputs (count, n) of a compiled function of rows."""
+        rows = np.asarray(rows, dtype=float)
+        outputs = np.empty((count, len(rows)))
         for start in range(0, len(rows), BLOCK):
             part = rows[start : start + BLOCK].T
             # whole SIMD batches, the last column repeated: so a row's bits do not depend on its neighbours
@@ -57,7 +61,24 @@ class View:
             block = np.ascontiguousarray(padded)
             pars = np.repeat(self._pars[: function.nparams, None], block.shape[1], axis=1)
             outputs[:, start : start + BLOCK] = function(block, pars=pars)[:, : part.shape[1]]
-        return dict(zip(names, outputs, strict=True))
+        return outputs
+
+    def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN exactly at a pole;
+        None where the motion is planar. Only of a problem with orientation."""
+        orientation = self.form.orientation
+        assert orientation is not None
+        count = 7 if orientation.psi else 6
+        if self._wide is np.float64:
+            function = orientation_table(self.system.name, self.form.name, self.problem.friction.__class__)
+            values = self._compiled(function, count, rows)
+        else:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                found = orientation_of(self.form, *self.record(rows), self.body)
+            values = np.array([np.broadcast_to(value, (len(rows),)) for value in found])
+        if orientation.psi:
+            values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
+        return quaternion(values[:3], values[3:6]), values[6] if orientation.psi else None
 
     def theta(self, row: np.ndarray) -> float:
         """theta of one row, (1, variables) [rad]."""
@@ -82,6 +103,11 @@ class View:
             unit = getattr(self.system.forms["vector"].units, variables[0])
             stacked = np.stack([values[v] for v in variables], axis=1) * scale(unit)
             columns |= self._split(name, stacked, unit, names[name], ("time", "xyz"))
+        if self.problem.orientation and self.form.orientation:
+            turns, psi = self.orientation(rows)
+            if psi is not None:
+                columns |= self._split("psi", psi, RADIAN, PSI)
+            columns |= self._split("orientation", turns, ONE, ORIENTATION, ("time", "wxyz"))
         for q in self.system.quantities:
             si = values[q.name] * scale(q.unit)
             columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
@@ -103,6 +129,8 @@ class View:
         return columns
 
 
+PSI = "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
+ORIENTATION = "unit quaternion that turns body axes into space axes, w >= 0"
 BLOCK = 2048  # rows that are evaluated at a time: they stay in the second-level cache
 POLAR = {"phi", "phi_dot", "nu_x", "nu_y"}
 """What is undefined exactly at a pole."""

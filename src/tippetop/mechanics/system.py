@@ -65,10 +65,13 @@ class Orientation:
         axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at the poles too.
     integrals
         What is integrated for it.
+    psi
+        psi(first, third) of these axes [rad]; None: a planar motion, which has no psi.
     """
 
     axes: Callable
     integrals: tuple[Integral, ...] = ()
+    psi: Callable | None = None
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,7 @@ def problem(tables: dict[str, Any]) -> Problem:
         tolerance=run.tolerance,
         output=run.output,
         stop_when=run.stop_when,
+        orientation=run.orientation,
     )
     _check_start(built)
     return built
@@ -109,6 +110,7 @@ def resolved(problem: Problem) -> dict[str, Any]:
             "precision": problem.precision,
             "tolerance": problem.tolerance,
             "stop_when": problem.stop_when,
+            "orientation": problem.orientation,
         },
     }
 

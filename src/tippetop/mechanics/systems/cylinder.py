@@ -10,6 +10,7 @@ from ..contact import body as contact
 from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
+from ..contact.orientation import planar
 from ..friction import LAWS, SLIP, Law, slip_coefficient
 from ..operand import Operand, formula, select
 from ..system import Event, Form, Parameter, Quantity, System
@@ -261,6 +262,7 @@ FORM = Form(
         integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
         integral("impulse", lambda q, carried, b: normal_force(scalars(q, b), b)),
     ),
+    orientation=planar(lambda q: (q.s, q.z)),
     hazards=(JAMMED,),
 )
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)

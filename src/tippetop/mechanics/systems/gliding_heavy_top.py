@@ -11,7 +11,9 @@ from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import euler as gliding_euler
 from ..contact.gliding.vector import axis
 from ..contact.integrals import integral
+from ..contact.orientation import carried_along
 from ..contact.rolling import reaction
+from ..contact.rolling import vector as rolling_vector
 from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
 from ..system import Form, System
@@ -131,6 +133,7 @@ CONTACT = Form(
         integral("work", work_rate),
         integral("impulse", lambda q, carried, b: contact.g_n(contact_scalars(q, b), b)),
     ),
+    orientation=carried_along(axis, heavy_top.tip_axis_rate, rolling_vector.spin),
     hazards=(gliding.JAMMED,),
 )
 

@@ -13,12 +13,15 @@ from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
+from ..contact.gliding.euler import psi_rate, sine_and_cosine
 from ..contact.gliding.vector import axis
 from ..contact.integrals import integral
+from ..contact.orientation import by_angles, carried_along
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import chart as rolling_chart
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
+from ..contact.rolling import vector as rolling_vector
 from ..operand import Operand, cos, cross, formula, plus, sin, times
 from ..system import Form, Parameter, Quantity, System
 from ..units import (
@@ -243,6 +246,7 @@ FIXED_VECTOR = Form(
     vector_of_angles,
     angles_of_vector,
     integrals=(integral("impulse", vertical_reaction),),
+    orientation=carried_along(axis, tip_axis_rate, rolling_vector.spin),
 )
 FIXED_EULER = Form(
     "euler",
@@ -255,6 +259,7 @@ FIXED_EULER = Form(
         integral("phi", lambda q, carried, b: q.phi_dot),
         integral("impulse", euler_vertical_reaction),
     ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
     hazards=(gliding.POLE,),
 )
 

@@ -6,6 +6,7 @@ from ..contact import body as contact
 from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
+from ..contact.orientation import planar
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import reaction
 from ..operand import Operand, formula
@@ -102,6 +103,7 @@ ROLLING_FORM = Form(
         integral("x", lambda q, carried, b: q.theta_dot * (b.R - b.c * q.z)),
         integral("impulse", lambda q, carried, b: reaction.normal_force(rolling_scalars(q, b), b)),
     ),
+    orientation=planar(lambda q: (q.s, q.z)),
 )
 
 

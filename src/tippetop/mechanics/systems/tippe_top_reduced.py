@@ -10,6 +10,7 @@ from typing import NamedTuple
 from ..contact import body as contact
 from ..contact.gliding.catalogue import POLE
 from ..contact.integrals import integral
+from ..contact.orientation import by_angles
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..operand import Operand, atan2, cos, formula, sin, sqrt
@@ -77,6 +78,19 @@ def phi_rate(q, carried, b):
 
 
 @formula
+def psi_rate(q, carried, b):
+    """psi' = omega_3 - phi' cos(theta) [rad/s]."""
+    s = free_scalars(q, b)
+    return s.L3 / b.I3 - s.precession / s.s2 * q.z
+
+
+@formula
+def sine_and_cosine(q):
+    """sin(theta), cos(theta)."""
+    return sqrt((1 - q.z) * (1 + q.z)), q.z
+
+
+@formula
 def velocity(q, carried, b):
     """x', y' of the centre of mass [m/s]."""
     s = free_scalars(q, b)
@@ -116,6 +130,7 @@ REDUCED = Form(
         integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
         integral("impulse", lambda q, carried, b: reaction.normal_force(free_scalars(q, b), b)),
     ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
     hazards=(POLE,),
     stretch=STRETCH,
     unfolded=("R",),

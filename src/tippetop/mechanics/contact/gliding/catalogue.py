@@ -7,9 +7,10 @@ from ...system import Event, Form, Hazard, Integral, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
 from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
 from ..integrals import integral
+from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
-from .euler import EULER_UNITS, Angles, centre_velocity, euler_rates, euler_scalars, velocity
-from .vector import VECTOR_UNITS, vector_rates, vector_scalars
+from .euler import EULER_UNITS, Angles, centre_velocity, euler_rates, euler_scalars, psi_rate, sine_and_cosine, velocity
+from .vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
 
 
 INITIAL = {
@@ -23,6 +24,7 @@ INITIAL = {
     "x": Parameter(METRE, "x of the centre of mass"),
     "y": Parameter(METRE, "y of the centre of mass"),
     "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3"),
+    "psi": Parameter(RADIAN, "turn psi of the body about its axis"),
 }
 
 
@@ -71,6 +73,7 @@ VECTOR = Form(
         integral("y", lambda q, carried, b: q.ry_dot),
         *work_and_impulse(vector_scalars),
     ),
+    orientation=carried_along(axis, axis_rate, lambda q, b: q.L3 / b.I3),
     hazards=(JAMMED,),
 )
 EULER = Form(
@@ -86,6 +89,7 @@ EULER = Form(
         integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
         *work_and_impulse(euler_scalars),
     ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
     hazards=(JAMMED, POLE),
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}

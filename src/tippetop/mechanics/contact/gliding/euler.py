@@ -106,6 +106,18 @@ def euler_rates(e, b):
 
 
 @formula
+def sine_and_cosine(q):
+    """sin(theta), cos(theta)."""
+    return sin(q.theta), cos(q.theta)
+
+
+@formula
+def psi_rate(q, carried, b):
+    """psi' = omega_3 - phi' cos(theta) [rad/s]. [T 3.22]"""
+    return q.omega3 - q.phi_dot * cos(q.theta)
+
+
+@formula
 def velocity(q, carried, b):
     """x', y' of the centre of mass [m/s]."""
     along_e, along_2 = centre_velocity(q, sin(q.theta), cos(q.theta), b)

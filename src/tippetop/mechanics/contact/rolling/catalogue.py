@@ -7,7 +7,10 @@ from ...units import NEWTON, ONE
 from ..body import Body
 from ..gliding import catalogue as gliding
 from ..gliding.catalogue import given_angles
+from ..gliding.euler import psi_rate, sine_and_cosine
+from ..gliding.vector import axis, axis_rate
 from ..integrals import integral
+from ..orientation import by_angles, carried_along
 from . import euler, vector
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
 from .euler import EULER_UNITS, Angles, euler_rates, euler_scalars
@@ -37,6 +40,7 @@ VECTOR = Form(
         integral("y", lambda q, carried, b: vector.velocity(q, carried, b).y),
         integral("impulse", vector.vertical_force),
     ),
+    orientation=carried_along(axis, axis_rate, vector.spin),
 )
 EULER = Form(
     "euler",
@@ -51,6 +55,7 @@ EULER = Form(
         integral("y", lambda q, carried, b: euler.velocity(q, carried, b)[1]),
         integral("impulse", euler.vertical_force),
     ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
     hazards=(gliding.POLE,),
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}

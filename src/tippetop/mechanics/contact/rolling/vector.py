@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ...operand import Operand, Vector, formula
+from ...operand import Operand, Vector, dot, formula
 from ...units import ANGULAR_MOMENTUM, ONE
 from ..gliding.vector import axis, axis_rate, momentum
 from .reaction import completed, free_scalars, normal_force, reaction
@@ -59,6 +59,12 @@ def vector_rates(q, b):
         -(b.c * (u.x * F.z)) - h * F.x,
         b.c * (u.x * F.y - u.y * F.x),
     )
+
+
+@formula
+def spin(q, b):
+    """omega_3 = L.3hat/I3 [rad/s]; of L about the centre of mass or about a point of the axis."""
+    return dot(momentum(q), axis(q)) / b.I3
 
 
 @formula
