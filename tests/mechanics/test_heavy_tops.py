@@ -14,6 +14,7 @@ from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.systems import SYSTEMS, heavy_top, tippe_top
 from tippetop.mechanics.theory import heavy_top_motion, nutation
 from tippetop.runs.run import solve
+from tippetop.scenario import build
 
 
 BODY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
@@ -206,3 +207,14 @@ def test_view_of_the_vectors() -> None:
     L = examples.columns(made)["L"]
     rows = View(made.problem).columns(made.times, made.rows)
     np.testing.assert_allclose(L[:, 2], rows["Lz"].values, rtol=1e-13)
+
+
+def test_the_angular_momentum_of_a_gliding_top_is_about_its_centre_of_mass() -> None:
+    """L.3hat = L_3, for the column L; the quantity L_z is about the tip, and more by m l^2 phi' sin(theta)^2."""
+    run = solve(build.load("gliding-heavy-top", until=0.2))
+    c = {name: column.values for name, column in run.columns().items()}
+    m, l = run.problem.parameters["m"], run.problem.parameters["l"]
+    np.testing.assert_allclose(np.sum(c["L"] * c["axis"], axis=1), c["L3"], rtol=1e-13)
+    np.testing.assert_allclose(
+        c["L"][:, 2], c["Lz"] - m * l**2 * c["phi_dot"] * np.sin(c["theta"]) ** 2, rtol=1e-12, atol=1e-15
+    )

@@ -42,6 +42,12 @@ def equations_of_motion(system: System, variables: Variables, friction: Any) -> 
     return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
 
+def component(variable: str) -> str:
+    """The name of a component of a vector among the values of a row; a quantity may be called as the variable is: L_z
+    of a heavy top is about the tip, that of the column L about the centre of mass."""
+    return f"vector_{variable}"
+
+
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
     """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions.
 
@@ -52,7 +58,7 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
     if system.vectors:
         vector, direct = system.forms["vector"], form.name == "vector"
         state = q if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
-        values |= {name: getattr(state, name) for names in system.vectors.values() for name in names}
+        values |= {component(name): getattr(state, name) for names in system.vectors.values() for name in names}
     values |= {quantity.name: quantity.formula(scalars, body) for quantity in system.quantities}
     if hasattr(scalars, "axis_speed2"):
         values |= {"_s2": scalars.s2, "_axis_speed2": scalars.axis_speed2}

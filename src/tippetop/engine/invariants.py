@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..problem import Problem
+from .expressions import component
 
 
 def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -12,7 +13,7 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
     found = {name: values[name] for name in problem.system.integrals}
     found["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if problem.form.name == "vector":
-        found["axis_norm"] = np.sqrt(values["ux"] ** 2 + values["uy"] ** 2 + values["uz"] ** 2)
+        found["axis_norm"] = np.sqrt(sum(values[component(name)] ** 2 for name in problem.system.vectors["axis"]))
     return found
 
 

@@ -8,7 +8,7 @@ from ..columns import Column, column
 from ..mechanics.operand import leaves
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
 from ..problem import Problem
-from .expressions import observed, orientation_of, orientation_table, table
+from .expressions import component, observed, orientation_of, orientation_table, table
 from .orientation import quaternion
 
 
@@ -101,7 +101,7 @@ class View:
             columns |= self._split(name, values[name] * scale(unit), unit, names[name])
         for name, variables in self.system.vectors.items():
             unit = getattr(self.system.forms["vector"].units, variables[0])
-            stacked = np.stack([values[v] for v in variables], axis=1) * scale(unit)
+            stacked = np.stack([values[component(v)] for v in variables], axis=1) * scale(unit)
             columns |= self._split(name, stacked, unit, names[name], ("time", "xyz"))
         if self.problem.orientation and self.form.orientation:
             turns, psi = self.orientation(rows)
