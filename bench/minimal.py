@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.engine.observables import View
+from tippetop.engine.observables import Observables
 from tippetop.problem import Problem
 
 
@@ -120,7 +120,7 @@ def _plain(record: Any) -> Any:
 
 def theta_of(problem: Problem, rows: np.ndarray) -> np.ndarray:
     """theta [rad] of full rows, in 80 bits where the run has them."""
-    columns = View(problem).columns(np.zeros(len(rows)), rows)
+    columns = Observables(problem).columns(np.zeros(len(rows)), rows)
     low = columns["theta_lo"].values.astype(np.longdouble) if "theta_lo" in columns else 0.0
     return columns["theta"].values + low
 

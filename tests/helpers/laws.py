@@ -185,10 +185,10 @@ def scalars_are_what_they_say(case: Case) -> Pairs:
     yield "s2", s.s2, 1 - m.u[2] ** 2
     yield "z_dot", s.z_dot, u_dot[2]
     yield "z_dot along the flow", s.z_dot, case.along(lambda x: case.form.scalars(x, b).z)
-    yield "precession", s.precession, m.u[0] * u_dot[1] - m.u[1] * u_dot[0]
+    yield "phi_dot_s2", s.phi_dot_s2, m.u[0] * u_dot[1] - m.u[1] * u_dot[0]
     yield "axis_speed2", s.axis_speed2, np.sum(u_dot**2, axis=0)
     yield "L3", s.L3, np.sum(m.L * m.u, axis=0)
-    yield "fall", s.fall, np.cross(m.L, u_dot, axis=0)[2] / b.I1
+    yield "fall", s.z_ddot_free, np.cross(m.L, u_dot, axis=0)[2] / b.I1
     yield "speed2", s.speed2, m.s_dot[0] ** 2 + m.s_dot[1] ** 2
     if hasattr(s, "Lz"):
         yield "Lz", s.Lz, m.L[2]
@@ -460,12 +460,12 @@ def events_are_zero_where_they_should(case: Case) -> Pairs:
         yield "settled, in units of 1e-12", 1e12 * event.formula(s, case.body), -1.0
 
 
-def hazards_are_what_they_say(case: Case) -> Pairs:
+def domains_are_what_they_say(case: Case) -> Pairs:
     """The jam is the denominator of g_n: upward contact acceleration per unit of force; the pole is sin^2."""
     s, b, m = case.form.scalars(case.state, case.body), case.body, case.motion(case.state)
-    for hazard in case.form.hazards:
-        value = hazard.formula(s, b)
-        if "jam" not in hazard.meaning:
+    for domain in case.form.domains:
+        value = domain.formula(s, b)
+        if "jam" not in domain.meaning:
             yield "pole", value, 1 - m.u[2] ** 2
         elif case.law != "modified":
             N = case.quantity("normal_force")
@@ -491,7 +491,7 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
     mirror,
     units,
     events_are_zero_where_they_should,
-    hazards_are_what_they_say,
+    domains_are_what_they_say,
 )
 
 

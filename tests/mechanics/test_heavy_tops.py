@@ -6,7 +6,7 @@ import examples
 import numpy as np
 import pytest
 
-from tippetop.engine.observables import View
+from tippetop.engine.observables import Observables
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import euler as gliding_euler
@@ -205,7 +205,7 @@ def test_forms_of_one_motion_agree() -> None:
 def test_view_of_the_vectors() -> None:
     made = examples.run("heavy-top", BODY, {"theta": 0.6, "omega3": 200.0}, 0.5, form="euler")
     L = examples.columns(made)["L"]
-    rows = View(made.problem).columns(made.times, made.rows)
+    rows = Observables(made.problem).columns(made.times, made.rows)
     np.testing.assert_allclose(L[:, 2], rows["Lz"].values, rtol=1e-13)
 
 

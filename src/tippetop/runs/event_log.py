@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..engine.taylor import Slice
 from ..engine.zeros import Zero
 from ..mechanics.system import KINDS
@@ -24,7 +24,7 @@ class EventLog:
     not find it again. Rows of turnings and of settling start as not significant; marks make them so later.
     """
 
-    def __init__(self, problem: Problem, view: View, first: np.ndarray):
+    def __init__(self, problem: Problem, view: Observables, first: np.ndarray):
         self.view, self.second = view, float(problem.scales.of(SECOND))
         self.formulas = {event.name: event.formula for event in problem.system.events}
         self.directions = {event.name: event.direction for event in problem.system.events}
@@ -59,7 +59,7 @@ class EventLog:
             return EventTable.empty(), [], np.zeros((0, 0))
         times = np.array([z.time for z in zeros])
         states = np.array(piece.output(times), copy=True)
-        values = self.view.values(states)
+        values = self.view.evaluate(states)
         kind = np.array([KINDS.index(z.kind) for z in zeros], dtype=np.int8)
         crossing = np.array([z.sign * self.sense[z.kind] for z in zeros])
         rising = np.where(crossing != 0, crossing, np.sign(values["theta_dot"].astype(float))).astype(np.int8)

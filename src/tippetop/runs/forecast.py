@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..mechanics.systems.heavy_top import tip_inertia
 from ..mechanics.theory.heavy_top_motion import heavy_top_motion
 from ..mechanics.units import SECOND
@@ -18,9 +18,9 @@ MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # tw
 
 def assessment(problem: Problem) -> dict[str, Any]:
     """Quantities at the start (SI), and what the run will take: steps, seconds, bytes."""
-    view = View(problem)
+    view = Observables(problem)
     start = problem.start()[None, :]
-    values = view.values(start)
+    values = view.evaluate(start)
     quantities = {
         f"{q.name} [{q.unit.symbol}]": float(values[q.name][0]) * float(problem.scales.of(q.unit))
         for q in problem.system.quantities
@@ -34,10 +34,10 @@ def remarks(problem: Problem) -> dict[str, Any]:
     """What a finished run deserves to have said of it: the name of a heavy top's motion, what eps decides."""
     said = _regularisation(problem, cost(problem))
     if problem.system.name == "heavy-top":
-        start, view = problem.start()[None, :], View(problem)
+        start, view = problem.start()[None, :], Observables(problem)
         units = {q.name: q.unit for q in problem.system.quantities}
         E, Lz, L3 = (
-            float(view.values(start)[name][0]) * float(problem.scales.of(units[name]))
+            float(view.evaluate(start)[name][0]) * float(problem.scales.of(units[name]))
             for name in ("energy", "Lz", "L3")
         )
         b = problem.body()

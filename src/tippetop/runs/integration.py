@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine.extremes import Extremes
 from ..engine.normal_force import grazing, normal_force
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..engine.status import SETTLED_FOR, Status
 from ..engine.taylor import Slice, fingerprint, integrator_of, rows_at, slices, terminal_kinds
 from ..mechanics.contact.body import Body
@@ -33,7 +33,7 @@ class Course:
         clock = time.perf_counter()
         self.problem, self.integrator = problem, integrator_of(problem)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
-        self.view = View(problem)
+        self.view = Observables(problem)
         self.second = float(problem.scales.of(SECOND))
         self.first = problem.start()[None, :]
         self.last = self.first  # last good state
@@ -106,7 +106,7 @@ class Course:
             return False
         if not self.t_end - self.log.tally["settled"][1] > SETTLED_FOR * self.second:
             return False
-        b, last = self.problem.body(), self.view.values(self.last)
+        b, last = self.problem.body(), self.view.evaluate(self.last)
         if not isinstance(b, Body):
             return True
         return not will_leave(float(last["theta"][0]), float(last["omega3"][0]) / self.second, b)
@@ -132,8 +132,8 @@ class Course:
             return f"the top lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
         if status is Status.FALLEN:
             return f"the top fell at t = {t:.9g} s (theta = pi/2): the plane is in its way"
-        hazards = self.view.hazards(self.last)
-        meaning, least = min(hazards.items(), key=lambda item: item[1]) if hazards else ("no known cause", math.inf)
+        domains = self.view.domains(self.last)
+        meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
         stiff = "no singularity is near, so the equations are too stiff (large mu, small eps)"
         what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
         return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..engine.status import Status
 from ..problem import Problem
 from ..scenario.build import load
@@ -32,7 +32,7 @@ class Run:
 
     def columns(self) -> dict[str, Any]:
         """The rows as named SI columns."""
-        return View(self.problem).columns(self.times, self.rows)
+        return Observables(self.problem).columns(self.times, self.rows)
 
     def __str__(self) -> str:
         """The run in a few lines."""

@@ -130,7 +130,7 @@ def _initial_faults(system: System, form: str, initial: dict[str, Any]) -> list[
         faults.append("`initial.psi_dot` must stand alone, but `initial.omega3` is given too.")
     if initial.get("centre_at_rest") and ("nu_x" in initial or "nu_y" in initial):
         faults.append("`initial.centre_at_rest` must stand alone, but `initial.nu_x` or `initial.nu_y` is given too.")
-    singular = form in system.forms and POLE in system.forms[form].hazards
+    singular = form in system.forms and POLE in system.forms[form].domains
     if singular and initial.get("theta", 0.0) in (0.0, math.pi):
         faults.append(f'`initial.theta` must not be 0 or pi where form = "{form}" is singular; form = "vector" can.')
     return faults
@@ -182,9 +182,9 @@ def _check_start(built: Problem) -> None:
             finite = False
         if not finite:
             raise InputError(["`parameters` and `initial` must stay finite together, but they overflow."])
-        for hazard in built.form.hazards:
-            if not np.min(hazard.formula(scalars, plain)) > 0:
-                raise InputError([f"`initial` must allow a motion, but {hazard.meaning}."])
+        for domain in built.form.domains:
+            if not np.min(domain.formula(scalars, plain)) > 0:
+                raise InputError([f"`initial` must allow a motion, but {domain.meaning}."])
 
 
 assert set(PRECISIONS) == set(get_args(RunTable.model_fields["precision"].annotation))

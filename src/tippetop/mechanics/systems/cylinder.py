@@ -84,8 +84,8 @@ class Scalars(NamedTuple):
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2
     z_dot: Operand  # -theta' sin(theta)
-    fall: Operand  # -theta'^2 cos(theta)
-    precession: Operand
+    z_ddot_free: Operand  # -theta'^2 cos(theta)
+    phi_dot_s2: Operand
     axis_speed2: Operand  # theta'^2
     L3: Operand
     v_u: Operand  # nu_x sin(theta)
@@ -94,7 +94,6 @@ class Scalars(NamedTuple):
     theta_dot: Operand
     s: Operand  # sin(theta)
     nu_x: Operand
-    grip2: Operand
 
 
 class State(NamedTuple):
@@ -132,8 +131,8 @@ def scalars(q, b):
         z=q.z,
         s2=q.s**2,
         z_dot=-(q.theta_dot * q.s),
-        fall=-(q.z * w2),
-        precession=0,
+        z_ddot_free=-(q.z * w2),
+        phi_dot_s2=0,
         axis_speed2=w2,
         L3=0,
         v_u=q.nu_x * q.s,
@@ -142,7 +141,6 @@ def scalars(q, b):
         theta_dot=q.theta_dot,
         s=q.s,
         nu_x=q.nu_x,
-        grip2=0,
     )
 
 
@@ -169,24 +167,24 @@ contact_force = select({**dict.fromkeys(SLIP, standard_force), Modified: modifie
 
 
 @formula
-def standard_yielding(c, b, law):
+def standard_mobility(c, b, law):
     """As every body that glides."""
-    return contact.yielding(c, b)
+    return contact.contact_mobility(c, b)
 
 
 @formula
-def modified_yielding(c, b, law):
+def modified_mobility(c, b, law):
     """The modified reaction is never jammed."""
     return 1.0
 
 
-contact_yielding = select({**dict.fromkeys(SLIP, standard_yielding), Modified: modified_yielding})
+mobility_by_law = select({**dict.fromkeys(SLIP, standard_mobility), Modified: modified_mobility})
 
 
 @formula
-def yielding(c, b):
+def contact_mobility(c, b):
     """What must stay positive for the contact not to jam."""
-    return contact_yielding(c, b, b.friction)
+    return mobility_by_law(c, b, b.friction)
 
 
 @formula
@@ -248,7 +246,7 @@ def sliding(c, b):
     return c.v2 - 1e-12
 
 
-JAMMED = gliding.JAMMED._replace(formula=yielding)
+JAMMED = gliding.JAMMED._replace(formula=contact_mobility)
 FORM = Form(
     "angle",
     UNITS,
@@ -263,7 +261,7 @@ FORM = Form(
         integral("impulse", lambda q, carried, b: normal_force(scalars(q, b), b)),
     ),
     orientation=planar(lambda q: (q.s, q.z)),
-    hazards=(JAMMED,),
+    domains=(JAMMED,),
 )
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
 LIFTOFF = Event(
@@ -289,7 +287,7 @@ COMMON: dict[str, Any] = {
     "body": body,
     "body_units": contact.body_units,
     "scales": lambda b: (b.m, b.R),
-    "folded": {"m": 1.0, "R": 1.0},
+    "normalised_to": {"m": 1.0, "R": 1.0},
     "long_names": LONG_NAMES,
     "potential": contact.height_energy,
     "theta_inertia": tippe_top.theta_inertia,

@@ -50,13 +50,13 @@ CONTACT_UNITS = ContactState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(MET
 def contact_scalars(q, b):
     """The scalars of a state about the contact."""
     u, u_dot = axis(q), heavy_top.tip_axis_rate(q, b)
-    s = reaction.free_scalars(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
+    s = reaction.kinematics(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
     return contact.Scalars(
         z=s.z,
         s2=s.s2,
         z_dot=s.z_dot,
-        fall=s.fall,
-        precession=s.precession,
+        z_ddot_free=s.z_ddot_free,
+        phi_dot_s2=s.phi_dot_s2,
         axis_speed2=s.axis_speed2,
         L3=s.L3,
         Lz=s.Lz,
@@ -134,7 +134,7 @@ CONTACT = Form(
         integral("impulse", lambda q, carried, b: contact.g_n(contact_scalars(q, b), b)),
     ),
     orientation=carried_along(axis, heavy_top.tip_axis_rate, rolling_vector.spin),
-    hazards=(gliding.JAMMED,),
+    domains=(gliding.JAMMED,),
 )
 
 
@@ -149,6 +149,7 @@ GLIDING_HEAVY_TOP = System(
     quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),
     integrals=("L3",),
     events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
+    undefined_at_poles=gliding.UNDEFINED_AT_POLES,
     long_names=gliding.LONG_NAMES,
     laws=LAWS,
     **heavy_top.COMMON,

@@ -92,7 +92,7 @@ def L3(s, b):
 @formula
 def Lz(s, b):
     """L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed. [T 2.36, 5.19]"""
-    return s.Lz + b.m * b.c**2 * s.precession
+    return s.Lz + b.m * b.c**2 * s.phi_dot_s2
 
 
 @formula
@@ -128,7 +128,7 @@ VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
 def fixed_scalars(q, b):
     """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| = l |3hat'|."""
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
-    s = reaction.free_scalars(u, L, u_dot, b)
+    s = reaction.kinematics(u, L, u_dot, b)
     F = reaction.reaction(u, L, u_dot, s, b)
     return reaction.completed(s, times(b.c, u_dot), F)
 
@@ -144,7 +144,7 @@ def fixed_rates(q, b):
 @formula
 def vertical_reaction(q, carried, b):
     """Vertical reaction at the tip [N]."""
-    s = reaction.free_scalars(axis(q), momentum_about_centre(q, b), tip_axis_rate(q, b), b)
+    s = reaction.kinematics(axis(q), momentum_about_centre(q, b), tip_axis_rate(q, b), b)
     return reaction.normal_force(s, b)
 
 
@@ -176,7 +176,7 @@ def euler_scalars(e, b):
     """The scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
-    precession = e.phi_dot * s**2
+    phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
     L3 = b.I3 * e.omega3
     push_e = theta_dot2 * z - s * (e.theta_dot**2 + e.phi_dot**2)
@@ -185,13 +185,13 @@ def euler_scalars(e, b):
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=contact.torque_free(L3, precession, axis_speed2, z, b),
-        precession=precession,
+        z_ddot_free=contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b),
+        phi_dot_s2=phi_dot_s2,
         axis_speed2=axis_speed2,
         L3=L3,
-        Lz=b.I1 * precession + L3 * z,
+        Lz=b.I1 * phi_dot_s2 + L3 * z,
         speed2=b.c**2 * ((e.theta_dot * z) ** 2 + (e.phi_dot * s) ** 2),
-        grip2=(b.m * b.c) ** 2 * (push_e**2 + push_2**2),
+        friction_force2=(b.m * b.c) ** 2 * (push_e**2 + push_2**2),
     )
 
 
@@ -260,7 +260,7 @@ FIXED_EULER = Form(
         integral("impulse", euler_vertical_reaction),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
-    hazards=(gliding.POLE,),
+    domains=(gliding.POLE,),
 )
 
 
@@ -275,7 +275,7 @@ COMMON: dict[str, Any] = {
     "body": body,
     "body_units": contact.body_units,
     "scales": lambda b: (b.m, -b.c),
-    "folded": {"m": 1.0, "R": 0.0, "c": -1.0},
+    "normalised_to": {"m": 1.0, "R": 0.0, "c": -1.0},
     "vectors": gliding.VECTORS,
     "potential": potential,
     "theta_inertia": theta_inertia,
@@ -302,6 +302,7 @@ HEAVY_TOP = System(
         ),
         gliding.EQUATOR,
     ),
+    undefined_at_poles=rolling.UNDEFINED_AT_POLES,
     long_names={**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
     **COMMON,
 )

@@ -44,18 +44,37 @@ def rolling_acceleration(s, z, theta_dot, b):
     return -(b.m * b.c * s * (b.g + b.R * theta_dot**2)) / (b.I1 + b.m * contact.arm2(z, b))
 
 
+class RollingScalars(NamedTuple):
+    """What the quantities read: as where it glides, with v_A = 0, and the horizontal part of the reaction."""
+
+    z: Operand
+    s2: Operand
+    z_dot: Operand
+    z_ddot_free: Operand
+    phi_dot_s2: Operand
+    axis_speed2: Operand
+    L3: Operand
+    v_u: Operand
+    v2: Operand
+    speed2: Operand
+    theta_dot: Operand
+    s: Operand
+    nu_x: Operand
+    friction_force2: Operand
+
+
 @formula
 def rolling_scalars(q, b):
     """The scalars of a rolling state."""
     h, w2 = b.R - b.c * q.z, q.theta_dot**2
     along = q.theta_dot * h
     Fx = b.m * (rolling_acceleration(q.s, q.z, q.theta_dot, b) * h + b.c * w2 * q.s)
-    return cylinder.Scalars(
+    return RollingScalars(
         z=q.z,
         s2=q.s**2,
         z_dot=-(q.theta_dot * q.s),
-        fall=-(q.z * w2),
-        precession=0,
+        z_ddot_free=-(q.z * w2),
+        phi_dot_s2=0,
         axis_speed2=w2,
         L3=0,
         v_u=0,
@@ -64,7 +83,7 @@ def rolling_scalars(q, b):
         theta_dot=q.theta_dot,
         s=q.s,
         nu_x=0,
-        grip2=Fx**2,
+        friction_force2=Fx**2,
     )
 
 

@@ -3,9 +3,9 @@
 from typing import Any
 
 from ...operand import formula
-from ...system import Event, Form, Hazard, Integral, Parameter, Quantity
+from ...system import Domain, Event, Form, Integral, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
-from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
+from ..body import Body, contact_mobility, energy, friction_loss, friction_power, g_n, jellett, modified_energy
 from ..integrals import integral
 from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
@@ -49,8 +49,10 @@ def away_from_pole(s, b):
     return s.s2
 
 
-JAMMED = Hazard(yielding, "the friction jams the contact (denominator of g_n not positive): no solution of the model")
-POLE = Hazard(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
+JAMMED = Domain(
+    contact_mobility, "the friction jams the contact (denominator of g_n not positive): no solution of the model"
+)
+POLE = Domain(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
 
 
 def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
@@ -74,7 +76,7 @@ VECTOR = Form(
         *work_and_impulse(vector_scalars),
     ),
     orientation=carried_along(axis, axis_rate, lambda q, b: q.L3 / b.I3),
-    hazards=(JAMMED,),
+    domains=(JAMMED,),
 )
 EULER = Form(
     "euler",
@@ -90,9 +92,10 @@ EULER = Form(
         *work_and_impulse(euler_scalars),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
-    hazards=(JAMMED, POLE),
+    domains=(JAMMED, POLE),
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}
+UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")
 VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
 LONG_NAMES = {
     **{name: parameter.long_name for name, parameter in INITIAL.items()},

@@ -38,7 +38,7 @@ def axis_angles(c, u):
     """theta, theta', phi', phi of the axis u with the scalars c; 0/0 exactly at a pole, where phi and what is taken
     along it mean nothing. theta is atan2(sin, cos): no digits are lost near the poles. [section 3.4]"""
     s = sqrt(c.s2)
-    return atan2(s, c.z), -c.z_dot / s, c.precession / c.s2, atan2(u.y, u.x)
+    return atan2(s, c.z), -c.z_dot / s, c.phi_dot_s2 / c.s2, atan2(u.y, u.x)
 
 
 @formula

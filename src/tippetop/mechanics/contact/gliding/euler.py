@@ -56,17 +56,17 @@ def euler_scalars(e, b):
     s, z = sin(e.theta), cos(e.theta)
     along_e, along_2 = centre_velocity(e, s, z, b)
     L3 = b.I3 * e.omega3
-    precession = e.phi_dot * s**2
+    phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
     return Scalars(
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=torque_free(L3, precession, axis_speed2, z, b),
-        precession=precession,
+        z_ddot_free=torque_free(L3, phi_dot_s2, axis_speed2, z, b),
+        phi_dot_s2=phi_dot_s2,
         axis_speed2=axis_speed2,
         L3=L3,
-        Lz=b.I1 * precession + L3 * z,
+        Lz=b.I1 * phi_dot_s2 + L3 * z,
         v_u=e.nu_x * s,
         v_n=e.nu_y * s,
         v2=e.nu_x**2 + e.nu_y**2,

@@ -56,8 +56,9 @@ EULER = Form(
         integral("impulse", euler.vertical_force),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
-    hazards=(gliding.POLE,),
+    domains=(gliding.POLE,),
 )
+UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 
 LIFTOFF = Event(

@@ -84,19 +84,19 @@ def euler_scalars(e, b):
         e.theta_dot * z * turn + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
     )
     L3 = b.I3 * e.omega3
-    precession = e.phi_dot * s**2
+    phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
     return Scalars(
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=contact.torque_free(L3, precession, axis_speed2, z, b),
-        precession=precession,
+        z_ddot_free=contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b),
+        phi_dot_s2=phi_dot_s2,
         axis_speed2=axis_speed2,
         L3=L3,
-        Lz=b.I1 * precession + L3 * z,
+        Lz=b.I1 * phi_dot_s2 + L3 * z,
         speed2=along_e**2 + along_2**2,
-        grip2=b.m**2 * (push_e**2 + push_2**2),
+        friction_force2=b.m**2 * (push_e**2 + push_2**2),
     )
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from ...operand import Operand, Vector, dot, formula
 from ...units import ANGULAR_MOMENTUM, ONE
 from ..gliding.vector import axis, axis_rate, momentum
-from .reaction import completed, free_scalars, normal_force, reaction
+from .reaction import completed, kinematics, normal_force, reaction
 
 
 # --- vector form: regular everywhere --------------------------------------------------------------------------------
@@ -40,7 +40,7 @@ def centre_velocity(u, u_dot, w3, b):
 def vector_scalars(q, b):
     """The scalars of a vector state."""
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    s = free_scalars(u, L, u_dot, b)
+    s = kinematics(u, L, u_dot, b)
     return completed(s, centre_velocity(u, u_dot, s.L3 / b.I3, b), reaction(u, L, u_dot, s, b))
 
 
@@ -48,7 +48,7 @@ def vector_scalars(q, b):
 def vector_rates(q, b):
     """3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    s = free_scalars(u, L, u_dot, b)
+    s = kinematics(u, L, u_dot, b)
     F = reaction(u, L, u_dot, s, b)
     h = b.R - b.c * u.z
     return VectorState(
@@ -71,10 +71,10 @@ def spin(q, b):
 def velocity(q, carried, b):
     """Velocity of the centre of mass, r' = -(omega x a), (3,) [m/s]."""
     u, u_dot = axis(q), axis_rate(q, b)
-    return centre_velocity(u, u_dot, free_scalars(u, momentum(q), u_dot, b).L3 / b.I3, b)
+    return centre_velocity(u, u_dot, kinematics(u, momentum(q), u_dot, b).L3 / b.I3, b)
 
 
 @formula
 def vertical_force(q, carried, b):
     """Normal force F_z [N]."""
-    return normal_force(free_scalars(axis(q), momentum(q), axis_rate(q, b), b), b)
+    return normal_force(kinematics(axis(q), momentum(q), axis_rate(q, b), b), b)
