@@ -117,6 +117,48 @@ class Form:
 
 
 @dataclass(frozen=True)
+class Exit:
+    """How a phase ends in another one.
+
+    Parameters
+    ----------
+    event
+        The name of an event of the phase.
+    to
+        The names of the phases that may follow.
+    jump
+        jump(q, carried, b) -> name of the phase that follows, its state: from the first form of the one to the first
+        form of the other, in internal units. Integrals of the same name continue from the values that they have.
+    """
+
+    event: str
+    to: tuple[str, ...]
+    jump: Callable
+
+
+@dataclass(frozen=True)
+class Phase:
+    """What stays the same between two changes of the contact: slip, roll, flight, both balls at once.
+
+    Parameters
+    ----------
+    forms
+        The ways to write the state, by name; the first is the default, and the one in which jumps are written.
+    quantities
+        What can be read of a state, as columns.
+    events
+        What is looked for.
+    exits
+        Which events end the phase, and in which phases; none: only the end of the run does, or an event that stops it.
+    """
+
+    forms: dict[str, Form]
+    quantities: Sequence[Quantity]
+    events: Sequence[Event]
+    exits: tuple[Exit, ...] = ()
+
+
+@dataclass(frozen=True)
 class System:
     """A mechanical system: everything that the rest of the house needs to know of it."""
 
@@ -131,10 +173,8 @@ class System:
     initial: dict[str, Parameter]
     start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
     angles: Any  # the record that people read and write (a NamedTuple) filled with units
-    forms: dict[str, Form]
-    quantities: Sequence[Quantity]
+    phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
     integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
-    events: Sequence[Event]
     long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     undefined_at_poles: tuple[str, ...] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
@@ -143,6 +183,26 @@ class System:
     potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
     theta_inertia: Callable | None = None
     momenta: tuple[str, ...] = ()  # the quantities that V takes
+
+    @property
+    def phase(self) -> Phase:
+        """The first phase, the only one of most systems."""
+        return next(iter(self.phases.values()))
+
+    @property
+    def forms(self) -> dict[str, Form]:
+        """The forms of the first phase."""
+        return self.phase.forms
+
+    @property
+    def quantities(self) -> Sequence[Quantity]:
+        """The quantities of the first phase."""
+        return self.phase.quantities
+
+    @property
+    def events(self) -> Sequence[Event]:
+        """The events of the first phase."""
+        return self.phase.events
 
     def units(self, b: Any, form: Form) -> tuple[Any, Any]:
         """Mass [kg] and length [m] that become 1 in a form."""
@@ -157,6 +217,58 @@ class System:
     def frictional(self) -> bool:
         """Whether a friction law must be given."""
         return bool(self.laws)
+
+
+def of_one_phase(
+    phase: str, *, forms: dict[str, Form], quantities: Sequence[Quantity], events: Sequence[Event], **rest: Any
+) -> System:
+    """A system whose contact never changes; `rest` is what else a System has."""
+    return System(phases={phase: Phase(forms, quantities, events)}, **rest)
+
+
+def inconsistencies(system: System) -> list[str]:
+    """What a system contradicts itself in: one sentence each; none of a sound one."""
+    faults = []
+    for name, phase in system.phases.items():
+        where = f"phase `{name}` of `{system.name}`"
+        if not phase.forms:
+            faults.append(f"{where} must have a form, but has none.")
+        faults += [
+            f"{where} must call the form {form.name!r} by its name, but calls it {key!r}."
+            for key, form in phase.forms.items()
+            if key != form.name
+        ]
+        for form in phase.forms.values():
+            turning = form.orientation.integrals if form.orientation else ()
+            variables = [*form.units._fields, *(integral.name for integral in (*form.integrals, *turning))]
+            faults += _twice(f"{where}, form `{form.name}`: variable", variables)
+        events = [event.name for event in phase.events]
+        faults += _twice(f"{where}: event", events)
+        faults += _twice(f"{where}: quantity", [quantity.name for quantity in phase.quantities])
+        faults += _twice(f"{where}: exit by the event", [way.event for way in phase.exits])
+        for way in phase.exits:
+            if way.event not in events:
+                faults.append(f"{where} must end in an event of its own, but has an exit by {way.event!r}.")
+            if not way.to:
+                faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")
+            faults += [
+                f"{where} must lead to phases of the system, but leads to {to!r}."
+                for to in way.to
+                if to not in system.phases
+            ]
+    quantities = {quantity.name for quantity in system.quantities}
+    faults += [
+        f"`{system.name}` must have the quantity {n!r}, but has not." for n in system.integrals if n not in quantities
+    ]
+    return faults
+
+
+def _twice(what: str, names: list[str]) -> list[str]:
+    return [
+        f"{what} {name!r} must be there once, but is there {names.count(name)} times."
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]
 
 
 KINDS = ("turning", "liftoff", "equator", "inverted", "settled")

@@ -13,7 +13,7 @@ from ..contact.integrals import integral
 from ..contact.orientation import planar
 from ..friction import LAWS, SLIP, Law, slip_coefficient
 from ..operand import Operand, formula, select
-from ..system import Event, Form, Parameter, Quantity, System
+from ..system import Event, Form, Parameter, Quantity, of_one_phase
 from ..units import (
     INERTIA,
     JOULE,
@@ -293,7 +293,8 @@ COMMON: dict[str, Any] = {
     "theta_inertia": tippe_top.theta_inertia,
 }
 
-GLIDING_CYLINDER = System(
+GLIDING_CYLINDER = of_one_phase(
+    "slip",
     name="gliding-cylinder",
     title="eccentric cylinder that rolls and glides",
     source=SOURCE,

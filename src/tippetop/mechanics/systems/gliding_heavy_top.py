@@ -16,7 +16,7 @@ from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
 from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
-from ..system import Form, System
+from ..system import Form, of_one_phase
 from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from . import heavy_top
 
@@ -138,7 +138,8 @@ CONTACT = Form(
 )
 
 
-GLIDING_HEAVY_TOP = System(
+GLIDING_HEAVY_TOP = of_one_phase(
+    "slip",
     name="gliding-heavy-top",
     title="heavy symmetric top whose tip glides on a plane",
     source=heavy_top.SOURCE + "5",

@@ -23,7 +23,7 @@ from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
 from ..operand import Operand, cos, cross, formula, plus, sin, times
-from ..system import Form, Parameter, Quantity, System
+from ..system import Form, Parameter, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -283,7 +283,8 @@ COMMON: dict[str, Any] = {
 }
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
 
-HEAVY_TOP = System(
+HEAVY_TOP = of_one_phase(
+    "fixed",
     name="heavy-top",
     title="heavy symmetric top whose tip is fixed",
     source=SOURCE + "2",

@@ -10,7 +10,7 @@ from ..contact.orientation import planar
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import reaction
 from ..operand import Operand, formula
-from ..system import Form, System
+from ..system import Form, of_one_phase
 from ..units import METRE, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import cylinder
 
@@ -126,7 +126,8 @@ ROLLING_FORM = Form(
 )
 
 
-ROLLING_CYLINDER = System(
+ROLLING_CYLINDER = of_one_phase(
+    "roll",
     name="rolling-cylinder",
     title="eccentric cylinder in pure rolling",
     source=cylinder.SOURCE,

@@ -4,13 +4,14 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import euler as rolling_euler
-from ..system import Quantity, System
+from ..system import Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM
 from . import tippe_top
 from .tippe_top_reduced import REDUCED
 
 
-ROLLING_TIPPE_TOP = System(
+ROLLING_TIPPE_TOP = of_one_phase(
+    "roll",
     name="rolling-tippe-top",
     title="tippe top in pure rolling",
     source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 4",

@@ -8,7 +8,7 @@ from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import euler as gliding_euler
 from ..friction import LAWS
 from ..operand import Operand, formula, sqrt
-from ..system import Parameter, Quantity, System
+from ..system import Parameter, Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
 
 
@@ -95,7 +95,8 @@ QUANTITIES = (
     *gliding.QUANTITIES,
 )
 
-TIPPE_TOP = System(
+TIPPE_TOP = of_one_phase(
+    "slip",
     name="tippe-top",
     title="rolling and gliding tippe top",
     source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 3",
