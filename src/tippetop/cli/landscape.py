@@ -186,10 +186,12 @@ def _draw_potential(V: Any, least: Any, path: Path) -> None:
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Parameters and system of a scenario. Raises ScenarioError if it has no (D, lambda)."""
+    from ..landscape.along_run import SPINNING
     from ..scenario import build
 
     problem = build.load(scenario)
-    if problem.system.name not in ("tippe-top", "rolling-tippe-top"):
+    landscape = problem.system.landscape
+    if landscape is None or landscape.symbols != SPINNING:
         raise _wrong(f"`system` must be a tippe top to have a potential in D and lambda, but is {problem.system.name}.")
     return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
 

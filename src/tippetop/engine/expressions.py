@@ -33,7 +33,8 @@ def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list
 def observed(system: System, form: Form, record: Any, body: Any) -> dict[str, Any]:
     """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions.
 
-    `_s2` and `_axis_speed2` come along where a system has poles.
+    `_s2` and `_axis_speed2` come along where a system has poles; the integrated axis, `_ux` and so on, where the form
+    has one that is not what `axis` is taken from.
     """
     scalars, angles = form.scalars(record, body), form.to_angles(record, body)
     values = dict(angles._asdict())
@@ -41,10 +42,18 @@ def observed(system: System, form: Form, record: Any, body: Any) -> dict[str, An
         vector, direct = system.forms["vector"], form.name == "vector"
         state = record if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
         values |= {name: getattr(state, name) for names in system.vectors.values() for name in names}
+        if not direct and integrates_axis(system, form):
+            values |= {f"_{name}": getattr(record, name) for name in system.vectors["axis"]}
     values |= {quantity.name: quantity.formula(scalars, body) for quantity in system.quantities}
     if hasattr(scalars, "axis_speed2"):
         values |= {"_s2": scalars.s2, "_axis_speed2": scalars.axis_speed2}
     return values
+
+
+def integrates_axis(system: System, form: Form) -> bool:
+    """Whether the form integrates the components of 3hat, whose length must then stay 1."""
+    axis = system.vectors.get("axis", ())
+    return bool(axis) and set(axis) <= set(form.units._fields)
 
 
 @lru_cache(maxsize=32)

@@ -5,14 +5,16 @@ from typing import Any
 import numpy as np
 
 from ..problem import Problem
+from .expressions import integrates_axis
 
 
 def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """What a run must keep, of all that its states say."""
     found = {name: values[name] for name in problem.system.integrals}
     found["energy_balance"] = values["energy"] + values.get("work", 0.0)
-    if problem.form.name == "vector":
-        found["axis_norm"] = np.sqrt(values["ux"] ** 2 + values["uy"] ** 2 + values["uz"] ** 2)
+    if integrates_axis(problem.system, problem.form):
+        x, y, z = (values.get(f"_{name}", values[name]) for name in problem.system.vectors["axis"])
+        found["axis_norm"] = np.sqrt(x**2 + y**2 + z**2)
     return found
 
 

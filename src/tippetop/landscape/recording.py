@@ -21,7 +21,7 @@ from ..store.files import LOCK, locked, sweep
 from ..store.provenance import provenance
 from ..store.root import new_store
 from . import body as bodies
-from . import surface
+from . import labels, surface
 
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
@@ -47,7 +47,7 @@ def write(
     import zarr
 
     t, path = bodies.top(parameters, system), Path(path)
-    x, y = bodies.axis(t.momenta[0], first), bodies.axis(t.momenta[1], second)
+    x, y = labels.axis(t.momenta[0], first), labels.axis(t.momenta[1], second)
     if path.exists():
         raise StoreError(f"`{path}` must not exist yet, but does.")
     scratch = path.with_name(f".{path.name}.part")
@@ -97,7 +97,7 @@ def _attributes(t: bodies.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> dict
     return {
         "content": "surface",
         "title": "minimal surface F = inf V",
-        "system": t.system,
+        "system": t.system.name,
         "parameters": t.parameters,
         "axes": {n: [float(v[0]), float(v[-1]), int(v.size)] for n, v in zip(t.momenta, (x, y), strict=True)},
         "chunk": chunk,
@@ -118,22 +118,21 @@ def _created(scratch: Path, t: bodies.Top, x: np.ndarray, y: np.ndarray, chunk: 
             old.unlink()
     root = zarr.open_group(store=str(scratch), mode="a", zarr_format=3, attributes=_attributes(t, x, y, chunk))
     group = root.create_group("surface")
-    for name, values in zip(t.momenta, (x, y), strict=True):
-        units, words = bodies.NAMES[name]
+    for m, values in zip(t.landscape.momenta, (x, y), strict=True):
         axis = group.create_array(
-            name,
+            m.symbol,
             shape=values.shape,
             dtype=values.dtype,
             chunks=values.shape,
-            dimension_names=(name,),
-            attributes={"units": units, "long_name": words},
+            dimension_names=(m.symbol,),
+            attributes={"units": m.unit.symbol, "long_name": m.long_name},
         )
         axis[...] = values
     flags = {
-        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in bodies.flags(Status, "how F is taken").items()
+        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in labels.flags(Status, "how F is taken").items()
     }
     described = {
-        "F": ("f8", np.nan, dict(zip(("units", "long_name"), bodies.NAMES["F"], strict=True))),
+        "F": ("f8", np.nan, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))),
         "z": ("f8", np.nan, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
         "status": ("i1", -1, flags),
     }
@@ -175,5 +174,5 @@ def _fill(
     """Computes and writes one chunk, the status last."""
     F, q, status = surface.minima(t, x[rows], y[columns], threads)
     group["F"][rows, columns] = F
-    group["z"][rows, columns] = surface.argmin(q, status, t.upright)
+    group["z"][rows, columns] = surface.argmin(q, status, t.upright)[0]
     group["status"][rows, columns] = status

@@ -100,6 +100,17 @@ slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law."""
 
 
+SPEEDS2, HEIGHTS = (0.0, 1e-6, 1.0), (1.0, 0.0, -1.0)  # |v_A|^2 [m^2/s^2] and z at which a law is asked
+
+
+def is_frictionless(law: Any) -> bool:
+    """Whether a law with its numbers takes no energy: k = 0 at rest and in motion, wherever the contact lies.
+
+    So are the law `none`, and every law with mu = 0.
+    """
+    return all(slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS)
+
+
 class Law(NamedTuple):
     """What a person names in [friction]: the record of the law and the numbers that it takes."""
 

@@ -36,7 +36,7 @@ class Run:
 
     def __str__(self) -> str:
         """The run in a few lines."""
-        said = lines({"reason": self.reason, **self.report}, self.seconds)
+        said = lines({"system": self.problem.system.name, "reason": self.reason, **self.report}, self.seconds)
         return "\n".join([self.problem.system.title, *(f"{name:16}{text}" for name, text in said)])
 
 

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from ..mechanics.systems import SYSTEMS
+
 
 def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
     """Name and text of each line of a summary."""
@@ -9,7 +11,8 @@ def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list
     if seconds is not None:
         status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
     found = [("status", status)]
-    if any(info["inversion"].values()) or info.get("system", "tippe-top") == "tippe-top":
+    system = SYSTEMS.get(info["system"])
+    if any(info["inversion"].values()) or (system is not None and system.inverts):
         found.append(("inversion", _inversion(info)))
     else:
         found.append(("theta", f"ends at {info['theta_end']:.6g} rad"))

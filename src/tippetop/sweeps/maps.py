@@ -9,7 +9,6 @@ import numpy as np
 
 from ..ensembles.outcomes import CLASSES, STATUSES
 from ..errors import InputError
-from ..mechanics.theory import thresholds, tumbling
 from . import derived, plan
 from .design import Axis
 from .plan import Plan
@@ -164,8 +163,9 @@ def _weight(made: Plan, numbers: dict[str, np.ndarray]) -> Any:
 
 
 def _borders(made: Plan, axes: tuple[Shown, ...], others: list[Axis]) -> dict[str, np.ndarray]:
-    """log(|lambda|/threshold) over the axes, by what the threshold means; none where theory is silent."""
-    if made.base.system.name != "tippe-top" or any(axis.sampled for axis in others):
+    """log(|lambda|/threshold) over the axes, by what the threshold means; none where theory has none."""
+    borders = made.base.system.borders
+    if borders is None or any(axis.sampled for axis in others):
         return {}
     grids = np.meshgrid(*(axis.span for axis in axes), indexing="ij")
     shape = grids[0].shape
@@ -175,13 +175,6 @@ def _borders(made: Plan, axes: tuple[Shown, ...], others: list[Axis]) -> dict[st
     with np.errstate(all="ignore"):
         columns = derived.resolved(made.base, numbers)
         lam, b = np.abs(derived.jellett(made.base, columns)), derived.body(made.base, columns)
-        limits = {
-            "λ = λ_u: upright spin stable below": thresholds.lambda_u(b),
-            "λ = λ_s: inverted spin stable above": thresholds.lambda_s(b),
-            "λ = λ_de: inverted spin has less energy above": thresholds.lambda_de(b),
-            "λ = λ_t: tumbling possible above": tumbling.lambda_t(b),
-        }
+        limits = borders(b)
         found = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
-        upright, *_, folded = found.values()
-        folded[np.abs(folded - upright) < 1e-3] = np.nan  # no fold: tumbling begins where the upright spin ends
         return {label: values for label, values in found.items() if (values < 0).any() and (values > 0).any()}

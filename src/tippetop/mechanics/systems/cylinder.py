@@ -27,7 +27,7 @@ from ..units import (
     WATT,
     Unit,
 )
-from . import tippe_top
+from . import outlook, tippe_top
 
 
 PARAMETERS = {
@@ -284,6 +284,7 @@ COMMON: dict[str, Any] = {
     "long_names": LONG_NAMES,
     "potential": contact.height_energy,
     "theta_inertia": tippe_top.theta_inertia,
+    "outlook": outlook.cylinder,
 }
 
 GLIDING_CYLINDER = System(

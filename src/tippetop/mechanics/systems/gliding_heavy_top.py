@@ -16,7 +16,7 @@ from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
 from ..system import Form, System
 from ..units import ANGULAR_MOMENTUM, JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, ONE
-from . import heavy_top
+from . import heavy_top, outlook
 
 
 @formula
@@ -151,5 +151,6 @@ GLIDING_HEAVY_TOP = System(
     events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
     long_names=gliding.LONG_NAMES,
     laws=LAWS,
+    outlook=outlook.gliding_heavy_top,
     **heavy_top.COMMON,
 )

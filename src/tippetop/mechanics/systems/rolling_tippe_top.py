@@ -6,7 +6,7 @@ from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import euler as rolling_euler
 from ..system import Quantity, System
 from ..units import ANGULAR_MOMENTUM
-from . import tippe_top
+from . import outlook, tippe_top
 from .tippe_top_reduced import REDUCED
 
 
@@ -37,4 +37,7 @@ ROLLING_TIPPE_TOP = System(
     potential=tippe_top.potential,
     theta_inertia=tippe_top.theta_inertia,
     momenta=("routh", "jellett"),
+    landscape=tippe_top.LANDSCAPE,
+    outlook=outlook.rolling_tippe_top,
+    classes=tippe_top.TIPPE_TOP.classes,
 )
