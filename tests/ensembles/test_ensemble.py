@@ -94,17 +94,6 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
     assert {"finished", "liftoff"} <= set(kinds(found, "status"))
 
 
-def test_a_turning_right_after_a_start_at_rest_is_found() -> None:
-    """The start is a zero of theta' and is not logged; the next zero lies in the same step. A dense scan tells."""
-    data = {"initial.omega3": 65.94886167813415, "initial.theta": 0.022550316141261836, "friction.mu": 0.25}
-    data |= {"initial.phi_dot": -3.450667221634134, "run.until": 1.0}
-    top = tippetop.ensemble("inverting", {key: np.array([value]) for key, value in data.items()})
-    problem = build.load("inverting", [f"{key}={value!r}" for key, value in data.items()])
-    dense = solve(dataclasses.replace(problem, times=np.linspace(0, 1, 100_001))).columns()["theta"].values
-    moves = np.sign(np.diff(dense))
-    assert int(top["turnings"][0]) == np.sum(moves[1:] != moves[:-1])
-
-
 @pytest.mark.parametrize(("threads", "longest"), [(2, 192), (1, 31)])
 def test_neither_threads_nor_slices_nor_order_change_a_bit(
     mixed: dict[str, np.ndarray], found: xr.Dataset, threads: int, longest: int, monkeypatch: pytest.MonkeyPatch

@@ -16,6 +16,10 @@ from tippetop.runs.run import Run, solve
 
 CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3.2e-6, "g": 9.82}
 """S. Rauch-Wojciechowski and N. Rutstam, Regul. Chaotic Dyn. 18 (2013)."""
+HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
+"""A heavy top; its moment about the tip is 2.4e-4 kg m^2."""
+SLENDER = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
+"""A heavy top whose periods were computed by quadrature in 30 digits."""
 
 
 def problem(
@@ -38,6 +42,12 @@ def problem(
 def run(*arguments: Any, **options: Any) -> Run:
     """The run of `problem(...)`."""
     return solve(problem(*arguments, **options))
+
+
+def turning_times(times: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Where a dense scan of theta turns: the times of the rows at which its steps change sign."""
+    moves = np.sign(np.diff(theta))
+    return times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
 
 
 def columns(made: Run) -> dict[str, np.ndarray]:

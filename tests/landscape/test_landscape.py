@@ -6,16 +6,13 @@ import numpy as np
 import pytest
 import scipy.optimize
 import xarray as xr
+from examples import CANONICAL, HEAVY
 
 from tippetop.landscape import body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.systems import heavy_top, spinning, tippe_top
 from tippetop_kernels.minimise import Status
 from tippetop_kernels.roots import Level
-
-
-CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 1 / 312500, "g": 9.82}  # section 14
-HEAVY = {"m": 0.1, "l": 0.04, "I1": 1e-4 - 1.6e-4 / 4, "I3": 5e-5, "g": 9.82}
 
 
 # --- the potential --------------------------------------------------------------------------------------------------
@@ -293,9 +290,8 @@ def test_rolling_top_swings_as_its_reference_run():
 def test_heavy_top_swings_as_its_closed_form():
     """Reference case 7: 2 K(k)/W; cuspidal start at theta = 0.6, L3 = 0.01 (sections 8, 14)."""
     L3, z0 = 0.01, np.cos(0.6)
-    heavy = {"m": 0.1, "l": 0.04, "I1": 8 / 100000, "I3": 5e-5, "g": 9.82}
-    E = L3**2 / 2 / heavy["I3"] + heavy["m"] * heavy["g"] * heavy["l"] * z0
-    found = turning.turning_angles(heavy, L3, L3 * z0, E, "heavy-top")
+    E = L3**2 / 2 / HEAVY["I3"] + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * z0
+    found = turning.turning_angles(HEAVY, L3, L3 * z0, E, "heavy-top")
     assert found.theta_min.item() == pytest.approx(0.6, rel=1e-12)
     assert found.theta_max.item() == pytest.approx(0.7376469624934865, rel=1e-12)
     assert found.period.item() == pytest.approx(0.1786029610277087905, rel=1e-11)

@@ -19,7 +19,6 @@ from tippetop.runs.summary import lines
 
 
 B = contact.Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
-HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 TIP = contact.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 
 
@@ -196,7 +195,7 @@ def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
     spin = 2.44 * thresholds.sleeping_spin(TIP)
     growth = modes.linear_modes(spin, TIP)[0].real
     made = examples.run(
-        "gliding-heavy-top", HEAVY, {"theta": 1e-3, "omega3": spin}, 60.0, ("viscous", {"mu": 0.3}), events=()
+        "gliding-heavy-top", examples.HEAVY, {"theta": 1e-3, "omega3": spin}, 60.0, ("viscous", {"mu": 0.3}), events=()
     )
     theta, t = examples.columns(made)["theta"], made.times
     late = t > 10
@@ -206,7 +205,7 @@ def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
 
 def start_of(name: str, theta: float = 0.1, law: tuple = ("viscous", {"mu": 0.3}), **more: float) -> Problem:
     """A start of a system with its usual numbers."""
-    system, numbers = SYSTEMS[name], HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6}
+    system, numbers = SYSTEMS[name], examples.HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6}
     initial = {"theta": theta, **{key: value for key, value in more.items() if key in system.initial}}
     return examples.problem(name, {k: numbers[k] for k in system.parameters}, initial, 1.0, law)
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from plans import PLAN, assert_same
+from plans import PLAN
+from stores import assert_same
 
 import tippetop
 from tippetop.cli import outcome

@@ -128,7 +128,7 @@ def test_chunks_hold_every_top_once_and_take_seconds(n: int, until: float) -> No
 
 
 def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
-    text = (Path(__file__).parents[1] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
     (tmp_path / "PLAN.toml").write_text(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[0])
     of = plan.read(tmp_path / "PLAN.toml")
     assert (of.n, of.base.until, of.runs) == (24, 8.0, [0])

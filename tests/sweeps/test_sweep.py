@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 import zarr
-from plans import PLAN, assert_same, written
+from plans import PLAN
+from stores import assert_same, written
 
 import tippetop
 from tippetop.cli import outcome

@@ -4,12 +4,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
-from plans import PLAN, assert_same, chunks, written
+from plans import PLAN
+from stores import assert_same, chunks, ended, start_process, wait_until, written
 
 import tippetop
 from tippetop.cli import outcome
@@ -55,9 +55,7 @@ def test_two_processes_make_the_same_store(whole: Path, file: Path, tmp_path: Pa
 
 
 def start(file: Path, store: Path, *words: str) -> subprocess.Popen:
-    code = "from tippetop.cli import main; main()"
-    command = [sys.executable, "-c", code, "sweep", str(file), "--out", str(store), *words]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    return start_process("sweep", str(file), "--out", str(store), *words)
 
 
 def children(process: subprocess.Popen) -> list[int]:
@@ -79,9 +77,7 @@ def longer(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 def wait_for(process: subprocess.Popen, store: Path, done: int) -> None:
     """Waits until so many chunks are done."""
-    while not store.exists() or written(store) < done:
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.05)
+    wait_until(lambda: written(store) >= done, process)
 
 
 @pytest.mark.slow
@@ -91,8 +87,7 @@ def test_killed_workers_cost_nothing(longer: tuple[Path, Path], tmp_path: Path) 
     for done in (3, 12, 25):
         wait_for(process, store, done)
         os.kill(children(process)[0], signal.SIGKILL)
-    _, err = process.communicate()
-    assert (process.returncode, err) == (0, "")
+    assert ended(process) == (0, "")
     assert_same(store, longer[1])
 
 
@@ -103,10 +98,9 @@ def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path,
         process = start(longer[0], store, "--workers", workers)
         wait_for(process, store, done)
         process.kill()
-        process.communicate()
+        ended(process)
         assert written(store) < 40
-    process = start(longer[0], store)
-    assert process.communicate()[1] == ""
+    assert ended(start(longer[0], store)) == (0, "")
     assert_same(store, longer[1])
 
 
@@ -149,8 +143,8 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
         workers[0].kill()
         wait_for(process, store, 10)
         scheduler.kill()
-        _, err = process.communicate()
-        assert process.returncode == 6
+        code, err = ended(process)
+        assert code == 6
         assert "tippetop: the scheduler went away; what it gave back is stored." in err
     finally:
         for other in (scheduler, *workers):
