@@ -10,8 +10,8 @@ import xarray as xr
 from tippetop.landscape import body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.systems import heavy_top, spinning, tippe_top
+from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
-from tippetop_kernels.roots import Level
 
 
 CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 1 / 312500, "g": 9.82}  # section 14

@@ -11,6 +11,7 @@ import xarray as xr
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.landscape import recording, surface
+from tippetop.landscape.recording import Surface
 from tippetop.store import root
 
 
@@ -20,7 +21,9 @@ D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
 
 def test_store_is_the_surface(tmp_path):
     seen = []
-    path = recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=lambda *a: seen.append(a))
+    path = recording.write(
+        tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=lambda *a: seen.append(a)
+    )
     stored, exact = root.open_group(path, "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
     for name in ("F", "z", "status", "D", "lambda"):
         np.testing.assert_array_equal(stored[name], exact[name])
@@ -40,12 +43,12 @@ def test_interrupted_store_goes_on(tmp_path, monkeypatch):
             raise Stop
 
     with pytest.raises(Stop):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=stop)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=stop)
     assert not (tmp_path / "F.zarr").exists()
     worked = []
     minima = surface.minima
     monkeypatch.setattr(recording.surface, "minima", lambda *a: worked.append(1) or minima(*a))
-    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert len(worked) == 7
     stored, exact = root.open_group(tmp_path / "F.zarr", "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
     np.testing.assert_array_equal(stored.F, exact.F)
@@ -53,11 +56,11 @@ def test_interrupted_store_goes_on(tmp_path, monkeypatch):
 
 def test_surface_has_one_writer(tmp_path):
     def second(done, of):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
 
     with pytest.raises(errors.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=second)
-    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=second)
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
 
 
 def test_chunk_without_its_status_is_done_again(tmp_path):
@@ -67,11 +70,11 @@ def test_chunk_without_its_status_is_done_again(tmp_path):
         raise Stop
 
     with pytest.raises(Stop):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64, progress=stop)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=64), progress=stop)
     part = tmp_path / ".F.zarr.part" / "surface"
     (part / "status" / "c" / "0" / "0").unlink()
     (part / "F" / "c" / "0" / "0").unlink()
-    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64)
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=64))
     assert np.isfinite(root.open_group(tmp_path / "F.zarr", "surface").F).all()
 
 
@@ -80,15 +83,15 @@ def test_another_surface_does_not_go_on(tmp_path):
         raise Stop
 
     with pytest.raises(Stop):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, progress=stop)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM), progress=stop)
     with pytest.raises(errors.StoreError, match="must be the same surface"):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM * 2)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM * 2))
 
 
 def test_existing_store_is_left_alone(tmp_path):
     (tmp_path / "F.zarr").mkdir()
     with pytest.raises(errors.StoreError, match="must not exist yet"):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM))
 
 
 def test_surface_command(tmp_path, capsys):

@@ -94,7 +94,7 @@ def kernels() -> Kernels:
     """The kernels of this house; numba is imported here, and only here."""
     from tippetop_kernels import grid
     from tippetop_kernels.jit import inlined, kernel
-    from tippetop_kernels.lanes import in_stages
+    from tippetop_kernels.staging import in_stages
 
     inner = {
         name: inlined(getattr(formulas, name)) for name in ("lean", "guess", "slopes", "value", "ends", "gradient")

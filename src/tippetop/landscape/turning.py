@@ -28,7 +28,7 @@ def turning_angles(
     or less, and next to a separatrix); `small_period` [s] is 2 pi sqrt(2 g/V''), exact for vanishing amplitude.
     `level`: above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined. [T 4.12, 4.21]
     """
-    from tippetop_kernels.roots import Level
+    from tippetop_kernels.level_crossings import Level
 
     t, k = top(parameters, system), kernels()
     arrays: list[Any] = [
