@@ -167,7 +167,7 @@ def count_closer(t, xs, ys):
 def pieces(n, repeats):
     """Where the time of a point goes [ns]: each part of a row by itself, on one block that stays in the cache."""
     from tippetop_kernels import grid
-    from tippetop_kernels.lanes import BLOCK
+    from tippetop_kernels.staging import BLOCK
 
     t = bodies.top(FIGURE)
     f, r, many = kernels().formulas, t.coefficients, n * n // BLOCK

@@ -9,9 +9,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from .jit import kernel
-from .lanes import BLOCK, first, get, put, second, third, width
+from .level_crossings import crossings, swing
 from .minimise import AT_REST, NEARLY, Status, clipped, factor, lowest, minimise, settled
-from .roots import crossings, swing
+from .staging import BLOCK, first, get, put, second, third, width
 
 
 STAGED = 8  # doubles that a stage may hand to the next

@@ -1,12 +1,8 @@
-"""What goes wrong in ways that a person can mend: each error is one or more sentences."""
+"""What goes wrong in ways that the user can mend: each error is one or more sentences."""
 
 
 class Interrupted(Exception):
-    """The run was asked to stop, and stopped at a commit; `signal` says by what."""
-
-    def __init__(self, signal_number: int):
-        super().__init__(signal_number)
-        self.signal = signal_number
+    """The run was asked to stop, and stopped at a commit: its store can be resumed."""
 
 
 class StoreError(OSError):

@@ -7,7 +7,7 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class Grid:
+class EvenTimes:
     """The times 0, step, 2 step, ..., and `until` itself as the last one [s]."""
 
     step: float
@@ -32,7 +32,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Given:
+class ListedTimes:
     """Times that a person listed, ascending [s]."""
 
     times: np.ndarray

@@ -11,8 +11,8 @@ from examples import CANONICAL, HEAVY
 from tippetop.landscape import body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.systems import heavy_top, spinning, tippe_top
+from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
-from tippetop_kernels.roots import Level
 
 
 # --- the potential --------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.problem import Problem
 from tippetop.runs import recording
-from tippetop.runs.integration import Course
+from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
@@ -138,10 +138,10 @@ def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.setattr(recording, name, value)
     seen = []
 
-    def stop(course: object) -> None:
-        seen.append(course)
+    def stop(integration: object) -> None:
+        seen.append(integration)
         if len(seen) == 4:
-            raise errors.Interrupted(signal.SIGINT)
+            raise errors.Interrupted
 
     with pytest.raises(errors.Interrupted):
         recording.record(problem(), store, progress=stop)
@@ -169,7 +169,7 @@ def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, mon
     with pytest.raises(StoreError, match="must have a whole checkpoint"):
         recording.resume(store)
     other = json.loads(kept)
-    other["course"]["equations"] = "0" * 16
+    other["integration"]["equations"] = "0" * 16
     place.write_text(json.dumps(other))
     with pytest.raises(StoreError, match="equations"):
         recording.resume(store)
@@ -216,10 +216,10 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
     recording.record(short, whole)
     calls = []
 
-    def stop(course: object) -> None:
-        calls.append(course)
+    def stop(integration: object) -> None:
+        calls.append(integration)
         if len(calls) == 2:
-            raise errors.Interrupted(signal.SIGINT)
+            raise errors.Interrupted
 
     with pytest.raises(errors.Interrupted):
         recording.record(short, broken, progress=stop)
@@ -253,17 +253,17 @@ class HandedOver(Exception):
 
 def handed_over_after_every_slice(made: Problem) -> Memory:
     """A run that a new process takes over, from a checkpoint, before its first slice and after each."""
-    memory, course = Memory(), Course(made)
+    memory, integration = Memory(), Integration(made)
 
-    def stop(_: Course) -> None:
+    def stop(_: Integration) -> None:
         raise HandedOver
 
-    while course.status is None:
-        kept = json.loads(json.dumps(course.snapshot(), allow_nan=False))
-        course = Course(made)
-        course.restore(kept)
+    while integration.status is None:
+        kept = json.loads(json.dumps(integration.snapshot(), allow_nan=False))
+        integration = Integration(made)
+        integration.restore(kept)
         with contextlib.suppress(HandedOver):
-            course.run(memory, stop)
+            integration.run(memory, stop)
     return memory
 
 
@@ -301,9 +301,9 @@ def test_rows_at_events_or_steps(tmp_path: Path) -> None:
 def test_a_settled_run_can_stop_early(tmp_path: Path) -> None:
     tables = reading.override(reading.read("inverting"), ["run.stop_when=settled", "run.until=1e5"])
     tables["run"]["output_step"] = 1.0
-    course, attrs = recording.record(build.problem(tables), tmp_path / "run.zarr")
+    integration, attrs = recording.record(build.problem(tables), tmp_path / "run.zarr")
     assert attrs["status"] == "settled"
-    assert 36 < course.t_end < 1000
+    assert 36 < integration.t_end < 1000
     shutil.rmtree(tmp_path / "run.zarr")
 
 

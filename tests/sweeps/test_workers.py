@@ -16,10 +16,11 @@ from tippetop.cli import outcome
 from tippetop.errors import Unfinished
 from tippetop.scenario import build
 from tippetop.store import provenance
-from tippetop.sweeps import chunk, plan
+from tippetop.sweeps import chunk
+from tippetop.sweeps.plan import Plan
 
 
-LINES = chunk.lines
+LINES = chunk.compute_chunk
 
 
 def test_dask_makes_the_same_store(
@@ -157,9 +158,9 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
 
 def test_a_worker_of_other_versions_is_refused(file: Path) -> None:
     """Its bits could differ."""
-    of = plan.read(file)
+    of = Plan.from_toml(file)
     task = chunk.Task(
         0, build.resolved(of.base), of.columns(of.tops(0)), None, {**provenance.versions(), "heyoka": "0"}
     )
     with pytest.raises(chunk.OtherVersions, match="other versions of heyoka than the sweep was begun with"):
-        chunk.lines(task)
+        chunk.compute_chunk(task)

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from cyclopts import App, CycloptsError
 
-from . import landscape, run, show, sweep
+from . import host, landscape, run, show, sweep
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
@@ -23,7 +23,7 @@ app = App(
 )
 for module in (run, landscape, sweep, show):
     for command in module.COMMANDS:
-        app.command(command)
+        app.command(command if command in show.TEXT_ONLY else host.prepared(command))
 
 
 def _version() -> str:

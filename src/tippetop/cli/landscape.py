@@ -56,7 +56,8 @@ def surface(
     if out is not None:
         try:
             with Bar("chunks") as bar:
-                recording.write(out, parameters, Ds, lambdas, system, progress=bar.update)
+                wanted = recording.Surface.over(parameters, Ds, lambdas, system)
+                recording.write(out, wanted, progress=bar.update)
         except KeyboardInterrupt:
             print("tippetop: interrupted; the same command goes on from here.", file=sys.stderr)
             return 130

@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -47,21 +48,20 @@ def run(
     window
         Certify only the first so many seconds.
     """
-    from ..progress import Progress
+    from ..progress import Bar
     from ..runs import attributes
     from ..scenario import build
     from ..store import root
-    from .memory import keep_memory
+    from .text import following
 
     problem = build.load(scenario, set_, until)
     if figure is not None:
         _check_picture(figure)
-    keep_memory()
     if out is None:
         from ..runs.run import solve
 
-        with Progress(problem.until) as progress:
-            done = solve(problem, progress.update, keep=figure is not None)
+        with Bar("s", "t = {done:.4g} s") as bar:
+            done = solve(problem, following(bar), keep=figure is not None)
         attrs = root.finite(attributes.attributes(problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
@@ -69,37 +69,39 @@ def run(
         return _say(attrs, done.seconds, {"figure": figure}, as_json)
     from ..runs.recording import record
 
-    with Progress(problem.until) as progress:
-        course, attrs = _interruptible(lambda: record(problem, out, overwrite=overwrite, progress=progress.update), out)
+    with Bar("s", "t = {done:.4g} s") as bar:
+        integration, attrs = _interruptible(
+            lambda stop: record(problem, out, overwrite=overwrite, progress=following(bar), stop=stop), out
+        )
     if certify:
         attrs["certificate"] = _certificate(problem, window, out)
     _picture(figure, out, attrs)
-    return _say(attrs, course.seconds, {"store": out, "figure": figure}, as_json)
+    return _say(attrs, integration.seconds, {"store": out, "figure": figure}, as_json)
 
 
 def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
     """Continue an interrupted run: the finished store is that of an undisturbed one, bit by bit."""
-    from ..progress import Progress
-    from ..runs.recording import resume as go_on
-    from ..store import root
-    from .memory import keep_memory
+    from ..progress import Bar
+    from ..runs.recording import resume as continued
+    from .text import following
 
-    keep_memory()
-    until = root.attributes(store)["run"]["until"]
-    with Progress(until) as progress:
-        course, attrs = _interruptible(lambda: go_on(store, progress.update), store)
-    return _say(attrs, course.seconds, {"store": store}, as_json)
+    with Bar("s", "t = {done:.4g} s") as bar:
+        integration, attrs = _interruptible(lambda stop: continued(store, following(bar), stop=stop), store)
+    return _say(attrs, integration.seconds, {"store": store}, as_json)
 
 
-def _interruptible(work: Callable[[], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
-    """Does the work; where it was interrupted, says how to go on and exits with 128 + the signal's number."""
+def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
+    """Does the work; where a signal stopped it, says how to continue and exits with 128 + the signal's number."""
     from ..errors import Interrupted
+    from .host import stopping
 
-    try:
-        return work()
-    except Interrupted as stopped:
-        print(f"tippetop: interrupted; everything so far is kept. Go on with: tippetop resume {store}", file=sys.stderr)
-        raise SystemExit(128 + stopped.signal) from None
+    with stopping() as stop:
+        try:
+            return work(stop.event)
+        except Interrupted:
+            pass
+    print(f"tippetop: interrupted; everything so far is kept. Go on with: tippetop resume {store}", file=sys.stderr)
+    raise SystemExit(128 + stop.signal)
 
 
 def _certificate(problem: Any, window: float | None, store: Path | None) -> dict[str, Any]:

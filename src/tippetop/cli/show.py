@@ -178,3 +178,4 @@ def _plain(value: Any) -> str:
 
 
 COMMANDS: list[Any] = [info, check, plot, export, systems, presets]
+TEXT_ONLY: list[Any] = [export, systems, presets]  # they compute nothing, and need no engine

@@ -34,7 +34,6 @@ def sweep(
     """
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED, complain
-    from ..errors import Interrupted
     from ..sweeps import summary, sweep
 
     again = f"Go on with: {_command(plan, out, workers, scheduler)}"
@@ -43,9 +42,8 @@ def sweep(
         failed = []
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
-    except (KeyboardInterrupt, Interrupted, SystemExit) as stopped:
-        number = stopped.signal if isinstance(stopped, Interrupted) else 0
-        code = 128 + number if number else INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
+    except (KeyboardInterrupt, SystemExit) as stopped:  # at once: not after the chunks that are being computed
+        code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
     describe(summary.report(out), as_json)
     return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS) if failed else 0
@@ -83,11 +81,11 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
 
     from ..store.root import finite
     from ..sweeps import chunk
-    from ..sweeps.plan import of as checked
+    from ..sweeps.plan import Plan
     from .text import console
 
-    plan = checked(tables, folder)
-    columns = chunk.empty(plan.base, plan.keep).values()
+    plan = Plan.from_tables(tables, folder)
+    columns = chunk.column_schema(plan.base, plan.keep).values()
     found: dict[str, Any] = {
         "tops": plan.n,
         "axes": plan.design.sizes,

@@ -1,14 +1,19 @@
-"""What a person reads: the summary of a run, and the progress bar in a terminal."""
+"""What the user reads: the summary of a run, and what the progress bar says of it."""
 
 from __future__ import annotations
 
 import sys
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 
 from ..runs.summary import lines
+
+
+if TYPE_CHECKING:
+    from ..progress import Bar
 
 
 def console() -> Console:
@@ -23,6 +28,19 @@ def told(attrs: dict[str, Any]) -> dict[str, Any]:
     from ..store.root import finite
 
     return attributes.info(attrs) | finite(forecast.remarks(build.problem(build.tables_of(attrs))))
+
+
+def following(bar: Bar) -> Callable[[Any], None]:
+    """A run's progress callback, which tells a bar how far the integration has come."""
+
+    def note(report: dict[str, Any]) -> str:
+        drift = max(report["drift"].values(), default=0.0)
+        turnings = report["event_counts"].get("turning", 0)
+        return f"theta {report['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
+
+    return lambda integration: bar.update(
+        integration.t_end, integration.problem.until, lambda: note(integration.report())
+    )
 
 
 def summary(headline: str, info: dict[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:

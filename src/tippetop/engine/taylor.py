@@ -23,12 +23,16 @@ from .status import Status
 from .zeros import Zero
 
 
-hy.set_logger_level_critical()  # heyoka warns on stdout, which is ours; every outcome it warns of has a status here
-
 STEPS_PER_SLICE = 8192  # about 20 ms of work and 18 MB of dense output, which costs 1.2 ms a call: heyoka compiles it
 LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of compilation pay
 DIRECTIONS = {-1: hy.event_direction.negative, 0: hy.event_direction.any, 1: hy.event_direction.positive}
 EVENT_SCALE = 2.0**-24  # events must not control the step either: with and without them, a run has the same bits
+
+
+def silence() -> None:
+    """Stops heyoka's warnings for the whole process: they go to standard output, and every outcome that they are about
+    has a status here. For whoever owns the process: the command line, and the workers that a sweep starts."""
+    hy.set_logger_level_critical()
 
 
 class Compiled(NamedTuple):

@@ -14,7 +14,7 @@ from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.system import KINDS
 from ..problem import Problem
-from ..progress import shown
+from ..progress import reporting
 from ..scenario import build
 from . import observer
 from .lanes import LANES, Lanes
@@ -220,5 +220,5 @@ def ensemble(
     ScenarioError if the scenario or a key is wrong.
     """
     tops, faults = tops_of(source, variations, until)
-    with shown(progress, "tops") as tell:
+    with reporting(progress, "tops") as tell:
         return dataset(measure(tops, threads=threads, progress=tell), faults)

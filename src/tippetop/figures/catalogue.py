@@ -51,9 +51,9 @@ def draw_sweep(kind: str, store: Path, path: Path) -> None:
     from ..sweeps import maps
     from . import sweep
 
-    made = maps.mapped(store, kind)
+    made = maps.make_map(store, kind)
     with styled():
-        save(sweep.drawn(made), path)
+        save(sweep.draw_map(made), path)
 
 
 def check_kind(kind: str) -> None:

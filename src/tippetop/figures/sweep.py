@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..ensembles.outcomes import CLASSES
-from ..sweeps.maps import Map, Shown
+from ..sweeps.maps import Map, MapAxis
 from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
 
 
@@ -31,7 +31,7 @@ ONE_AXIS = {"inversion": "Times of inversion", "normal-force": "Extremes of the 
 TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
 
 
-def drawn(made: Map) -> Figure:
+def draw_map(made: Map) -> Figure:
     """The figure of a map."""
     return _over_two(made) if len(made.axes) == 2 else _over_one(made)
 
@@ -68,7 +68,7 @@ def _over_two(made: Map) -> Figure:
     return page
 
 
-def _liftoff(axes: Any, x: Shown, y: Shown, field: np.ndarray) -> list[Any]:
+def _liftoff(axes: Any, x: MapAxis, y: MapAxis, field: np.ndarray) -> list[Any]:
     """The border at which the normal force reaches zero."""
     touches: Any = np.ma.array(field <= TOUCH, dtype=float, mask=np.isnan(field))
     if min(field.shape) < 2 or not touches.min() < touches.max():
@@ -119,7 +119,7 @@ def _over_one(made: Map) -> Figure:
     return page
 
 
-def _dress(axes: Any, made: Map, x: Shown) -> None:
+def _dress(axes: Any, made: Map, x: MapAxis) -> None:
     axes.set_xlabel(x.label)
     if x.log:
         axes.set_xscale("log")

@@ -29,7 +29,7 @@ def kernels() -> Kernels:
     """The kernels; numba is imported here and in the functions that run them, when they are first called."""
     from tippetop_kernels import grid
     from tippetop_kernels.jit import inlined, kernel
-    from tippetop_kernels.lanes import in_stages
+    from tippetop_kernels.staging import in_stages
 
     inner = {name: inlined(getattr(formulas, name)) for name in INLINED}
     for name, stages in formulas.STAGES.items():

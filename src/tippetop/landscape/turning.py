@@ -93,7 +93,7 @@ def turning_angles(
     ValueError
         For a system without landscape, and a parameter that is missing, not finite or outside its interval.
     """
-    from tippetop_kernels.roots import Level
+    from tippetop_kernels.level_crossings import Level
 
     t = top(parameters, system)
     (x, y, E), shape, dims, coords = _aligned(first, second, energy)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..problem import Problem
-from ..sampling import Given
+from ..sampling import ListedTimes
 from .run import Run, solve
 
 
@@ -38,7 +38,7 @@ def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]
         return {"against": None, "reason": "no wider precision than quad"}
     until = min(problem.until, window or problem.until)
     times = np.linspace(0.0, until, SAMPLES)
-    plain = dataclasses.replace(problem, until=until, times=Given(times), output="times", stop_when="until")
+    plain = dataclasses.replace(problem, until=until, times=ListedTimes(times), output="times", stop_when="until")
     wide = dataclasses.replace(plain, precision=WIDER[problem.precision], tolerance=0.0)
     mine, witness = solve(plain), solve(wide)
     rows = min(len(mine.times), len(witness.times))

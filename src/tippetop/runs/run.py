@@ -11,7 +11,7 @@ from ..engine.status import Status
 from ..problem import Problem
 from ..scenario.build import load
 from .events import EventTable
-from .integration import Course
+from .integration import Integration
 from .sinks import Memory, Nowhere
 from .summary import lines
 
@@ -40,24 +40,24 @@ class Run:
         return "\n".join([self.problem.system.title, *(f"{name:16}{text}" for name, text in said)])
 
 
-def solve(problem: Problem, progress: Callable[[Course], None] | None = None, *, keep: bool = True) -> Run:
+def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Run:
     """Integrates a problem to its end, gathering rows and events in memory, unless not told to keep them.
 
     `progress` is called after every slice.
     """
-    course, memory = Course(problem), Memory() if keep else Nowhere()
-    course.run(memory, progress)
-    assert course.status is not None
+    integration, memory = Integration(problem), Memory() if keep else Nowhere()
+    integration.run(memory, progress)
+    assert integration.status is not None
     return Run(
         problem,
-        course.status,
-        course.reason(),
+        integration.status,
+        integration.reason(),
         np.concatenate([np.zeros(0), *memory.times]),
-        np.concatenate([course.first[:0], *memory.states]),
+        np.concatenate([integration.first[:0], *memory.states]),
         memory.table(),
-        course.last[0],
-        course.report(),
-        course.seconds,
+        integration.last[0],
+        integration.report(),
+        integration.seconds,
     )
 
 

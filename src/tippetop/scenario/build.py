@@ -14,7 +14,7 @@ from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
 from ..problem import PRECISIONS, Problem
-from ..sampling import Given, Grid
+from ..sampling import EvenTimes, ListedTimes
 from .reading import override, read
 from .schema import RunTable, scenario_model
 from .sentences import scenario_sentence
@@ -117,7 +117,7 @@ def _output(problem: Problem) -> dict[str, Any]:
     """The keys of [run] that say when rows are wanted."""
     if problem.output != "times":
         return {"output": problem.output}
-    if isinstance(problem.times, Grid):
+    if isinstance(problem.times, EvenTimes):
         return {"output_step": problem.times.step}
     return {"output_times": problem.times.times.tolist()}
 
@@ -157,11 +157,11 @@ def _run_faults(system: System, run: RunTable) -> list[str]:
     return faults
 
 
-def _times(run: RunTable) -> Grid | Given:
+def _times(run: RunTable) -> EvenTimes | ListedTimes:
     """Times of the rows [s]; a grid always ends with `until` itself."""
     if run.output_times is not None:
-        return Given(np.array(run.output_times, dtype=float))
-    return Grid(run.output_step or run.until / 1000, run.until)
+        return ListedTimes(np.array(run.output_times, dtype=float))
+    return EvenTimes(run.output_step or run.until / 1000, run.until)
 
 
 def _check_start(built: Problem) -> None:
