@@ -119,9 +119,10 @@ def systems(*, as_json: Json = False) -> int:
     """List the systems with their forms, parameters and events."""
     from rich.table import Table
 
-    from ..mechanics.systems import SYSTEMS
+    from ..mechanics.systems import SYSTEMS, load_entry_points
     from .text import console
 
+    load_entry_points()
     found: dict[str, dict[str, Any]] = {
         name: {
             "title": s.title,
