@@ -34,7 +34,7 @@ def _number(parameter: Parameter) -> Any:
     return Annotated[float, Field(**{k: v for k, v in bounds.items() if v is not None})]
 
 
-def _table(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
+def table_model(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
     fields: dict[str, Any] = {
         n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()
     }
@@ -52,16 +52,16 @@ def _model(system: System, laws: tuple[str, ...]) -> type[BaseModel]:
     fields: dict[str, Any] = {
         "system": (Literal[system.name], ...),
         "form": (Literal[tuple(system.forms)], next(iter(system.forms))),
-        "parameters": (_table("Parameters", system.parameters, required=True), ...),
+        "parameters": (table_model("Parameters", system.parameters, required=True), ...),
         "run": (RunTable, ...),
     }
     flags = {"centre_at_rest": (bool, False)} if "nu_x" in system.initial else {}
-    initial = _table("Initial", system.initial, required=False, **flags)
+    initial = table_model("Initial", system.initial, required=False, **flags)
     fields["initial"] = (initial, initial())
     if system.frictional:
         union: Any = None
         for name in laws:
-            table = _table(name, system.laws[name].parameters, required=True, law=(Literal[name], ...))
+            table = table_model(name, system.laws[name].parameters, required=True, law=(Literal[name], ...))
             union = table if union is None else union | table
         fields["friction"] = (Annotated[union, Field(discriminator="law")], ...)
     return create_model("Scenario", __base__=Table, **fields)
