@@ -214,7 +214,7 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
         return {"law": law.law, **law.numbers()}
     load_entry_points()
     for name, known in laws.items():
-        if type(law) is known.record:
+        if isinstance(law, tuple) and type(law) is known.record:
             return {"law": name, **dict(zip(known.parameters, law, strict=True))}
     kind = type(law).__name__
     raise InputError([f"the friction law {kind} must be registered: tippetop.register(Law({kind}, ...))."])

@@ -46,8 +46,8 @@ def ensemble(
     -------
     xarray.Dataset
         Along `top`, (n,): status, class, t_end [s], times of passages [s], theta_min, theta_max [rad],
-        normal_force_min, normal_force_max [N], drift of the invariants; what varies is its coordinates. Invalid tops have the status
-        `invalid`; what is wrong with the first of them stands in the attributes.
+        normal_force_min, normal_force_max [N], drift of the invariants; what varies is its coordinates. Invalid tops
+        have the status `invalid`; what is wrong with the first of them stands in the attributes.
 
     Raises
     ------

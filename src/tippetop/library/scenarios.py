@@ -74,7 +74,7 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
         *system.vectors,
         "time",
     }
-    names = [record.name for record in (*events, *columns)]
+    names = [*(event.name for event in events), *(quantity.name for quantity in columns)]
     faults = [f"`{name}` must be a new name, but `{system.name}` has it." for name in names if name in known]
     if faults:
         raise InputError(faults)
@@ -112,7 +112,7 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
 
 def _events(events: Iterable[str | Event] | None) -> tuple[list[str], tuple[Event, ...]]:
     """Names of the kinds to be logged, and events of one's own; if any is named, the own ones are logged too."""
-    given = [events] if isinstance(events, str | Event) else list(events or ())
+    given: list[Any] = [events] if isinstance(events, str | Event) else list(events or ())
     own = tuple(event for event in given if isinstance(event, Event))
     names: list[Any] = [event.name if isinstance(event, Event) else event for event in given]
     return (names if len(own) < len(given) else []), own
