@@ -231,7 +231,8 @@ def _momenta(system: str, first: Any, second: Any, D: Any, lam: Any, L3: Any, Lz
     """The two momenta, given by their letters or by position."""
     tippe_tops, heavy_tops = {"D": D, "lam": lam}, {"L3": L3, "Lz": Lz}
     record = find(system)
-    letters, others = (heavy_tops, tippe_tops) if record and "L3" in record.momenta else (tippe_tops, heavy_tops)
+    heavy = record is not None and record.landscape is not None and "L3" in record.landscape.symbols
+    letters, others = (heavy_tops, tippe_tops) if heavy else (tippe_tops, heavy_tops)
     known = " and ".join(letters)
     sentences = [f"`{name}` is no momentum of {system}: it has {known}." for name, v in others.items() if v is not None]
     found = []

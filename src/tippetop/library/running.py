@@ -1,6 +1,7 @@
 """The calls that make a run, and the one that opens what was stored."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import contextlib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from ..mechanics.system import Event, Quantity, System
 from ..problem import Problem
-from ..progress import Progress
+from ..progress import Bar
 from ..runs.run import solve
 from ..store import root
 from .bodies import Top
@@ -133,11 +134,8 @@ def run(
         return integrate(problem, progress=progress)
     from ..runs.recording import record
 
-    if progress:
-        with Progress(problem.until) as bar:
-            record(problem, Path(out), overwrite=overwrite, progress=bar.update)
-    else:
-        record(problem, Path(out), overwrite=overwrite)
+    with _following(progress) as follow:
+        record(problem, Path(out), overwrite=overwrite, progress=follow)
     return StoredRun(out)
 
 
@@ -155,10 +153,18 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
     -------
     Run
     """
+    with _following(progress) as follow:
+        return Run(solve(problem, follow))
+
+
+@contextlib.contextmanager
+def _following(progress: bool) -> Iterator[Callable[[Any], None] | None]:
+    """What is called after every slice: it moves a bar, if one is wanted."""
     if not progress:
-        return Run(solve(problem))
-    with Progress(problem.until) as bar:
-        return Run(solve(problem, bar.update))
+        yield None
+        return
+    with Bar("s", "t = {done:.4g} s") as bar:
+        yield lambda integration: bar.update(integration.t_end, integration.problem.until)
 
 
 def open(path: str | Path) -> "Run | xr.Dataset":
