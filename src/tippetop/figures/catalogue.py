@@ -4,6 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from . import landscape, run, stability
 from .style import save, styled
 
@@ -38,12 +40,23 @@ NEEDED = {"sphere": "axis", **dict.fromkeys(("phase", "band", "surface", "potent
 
 def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
     """Draws one kind of figure of a run to a file. groups: trajectory and events, Datasets or columns."""
+    written(drawn(kind, groups, attrs), path)
+
+
+def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Figure:
+    """One kind of figure of a run. Raises InputError if the run has not what it shows."""
     from ..errors import InputError
 
     if NEEDED.get(kind, "time") not in groups["trajectory"]:
         raise InputError([f"the figure `{kind}` must have `{NEEDED[kind]}` to draw, but this system has none."])
     with styled():
-        save(KINDS[kind](groups["trajectory"], groups["events"], attrs), path)
+        return KINDS[kind](groups["trajectory"], groups["events"], attrs)
+
+
+def written(figure: Figure, path: Path) -> None:
+    """Writes a figure; the ending of `path` names the format. Raises StoreError."""
+    with styled():
+        save(figure, path)
 
 
 def draw_sweep(kind: str, store: Path, path: Path) -> None:

@@ -51,11 +51,13 @@ def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, 
 def phase_of_run(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """The asymptotic states of the body of a run, with the run."""
     from ..mechanics.friction import Frictionless
-    from ..mechanics.systems import SYSTEMS
+    from ..mechanics.systems import find
     from ..mechanics.theory.thresholds import lambda_s, lambda_u
     from ..mechanics.theory.tumbling import branches
 
-    body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
+    system = find(attrs["system"])
+    assert system is not None
+    body = system.body(attrs["parameters"], Frictionless())
     lam = float(_values(trajectory["jellett"])[0])
     limits = {r"$\lambda_u$": lambda_u(body), r"$\lambda_s$": lambda_s(body)}
     marks = {name: value for name, value in limits.items() if np.isfinite(value)}

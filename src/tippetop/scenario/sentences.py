@@ -4,24 +4,24 @@ from typing import Any, get_args
 
 from pydantic import BaseModel
 
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.system import System
 
 
-def scenario_sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]) -> str:
+def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]) -> str:
     """One pydantic error of a scenario as `key` must ..., but is ...."""
-    laws = SYSTEMS[tables["system"]].laws
+    laws = system.laws
     place = [p for p in error["loc"] if not (p in laws and error["loc"][0] == "friction")]
     key, context, kind = ".".join(map(str, place)), error.get("ctx", {}), error["type"]
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         found = repr(context.get("tag")) if kind == "union_tag_invalid" else "missing"
         return f"`{key}.law` must be one of {', '.join(laws)}, but is {found}."
-    return worded(error, key, _known(tables, shape, place) if kind == "extra_forbidden" else [])
+    return worded(error, key, _known(system, tables, shape, place) if kind == "extra_forbidden" else [])
 
 
-def _known(tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
+def _known(system: System, tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
     """The keys that a table of the scenario may have."""
     if place[0] == "friction" and len(place) > 1:
-        return ["law", *SYSTEMS[tables["system"]].laws[tables["friction"]["law"]].parameters]
+        return ["law", *system.laws[tables["friction"]["law"]].parameters]
     model: Any = shape
     for part in place[:-1]:
         annotation = model.model_fields[part].annotation
