@@ -172,7 +172,7 @@ def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
     """Calls work(slice of rows) on all threads, this one among them; kernels release the interpreter's lock.
 
-    Slices begin at multiples of `ROWS_BETWEEN_GUESSES` and shrink towards the end: a call takes some 40 us to unpack its
+    Slices begin at multiples of `ROWS_BETWEEN_GUESSES` and shrink towards the end: a call takes 40 us to unpack its
     records, and no thread should wait long for another. Not numba's prange: it does not take records of records, and
     compiles three times as long.
     """
