@@ -1,4 +1,4 @@
-"""`tippetop sweep`: run the tops of a plan, and say what became of them."""
+"""`tippetop sweep`: run the tops of a plan, and say what their fate is."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ def sweep(
     scheduler: str | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
-    """Run the many tops of a plan into a store; the same command goes on with an unfinished one: the same bits.
+    """Run the many tops of a plan into a store; the same command continues an unfinished one: the same bits.
 
     Parameters
     ----------
     plan
         TOML file: a scenario, and the axes along which it varies.
     out
-        Store to write or to go on with, a zarr folder.
+        Store to write or to continue, a zarr folder.
     workers
         Processes on this machine; by default as many as usable cores. 1 computes in this process.
     scheduler
@@ -50,7 +50,7 @@ def sweep(
 
 
 def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) -> str:
-    """The command line that goes on."""
+    """The command line that continues."""
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
     words += ["--workers", str(workers)] if workers is not None else []
     return " ".join(words + (["--scheduler", scheduler] if scheduler is not None else []))

@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import zarr
-
 from ..engine.observables import View
+from ..store import tables
 from ..store.chunks import Appender
 from ..store.root import new_store
 from .events import event_columns
@@ -19,8 +18,8 @@ ROWS_AT_ONCE = 1 << 16  # of which columns are made at a time
 def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, overwrite: bool = False) -> None:
     """Writes a store whole or not at all; `attributes` are its root attributes. Raises StoreError."""
     view = View(solution.problem)
-    with new_store(target, overwrite=overwrite) as scratch, zarr.config.set({"array.write_empty_chunks": True}):
-        root = zarr.open_group(store=str(scratch), mode="w", zarr_format=3, attributes=attributes)
+    with new_store(target, overwrite=overwrite) as scratch, tables.every_chunk():
+        root = tables.create_root(scratch, attributes)
         empty = view.columns(solution.times[:0], solution.rows[:0])
         trajectory = Appender.created(root, "trajectory", empty, rows_per_chunk(solution.problem))
         log = event_columns(solution.events)
