@@ -265,6 +265,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=float("inf"), help="no mutant is begun after so long")
     parser.add_argument("--list", action="store_true", help="only say what would be run")
     options = parser.parse_args()
+    importlib.import_module(f"tippetop.{SYSTEMS}")
     wanted = [m for m in modules() if not options.modules or any(f".{m}".endswith(f".{n}") for n in options.modules)]
     kept, verdicts, clock = remembered(options.results), {}, time.monotonic()
     for module in wanted:
