@@ -191,3 +191,11 @@ def test_progress_tells_every_top() -> None:
 def test_names_of_ends() -> None:
     assert len(set(STATUSES)) == len(STATUSES)
     assert set(CLASSES) >= {"upright", "tumbling", "inverted", "lifted-off"}
+
+
+def test_the_end_of_a_top_is_called_what_its_system_knows() -> None:
+    """A cylinder that rolls over is not inverted, and one that rests is not upright."""
+    starts = {"initial.theta": np.array([0.01, 3.1]), "initial.theta_dot": np.zeros(2)}
+    for preset, expected in (("rolling-cylinder", ["under-way"] * 2), ("heavy-top", ["upright", "inverted"])):
+        given = {"initial.theta": starts["initial.theta"]} if preset == "heavy-top" else starts
+        assert kinds(tippetop.ensemble(preset, given, until=1e-3)).tolist() == expected

@@ -162,5 +162,5 @@ def test_the_length_of_an_integrated_axis_is_watched(preset: str, form: str) -> 
 
 def test_a_cylinder_has_no_inversion_to_report() -> None:
     """Whether a run that did not invert says so is a fact of the system, also in memory."""
-    assert "inversion" not in str(solve(build.load("rolling-cylinder", None, 0.1)))
-    assert "inversion       none" in str(solve(load(until=0.1)))
+    assert "inversion" not in str(tippetop.run("rolling-cylinder", until=0.1))
+    assert "inversion       none" in str(tippetop.run("inverting", until=0.1))
