@@ -23,7 +23,7 @@ COLOURS = {
 }
 STYLES = ("-", "--", ":", "-.")
 TITLES = {
-    "class": "What became of the tops",
+    "class": "Fate of each top",
     "inversion": "Time of inversion, first rise of θ through π − 0.1",
     "normal-force": "Least normal force",
 }
