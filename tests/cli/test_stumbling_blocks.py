@@ -85,7 +85,7 @@ def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> No
     from tippetop.sweeps.maps import NEEDED
 
     text = help_of(capsys, "plot")
-    for name, kind in catalogue.KINDS.items():
+    for name, kind in catalogue.FIGURES.items():
         assert f"{name}: " in text
         assert callable(catalogue._function(kind.draw))
         assert kind.prepare is None or callable(catalogue._function(kind.prepare))

@@ -136,8 +136,8 @@ def test_two_minima_of_which_the_end_is_the_lower():
 
 def test_second_minimum_appears_at_gamma_star():
     """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
-    assert not bodies.top(oracle.parameters(0.3, 2.1212, 2.5)).several
-    assert bodies.top(oracle.parameters(0.3, 2.1214, 2.5)).several
+    assert not bodies.top(oracle.parameters(0.3, 2.1212, 2.5)).two_wells
+    assert bodies.top(oracle.parameters(0.3, 2.1214, 2.5)).two_wells
 
 
 @numba.njit

@@ -1,5 +1,6 @@
-"""The kinds of figures: what each shows, which function draws it, and what a store must have for it.
+"""The figures of a run and of a sweep: what each shows, what it is made from and needs, and what draws it.
 
+Here only are figures fed: a drawing imports nothing but the style, and takes what it is given.
 Nothing is imported until a figure is drawn, so that `tippetop plot --help` can list the kinds at once.
 """
 
@@ -11,44 +12,44 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Kind:
-    """A kind of figure. `draw` and `prepare` are module:function inside the package, imported when needed."""
+class RunFigure:
+    """A figure of a run: draw(*prepare(trajectory, events, attributes)); both are named module:function, and imported
+    when the figure is drawn."""
 
-    name: str
     shows: str  # one line for people
-    draw: str  # draws what `prepare` gives, or (trajectory, events, attributes) of a run
-    prepare: str | None = None  # what is computed of (trajectory, events, attributes) before it is drawn
-    needs: str = "time"  # the column of the trajectory without which there is nothing to draw
+    draw: str
+    prepare: str | None = None  # None: what is drawn is the run as it is
+    needs: str = "time"  # the column of the trajectory without which there is nothing to show
     drawn_for: str = ""  # the systems that have that column, in words
 
 
-def _in_landscape(name: str, shows: str) -> Kind:
-    """A figure of a run in its landscape."""
-    function = f"figures.landscape:{name}", f"landscape.along_run:{name}"
-    return Kind(name, shows, *function, needs="routh", drawn_for="tippe tops")
+def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
+    """A figure over the spinning states of a tippe top."""
+    prepare = f"landscape.along_run:{draw.rpartition(':')[2]}"
+    return RunFigure(shows, draw, prepare, needs="routh", drawn_for="tippe tops")
 
 
-KINDS: dict[str, Kind] = {
-    kind.name: kind
-    for kind in (
-        Kind("theta", "theta(t), turning angles, nutational band (default)", "figures.run:theta"),
-        Kind("normal-force", "normal force g_n(t) in units of the weight", "figures.run:normal_force"),
-        Kind("drift", "relative change of what must be conserved", "figures.run:drift"),
-        Kind("growth", "growth of the worst drift with t, beside sqrt(t)", "figures.run:growth"),
-        Kind("sphere", "path of the axis on the sphere", "figures.run:sphere", needs="axis", drawn_for="tops"),
-        Kind("energy", "energy, modified energy, energy taken by friction", "figures.run:energy"),
-        Kind(
-            "phase",
-            "asymptotic states over lambda, and where the run is among them",
-            "figures.stability:phase_of_run",
-            needs="routh",
-            drawn_for="tippe tops",
-        ),
-        _in_landscape("band", "turning angles that the main equation predicts"),
-        _in_landscape("surface", "the run on the minimal surface F(D, lambda)"),
-        _in_landscape("potential", "the effective potential V(z) at six times"),
-        _in_landscape("inversion", "the run on the section of F at its lambda"),
-    )
+FIGURES: dict[str, RunFigure] = {
+    "theta": RunFigure("theta(t), turning angles, nutational band (default)", "figures.run:theta"),
+    "normal-force": RunFigure(
+        "normal force g_n(t) in units of the weight",
+        "figures.run:normal_force",
+        needs="normal_force",
+        drawn_for="systems with a normal force",
+    ),
+    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift"),
+    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.run:growth"),
+    "sphere": RunFigure("path of the axis on the sphere", "figures.run:sphere", needs="axis", drawn_for="tops"),
+    "energy": RunFigure("energy, modified energy, energy taken by friction", "figures.run:energy"),
+    "phase": _of_tippe_tops("figures.stability:phase", "asymptotic states over lambda, and the run among them"),
+    "band": RunFigure(
+        "turning angles that the main equation predicts", "figures.landscape:band", "landscape.along_run:band"
+    ),
+    "surface": _of_tippe_tops("figures.landscape:surface", "the run on the minimal surface F(D, lambda)"),
+    "potential": RunFigure(
+        "the effective potential V(z) at six times", "figures.landscape:potential", "landscape.along_run:potential"
+    ),
+    "inversion": _of_tippe_tops("figures.landscape:inversion", "the run on the section of F at its lambda"),
 }
 """The figures of a run, by name."""
 
@@ -62,24 +63,37 @@ SWEEP_KINDS = {
 
 def described() -> str:
     """What `plot --help` says of the kinds."""
-
-    def listed(found: Iterable[tuple[str, str]]) -> str:
-        return "".join(f"\n- {name}: {shows}" for name, shows in found)
-
-    runs = listed((name, kind.shows) for name, kind in KINDS.items())
-    sweeps = listed(SWEEP_KINDS.items())
+    runs = "".join(f"\n- {name}: {figure.shows}" for name, figure in FIGURES.items())
+    sweeps = "".join(f"\n- {name}: {shows}" for name, shows in SWEEP_KINDS.items())
     return f"Of a run:\n{runs}\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
 
 
 def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
-    """Draws one kind of figure of a run to a file. groups: trajectory and events, Datasets or columns.
+    """Draws one kind of figure of a run to a file.
 
-    Raises InputError if the run has nothing of this kind to draw, StoreError if the file cannot be written.
+    Parameters
+    ----------
+    kind
+        A name of `FIGURES`.
+    groups
+        trajectory and events, Datasets or columns by name.
+    attrs
+        The root attributes of the run's store.
+    path
+        The file; its ending names the format.
+
+    Raises
+    ------
+    InputError
+        For another kind, and where the run lacks what the figure shows.
+    StoreError
+        Where the file cannot be written.
     """
     from ..errors import InputError, a_system
     from .style import save, styled
 
-    chosen = KINDS[kind]
+    check_kind(kind)
+    chosen = FIGURES[kind]
     if chosen.needs not in groups["trajectory"]:
         raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
     given: Any = (groups["trajectory"], groups["events"], attrs)
@@ -102,7 +116,7 @@ def draw_sweep(kind: str, store: Path, path: Path) -> None:
         save(sweep.draw_map(made), path)
 
 
-def check_kind(kind: str, known: Iterable[str] = KINDS) -> None:
+def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
     """Raises InputError if there is no such figure."""
     from ..errors import InputError, suggestion
 

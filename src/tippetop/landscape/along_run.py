@@ -6,8 +6,10 @@ import numpy as np
 import xarray as xr
 
 from ..errors import InputError, a_system
+from ..mechanics.friction import Frictionless
 from ..mechanics.system import KINDS, Landscape
 from ..mechanics.systems import SYSTEMS
+from ..mechanics.theory import thresholds, tumbling
 from .marked_lines import marked_lines
 from .potential import potential as potential_over
 from .surface import minimal_surface
@@ -91,6 +93,20 @@ def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     return section, lines, trajectory, f"{attrs['title']}: λ = {lam:.6g} kg m³ s⁻¹"
 
 
+def phase(
+    trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]
+) -> tuple[list[tumbling.Branch], dict[str, float], tuple[np.ndarray, float]]:
+    """The asymptotic states of the body of a run as branches over lambda, values of lambda to be marked, and the run as
+    cos(theta) with its lambda [kg m^3/s]."""
+    _body(attrs, SPINNING)
+    body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
+    lam = float(trajectory["jellett"][0])
+    limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
+    marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
+    most = 1.25 * max(abs(lam), *marks.values())
+    return tumbling.branches(body, most), marks, (np.cos(trajectory["theta"].values), lam)
+
+
 def _body(attrs: dict[str, Any], momenta: tuple[str, str] | None = None) -> tuple[dict[str, float], str, Landscape]:
     """Parameters, system and landscape of a run. Raises InputError where there is none, or none over these momenta."""
 
@@ -102,5 +118,5 @@ def _body(attrs: dict[str, Any], momenta: tuple[str, str] | None = None) -> tupl
     landscape = record.landscape if record is not None else None
     if landscape is None or not fits(landscape):
         allowed = [other for other, system in SYSTEMS.items() if fits(system.landscape)]
-        raise InputError([f"this figure is drawn for {' and '.join(allowed)} only; this is {a_system(name)}."])
+        raise InputError([f"this figure is drawn for {', '.join(allowed)} only; this is {a_system(name)}."])
     return dict(attrs["parameters"]), name, landscape

@@ -60,6 +60,7 @@ class Map:
     fields: dict[str, np.ndarray]
     borders: dict[str, np.ndarray]
     notes: list[str]
+    classes: tuple[str, ...] = CLASSES  # the names of the field `class`
 
 
 def make_map(path: Path, kind: str) -> Map:
