@@ -26,7 +26,7 @@ class EvenTimes:
 
     def count(self, t: float, *, inclusive: bool) -> int:
         """How many of the times lie before t, or at t too."""
-        near = max(0, int(t / self.step) - 1)
+        near = min(max(0, int(t / self.step) - 1), len(self))
         side: Any = "right" if inclusive else "left"
         return near + int(np.searchsorted(self[near : near + 4], t, side=side))
 

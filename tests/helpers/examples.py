@@ -11,7 +11,7 @@ from tippetop.engine.observables import View
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
-from tippetop.runs.run import Run, solve
+from tippetop.runs.run import Solution, solve
 
 
 CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3.2e-6, "g": 9.82}
@@ -39,7 +39,7 @@ def problem(
     return Problem(used, form, parameters, record, units, initial, until, **options)
 
 
-def run(*arguments: Any, **options: Any) -> Run:
+def run(*arguments: Any, **options: Any) -> Solution:
     """The run of `problem(...)`."""
     return solve(problem(*arguments, **options))
 
@@ -50,7 +50,7 @@ def turning_times(times: np.ndarray, theta: np.ndarray) -> np.ndarray:
     return times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
 
 
-def columns(made: Run) -> dict[str, np.ndarray]:
+def columns(made: Solution) -> dict[str, np.ndarray]:
     """The columns of a run, by name."""
     return {name: column.values for name, column in made.columns().items()}
 

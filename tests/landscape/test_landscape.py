@@ -366,10 +366,9 @@ def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
 @pytest.fixture(scope="module")
 def inverting_run():
     import tippetop
-    from tippetop.runs import attributes
 
     run = tippetop.run("inverting", until=8)
-    groups = attributes.datasets(run)
+    groups = tippetop.datasets(run)
     return groups, groups["trajectory"].attrs
 
 

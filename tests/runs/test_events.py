@@ -39,7 +39,7 @@ class TestSignificance:
 
 
 def test_amplitude_is_the_swing_since_the_turning_before() -> None:
-    run = tippetop.run("inverting", until=2.0)
+    run = tippetop.run("inverting", until=2.0).solution
     turning = run.events.of("turning")
     swing = np.abs(np.diff(turning.theta, prepend=0.1))
     np.testing.assert_allclose(turning.amplitude, swing, rtol=0, atol=1e-15)
@@ -48,7 +48,7 @@ def test_amplitude_is_the_swing_since_the_turning_before() -> None:
 
 @pytest.mark.parametrize("assignments", [[], ["initial.phi=1.0"]])
 def test_a_run_released_at_rest_does_not_log_its_start(assignments: list[str]) -> None:
-    events = tippetop.run("inverting", assignments, until=0.5).events
+    events = tippetop.run("inverting", assignments, until=0.5).solution.events
     assert events.time[0] > 1e-3
     assert np.all(np.diff(events.theta_dot_sign) != 0), "minima and maxima alternate"
 
@@ -82,7 +82,7 @@ def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generat
 
 
 def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
-    events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).events
+    events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).solution.events
     turning = events.of("turning")
     assert len(events.of("settled", significant=True).time) == 1
     assert turning.significant.sum() == 395
@@ -111,6 +111,6 @@ def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.Monk
 
 def test_sliding_that_dies_for_a_moment_has_not_settled() -> None:
     """In planar motion the contact velocity passes through zero at every swing."""
-    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0)
+    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0).solution
     assert len(run.events.of("settled").time) > 3
     assert len(run.events.of("settled", significant=True).time) == 0

@@ -138,11 +138,12 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:
     """Prints the result; gives the exit code."""
     from ..runs.attributes import headline_of
-    from .text import summary, told
+    from ..runs.results import summary_of
+    from .text import summary
 
-    found = told(attrs)
+    found = summary_of(attrs)
     if as_json:
-        print(json.dumps(found, allow_nan=False))
+        print(json.dumps(found.to_dict(), allow_nan=False))
     else:
         summary(headline_of(attrs), found, seconds, places)
     if attrs["status"] in ("non-finite", "stalled"):

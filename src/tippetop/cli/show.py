@@ -26,9 +26,10 @@ def info(store: Path, *, as_json: Json = False) -> int:
     """
     from rich.table import Table
 
+    from ..runs.results import summary_of
     from ..runs.summary import lines
     from ..store import root
-    from .text import console, told
+    from .text import console
 
     attrs = root.attributes(store)
     if attrs.get("content") == "sweep":
@@ -40,9 +41,9 @@ def info(store: Path, *, as_json: Json = False) -> int:
         from .landscape import describe
 
         return describe(attrs, as_json)
-    found = told(attrs)
+    found = summary_of(attrs)
     if as_json:
-        print(json.dumps(found, allow_nan=False))
+        print(json.dumps(found.to_dict(), allow_nan=False))
         return 0
     out = console()
     out.print(attrs["title"], style="bold")
@@ -180,9 +181,10 @@ def systems(*, as_json: Json = False) -> int:
     """
     from rich.table import Table
 
-    from ..mechanics.systems import SYSTEMS
+    from ..mechanics.systems import SYSTEMS, load_entry_points
     from .text import console
 
+    load_entry_points()
     found: dict[str, dict[str, Any]] = {
         name: {
             "title": s.title,

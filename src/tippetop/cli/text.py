@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -23,15 +23,6 @@ def console() -> Console:
     return Console(highlight=False, markup=False, width=None if narrow else 160)
 
 
-def told(attrs: dict[str, Any]) -> dict[str, Any]:
-    """What `run --json` and `info --json` say of a run, from the root attributes of its store."""
-    from ..runs import attributes, forecast
-    from ..scenario import build
-    from ..store.root import finite
-
-    return attributes.info(attrs) | finite(forecast.remarks(build.problem(build.tables_of(attrs))))
-
-
 def following(bar: Bar) -> Callable[[Any], None]:
     """A run's progress callback, which tells a bar how far the integration has come."""
 
@@ -45,7 +36,7 @@ def following(bar: Bar) -> Callable[[Any], None]:
     )
 
 
-def summary(headline: str, info: dict[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:
+def summary(headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:
     """Prints a run in a few lines."""
     out = console()
     out.print(headline, style="bold")

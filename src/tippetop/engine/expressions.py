@@ -7,7 +7,6 @@ import heyoka as hy
 
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
-from ..mechanics.systems import SYSTEMS
 from ..problem import QUADRATURE_SCALE
 
 
@@ -57,12 +56,11 @@ def integrates_axis(system: System, form: Form) -> bool:
 
 
 @lru_cache(maxsize=32)
-def table(system_name: str, form_name: str, friction: Any) -> tuple[tuple[str, ...], Any]:
+def table(system: System, form_name: str, friction: Any) -> tuple[tuple[str, ...], Any]:
     """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
-    system = SYSTEMS[system_name]
     form = system.forms[form_name]
     record, body, equations = variables(system, form, friction)
     values = observed(system, form, record, body)

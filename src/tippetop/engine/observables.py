@@ -47,7 +47,7 @@ class View:
         return values
 
     def _compiled(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        names, function = table(self.system.name, self.form.name, self.problem.friction.__class__)
+        names, function = table(self.system, self.form.name, self.problem.friction.__class__)
         outputs = np.empty((len(names), len(rows)))
         for start in range(0, len(rows), BLOCK):
             part = rows[start : start + BLOCK].T

@@ -15,8 +15,7 @@ import heyoka as hy
 import numpy as np
 
 from ..mechanics.operand import leaves
-from ..mechanics.system import KINDS
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.system import KINDS, System
 from ..problem import PRECISIONS, Problem
 from .expressions import variables
 from .status import Status
@@ -58,7 +57,7 @@ class Log:
 
 @lru_cache(maxsize=32)
 def compiled(
-    name: str,
+    system: System,
     form_name: str,
     friction: Any,
     precision: str,
@@ -70,7 +69,6 @@ def compiled(
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
     heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`. `compact` code compiles at once, and
     runs a third slower."""
-    system = SYSTEMS[name]
     form = system.forms[form_name]
     record, body, equations = variables(system, form, friction)
     scalars, number = form.scalars(record, body), PRECISIONS[precision]
@@ -120,7 +118,7 @@ def integrator_of(problem: Problem) -> Any:
     detected = tuple(k for k in KINDS if k != "turning" or k in problem.events)
     integrator = copy.deepcopy(
         compiled(
-            problem.system.name,
+            problem.system,
             problem.form.name,
             problem.friction.__class__,
             problem.precision,

@@ -89,8 +89,13 @@ def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -
     StoreError
         Where the file cannot be written.
     """
+    written(drawn(kind, groups, attrs), path)
+
+
+def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
+    """One kind of figure of a run, a matplotlib Figure. Raises InputError if the run lacks what it shows."""
     from ..errors import InputError, a_system
-    from .style import save, styled
+    from .style import styled
 
     check_kind(kind)
     chosen = FIGURES[kind]
@@ -102,7 +107,15 @@ def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -
 
         given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
     with styled():
-        save(_function(chosen.draw)(*given), path)
+        return _function(chosen.draw)(*given)
+
+
+def written(figure: Any, path: Path) -> None:
+    """Writes a figure; the ending of `path` names the format. Raises StoreError."""
+    from .style import save, styled
+
+    with styled():
+        save(figure, path)
 
 
 def draw_sweep(kind: str, store: Path, path: Path) -> None:

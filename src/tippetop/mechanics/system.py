@@ -115,7 +115,7 @@ class Outlook(NamedTuple):
     thresholds: Mapping[str, Any] = {}  # name -> theory.thresholds.Threshold
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
 class System:
     """A mechanical system: everything that the rest of the house needs to know of it."""
 

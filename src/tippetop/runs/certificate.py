@@ -8,7 +8,7 @@ import numpy as np
 
 from ..problem import Problem
 from ..sampling import ListedTimes
-from .run import Run, solve
+from .run import Solution, solve
 
 
 PROMISED = {"jellett": 1e-13, "axis_norm": 1e-13, "energy_balance": 1e-12}
@@ -74,5 +74,5 @@ def broken_certificate(found: dict[str, Any]) -> list[str]:
     return faults
 
 
-def _difference(mine: Run, witness: Run, name: str, rows: int) -> np.ndarray:
+def _difference(mine: Solution, witness: Solution, name: str, rows: int) -> np.ndarray:
     return np.abs(mine.columns()[name].values[:rows] - witness.columns()[name].values[:rows])

@@ -71,17 +71,19 @@ class Recorder:
         self.behind.append(self.thread.submit(work))
 
     def _now(self, work: Callable[[], None]) -> None:
-        """Does work in the writing thread, after all that was queued; returns when it is done."""
-        self._later(self._write_waiting)
-        self._later(work)
+        """Does work in the writing thread once all that was queued is on the disk; returns when it is done. Where
+        anything went wrong before, that is raised, and the work is not begun."""
         while self.behind:
             self.behind.popleft().result()
 
-    def _write_waiting(self) -> None:
-        self.lock.check()
-        for appender in (self.trajectory, self.log):
-            appender.flush()
-            appender.sync()
+        def flushed() -> None:
+            self.lock.check()
+            for appender in (self.trajectory, self.log):
+                appender.flush()
+                appender.sync()
+            work()
+
+        self.thread.submit(flushed).result()
 
     def slice_done(self, integration: Integration) -> None:
         """Commits now and then; stops at a commit if asked to."""

@@ -1,11 +1,12 @@
 """The summary of a run as lines of text."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from ..mechanics.systems import SYSTEMS
 
 
-def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
+def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
     """Name and text of each line of a summary."""
     status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
     if seconds is not None:
@@ -54,7 +55,7 @@ def regularisation(info: dict[str, Any]) -> str:
     return f"{info['regularisation']}; theta = pi/2 at: {times}; exponent d log t/d log eps {exponent}"
 
 
-def _certificate(found: dict[str, Any]) -> str:
+def _certificate(found: Mapping[str, Any]) -> str:
     if found["against"] is None:
         return found["reason"]
     text = (
@@ -66,7 +67,7 @@ def _certificate(found: dict[str, Any]) -> str:
     return text
 
 
-def _inversion(info: dict[str, Any]) -> str:
+def _inversion(info: Mapping[str, Any]) -> str:
     inversion, end = info["inversion"], info["theta_end"]
     if inversion["inverted_at"] is not None:
         equator = f"theta = pi/2 at {inversion['first_equator']:.6f} s" if inversion["first_equator"] else "inverted"
@@ -78,7 +79,7 @@ def _inversion(info: dict[str, Any]) -> str:
     return f"none; theta ends at {end:.6g} rad"
 
 
-def _turnings(info: dict[str, Any]) -> str:
+def _turnings(info: Mapping[str, Any]) -> str:
     counts, band = info["event_counts"], info["nutational_band"]
     if not counts.get("turning"):
         return "none logged"

@@ -12,7 +12,7 @@ from ..mechanics.contact.gliding.catalogue import POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..problem import PRECISIONS, Problem
 from ..sampling import EvenTimes, ListedTimes
 from .reading import override, read
@@ -26,18 +26,21 @@ MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
 # --- checking -------------------------------------------------------------------------------------------------------
 
 
-def problem(tables: dict[str, Any]) -> Problem:
-    """The checked Problem of a scenario's tables. Raises ScenarioError with every fault that was found."""
-    name = tables.get("system")
-    if not isinstance(name, str) or name not in SYSTEMS:
-        found = "is missing" if name is None else f"is {name!r}"
-        near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
-        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}.{near}"])
-    system, shape = SYSTEMS[name], scenario_model(name)
+def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
+    """The checked Problem of a scenario's tables. Raises InputError with every fault that was found.
+
+    `known` is the record of the system, where it is not the registered one of that name."""
+    system = known or system_of(tables)
+    law = tables["friction"].get("law") if isinstance(tables.get("friction"), dict) else None
+    if isinstance(law, str) and law not in system.laws:
+        load_entry_points()
+    shape = scenario_model(system)
     try:
         scenario: Any = shape.model_validate(tables)
     except ValidationError as error:
-        raise InputError([scenario_sentence(e, tables, shape) for e in error.errors(include_url=False)]) from None
+        raise InputError(
+            [scenario_sentence(e, system, tables, shape) for e in error.errors(include_url=False)]
+        ) from None
     parameters = scenario.parameters.model_dump()
     initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
     run = scenario.run
@@ -67,8 +70,19 @@ def problem(tables: dict[str, Any]) -> Problem:
     return built
 
 
+def system_of(tables: dict[str, Any]) -> System:
+    """The registered system that a scenario names. Raises InputError."""
+    name = tables.get("system")
+    system = find(name) if isinstance(name, str) else None
+    if system is None:
+        found = "is missing" if name is None else f"is {name!r}"
+        near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
+        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}.{near}"])
+    return system
+
+
 def load(source: str, assignments: list[str] | None = None, until: float | None = None) -> Problem:
-    """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises ScenarioError."""
+    """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises InputError."""
     tables = override(read(source), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 

@@ -5,12 +5,12 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from ..errors import nearest, suggestion
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.system import System
 
 
-def scenario_sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]) -> str:
+def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]) -> str:
     """One pydantic error of a scenario as `key` must ..., but is ...."""
-    laws = SYSTEMS[tables["system"]].laws
+    laws = system.laws
     place = [p for p in error["loc"] if not (p in laws and error["loc"][0] == "friction")]
     key, context, kind = ".".join(map(str, place)), error.get("ctx", {}), error["type"]
     if kind in ("union_tag_not_found", "union_tag_invalid"):
@@ -21,23 +21,23 @@ def scenario_sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]
         return worded(error, key, [])
     if key == "friction":
         return (
-            f"`friction` must not be given, because `{tables['system']}` takes no friction law: remove the table "
+            f"`friction` must not be given, because `{system.name}` takes no friction law: remove the table "
             "(--set friction=)."
         )
-    return unknown_key(key, _known(tables, shape, place), _all_keys(tables, shape))
+    return unknown_key(key, _known(system, tables, shape, place), _all_keys(system, tables, shape))
 
 
-def _known(tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
+def _known(system: System, tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
     """The keys that a table of the scenario may have."""
     if place[0] == "friction" and len(place) > 1:
-        return ["law", *SYSTEMS[tables["system"]].laws[tables["friction"]["law"]].parameters]
+        return ["law", *system.laws[tables["friction"]["law"]].parameters]
     model: Any = shape
     for part in place[:-1]:
         model = _model(model, part)
     return list(model.model_fields)
 
 
-def _all_keys(tables: dict[str, Any], shape: type[BaseModel]) -> list[str]:
+def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) -> list[str]:
     """Every dotted key that a scenario of this system and friction law may have."""
     found = [name for name in shape.model_fields if not _model(shape, name)]
     for name in shape.model_fields:
@@ -45,7 +45,7 @@ def _all_keys(tables: dict[str, Any], shape: type[BaseModel]) -> list[str]:
         if model is not None:
             found += [f"{name}.{key}" for key in model.model_fields]
     friction = tables.get("friction")
-    law = SYSTEMS[tables["system"]].laws.get(friction.get("law")) if isinstance(friction, dict) else None
+    law = system.laws.get(friction.get("law")) if isinstance(friction, dict) else None
     return found + ([f"friction.{key}" for key in ("law", *law.parameters)] if law else [])
 
 

@@ -10,6 +10,7 @@ import fcntl
 import os
 import shutil
 import uuid
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -186,31 +187,32 @@ class Lock:
             if self._in_place():
                 break
             self.release()  # its last holder removed the file while we waited: there is another one, or none
-        self.file.truncate(0)
-        self.file.write(f"process {os.getpid()} on {os.uname().nodename}")
-        self.file.flush()
+        os.ftruncate(self.descriptor, 0)
+        os.write(self.descriptor, f"process {os.getpid()} on {os.uname().nodename}".encode())
 
     def _open(self) -> None:
         flags, place = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC, self.folder / LOCK
         try:
-            descriptor = os.open(place, flags | os.O_CREAT | os.O_EXCL, 0o644)
+            self.descriptor = os.open(place, flags | os.O_CREAT | os.O_EXCL, 0o644)
             self.made = True
         except FileExistsError:
-            descriptor = os.open(place, flags | os.O_CREAT, 0o644)
+            self.descriptor = os.open(place, flags | os.O_CREAT, 0o644)
             self.made = False
-        self.file = os.fdopen(descriptor, "r+")  # closed with this object, should nobody release it
+        self._close = weakref.finalize(
+            self, os.close, self.descriptor
+        )  # should an exception leave nobody to release it
 
     def _take(self) -> None:
         try:
-            fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            holder = self.file.read(200).strip() or "another process"
-            self.file.close()
+            holder = os.read(self.descriptor, 200).decode(errors="replace").strip() or "another process"
+            self.release()
             raise StoreError(f"`{self.folder}` must have one writer, but {holder} is writing it.") from None
 
     def _in_place(self) -> bool:
         try:
-            return os.path.samestat(os.stat(self.folder / LOCK, follow_symlinks=False), os.fstat(self.file.fileno()))
+            return os.path.samestat(os.lstat(self.folder / LOCK), os.fstat(self.descriptor))
         except FileNotFoundError:
             return False
 
@@ -229,7 +231,7 @@ class Lock:
 
     def release(self) -> None:
         """Lets others write."""
-        self.file.close()
+        self._close()
 
     def __enter__(self) -> "Lock":
         return self
