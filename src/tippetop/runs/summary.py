@@ -42,7 +42,7 @@ def _times(n: int) -> str:
     return {1: "once", 2: "twice"}.get(n, f"{n} times")
 
 
-def regularisation(info: dict[str, Any]) -> str:
+def regularisation(info: Mapping[str, Any]) -> str:
     """What the regularisation speed eps of a Coulomb law decides: the time of inversion for three values of it."""
     if "inversion_by_eps" not in info:
         return info["regularisation"]
