@@ -1,4 +1,4 @@
-"""`tippetop run`: integrate a scenario, store it, draw it, say what happened."""
+"""`tippetop run, resume`: integrate a scenario, store it, draw it, print its summary."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ def run(
     scenario
         TOML file, or preset (see `tippetop presets`).
     out
-        Store to write, a zarr folder; must not exist yet.
+        Store to write, a zarr folder; must not exist yet (or say --overwrite).
     until
         End of the run [s], instead of the scenario's.
     set_
-        Change a value: table.key=value. May be repeated.
+        Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
     figure
         Draw theta(t) with the nutational band to this PNG, SVG or PDF.
     as_json
@@ -56,7 +56,7 @@ def run(
 
     problem = build.load(scenario, set_, until)
     if figure is not None:
-        _check_picture(figure)
+        check_picture(figure, "--figure")
     if out is None:
         from ..runs.run import solve
 
@@ -80,7 +80,15 @@ def run(
 
 
 def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
-    """Continue an interrupted run: the finished store is that of an undisturbed one, bit by bit."""
+    """Continue an interrupted run; the finished store equals that of an undisturbed one, bit by bit.
+
+    Parameters
+    ----------
+    store
+        The store of the interrupted run.
+    as_json
+        Print the result as one JSON object.
+    """
     from ..progress import Bar
     from ..runs.recording import resume as continued
     from .text import following
@@ -100,7 +108,7 @@ def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: P
             return work(stop.event)
         except Interrupted:
             pass
-    print(f"tippetop: interrupted; everything so far is kept. Go on with: tippetop resume {store}", file=sys.stderr)
+    print(f"tippetop: interrupted; what is done is kept. Continue with: tippetop resume {store}", file=sys.stderr)
     raise SystemExit(128 + stop.signal)
 
 
@@ -156,16 +164,16 @@ def _contract(attrs: dict[str, Any]) -> int:
     return 4 if broken else 0
 
 
-def _check_picture(path: Path) -> None:
-    """Raises ScenarioError or StoreError now rather than after the run."""
+def check_picture(path: Path, option: str) -> None:
+    """Raises InputError or StoreError now rather than after the run. `option`: what the file was given by."""
     from ..errors import InputError, StoreError
 
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise InputError([f"--figure must end with .png, .svg or .pdf, but is `{path}`."])
+        raise InputError([f"{option} must end with .png, .svg or .pdf, but is `{path}`."])
     if not path.parent.is_dir():
-        raise StoreError(f"`{path.parent}` must be a folder, but is not.")
+        raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
     if not os.access(path.parent, os.W_OK):
-        raise StoreError(f"`{path}` must be writable, but its folder is not.")
+        raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
 
 
 COMMANDS: list[Any] = [run, resume]

@@ -1,8 +1,9 @@
-"""`tippetop sweep`: run the tops of a plan, and say what their fate is."""
+"""`tippetop sweep`: run the tops of a plan, and print their fates."""
 
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +16,7 @@ def sweep(
     out: Path,
     workers: int | None = None,
     scheduler: str | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
     """Run the many tops of a plan into a store; the same command continues an unfinished one: the same bits.
@@ -24,19 +26,27 @@ def sweep(
     plan
         TOML file: a scenario, and the axes along which it varies.
     out
-        Store to write or to continue, a zarr folder.
+        Store to write or to continue, a zarr folder. Of a finished one there is nothing to do.
     workers
         Processes on this machine; by default as many as usable cores. 1 computes in this process.
     scheduler
         Address of a running dask scheduler, such as tcp://host:8786, whose workers compute instead.
+    overwrite
+        Make a store anew that exists, finished or not.
     as_json
         Print the result as one JSON object.
     """
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED, complain
+    from ..store import root
     from ..sweeps import summary, sweep
+    from .overwrite import remove_store
 
-    again = f"Go on with: {_command(plan, out, workers, scheduler)}"
+    again = f"Continue with: {_command(plan, out, workers, scheduler)}"
+    if overwrite:
+        remove_store(out)
+    elif out.is_dir() and root.attributes(out).get("status") == "finished":
+        print(f"tippetop: `{out}` is finished: its chunks are checked, nothing else to do.", file=sys.stderr)
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
         failed = []
@@ -50,14 +60,14 @@ def sweep(
 
 
 def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) -> str:
-    """The command line that continues."""
+    """The command line that continues the sweep."""
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
     words += ["--workers", str(workers)] if workers is not None else []
     return " ".join(words + (["--scheduler", scheduler] if scheduler is not None else []))
 
 
 def describe(found: dict[str, Any], as_json: bool) -> int:
-    """Says what is in a sweep's store."""
+    """Prints what is in a sweep's store."""
     from rich.table import Table
 
     from ..store.root import finite
@@ -76,7 +86,7 @@ def describe(found: dict[str, Any], as_json: bool) -> int:
 
 
 def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
-    """Says what a plan would take."""
+    """Prints what a plan would take."""
     from rich.table import Table
 
     from ..store.root import finite

@@ -1,7 +1,8 @@
-"""What the user reads: the summary of a run, and what the progress bar says of it."""
+"""What is printed for people: the summary of a run, and the progress of one."""
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -17,8 +18,9 @@ if TYPE_CHECKING:
 
 
 def console() -> Console:
-    """Standard output; no colour when it is not a terminal."""
-    return Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 160)
+    """Standard output; no colour when it is not a terminal, and then wide unless COLUMNS says otherwise."""
+    narrow = sys.stdout.isatty() or "COLUMNS" in os.environ
+    return Console(highlight=False, markup=False, width=None if narrow else 160)
 
 
 def following(bar: Bar) -> Callable[[Any], None]:

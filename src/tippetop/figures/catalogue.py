@@ -1,66 +1,75 @@
-"""The figures of a run and of a sweep: what each is made from, what it needs, and what draws it.
+"""The figures of a run and of a sweep: what each shows, what it is made from and needs, and what draws it.
 
 Here only are figures fed: a drawing imports nothing but the style, and takes what it is given.
+Nothing is imported until a figure is drawn, so that `tippetop plot --help` can list the kinds at once.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
-
-from matplotlib.figure import Figure
-
-from . import landscape, run, stability
-from .style import save, styled
-
-
-def _as_they_are(trajectory: Any, events: Any, attrs: dict[str, Any]) -> tuple[Any, ...]:
-    return trajectory, events, attrs
 
 
 @dataclass(frozen=True)
 class RunFigure:
-    """A figure of a run: draw(*prepare(trajectory, events, attrs))."""
+    """A figure of a run: draw(*prepare(trajectory, events, attributes)); both are named module:function, and imported
+    when the figure is drawn."""
 
-    draw: Callable
-    prepare: Callable = _as_they_are
-    needs: tuple[str, ...] = ("time",)  # columns without which there is nothing to show
+    shows: str  # one line for people
+    draw: str
+    prepare: str | None = None  # None: what is drawn is the run as it is
+    needs: str = "time"  # the column of the trajectory without which there is nothing to show
+    drawn_for: str = ""  # the systems that have that column, in words
 
 
-def _in_landscape(name: str) -> Callable:
-    """What `landscape.along_run` makes of a run; numba wakes only when it is asked for."""
-
-    def prepare(trajectory: Any, events: Any, attrs: dict[str, Any]) -> tuple[Any, ...]:
-        from ..landscape import along_run
-
-        tables = (along_run.table(group) for group in (trajectory, events))
-        return getattr(along_run, name)(*tables, attrs)
-
-    return prepare
+def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
+    """A figure over the spinning states of a tippe top."""
+    prepare = f"landscape.along_run:{draw.rpartition(':')[2]}"
+    return RunFigure(shows, draw, prepare, needs="routh", drawn_for="tippe tops")
 
 
 FIGURES: dict[str, RunFigure] = {
-    "theta": RunFigure(run.theta),
-    "normal-force": RunFigure(run.normal_force, needs=("normal_force",)),
-    "drift": RunFigure(run.drift),
-    "growth": RunFigure(run.growth),
-    "sphere": RunFigure(run.sphere, needs=("axis",)),
-    "energy": RunFigure(run.energy),
-    "phase": RunFigure(stability.phase, _in_landscape("phase"), ("routh",)),
-    "band": RunFigure(landscape.band, _in_landscape("band")),
-    "surface": RunFigure(landscape.surface, _in_landscape("surface"), ("routh",)),
-    "potential": RunFigure(landscape.potential, _in_landscape("potential")),
-    "inversion": RunFigure(landscape.inversion, _in_landscape("inversion"), ("routh",)),
+    "theta": RunFigure("theta(t), turning angles, nutational band (default)", "figures.run:theta"),
+    "normal-force": RunFigure(
+        "normal force g_n(t) in units of the weight",
+        "figures.run:normal_force",
+        needs="normal_force",
+        drawn_for="systems with a normal force",
+    ),
+    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift"),
+    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.run:growth"),
+    "sphere": RunFigure("path of the axis on the sphere", "figures.run:sphere", needs="axis", drawn_for="tops"),
+    "energy": RunFigure("energy, modified energy, energy taken by friction", "figures.run:energy"),
+    "phase": _of_tippe_tops("figures.stability:phase", "asymptotic states over lambda, and the run among them"),
+    "band": RunFigure(
+        "turning angles that the main equation predicts", "figures.landscape:band", "landscape.along_run:band"
+    ),
+    "surface": _of_tippe_tops("figures.landscape:surface", "the run on the minimal surface F(D, lambda)"),
+    "potential": RunFigure(
+        "the effective potential V(z) at six times", "figures.landscape:potential", "landscape.along_run:potential"
+    ),
+    "inversion": _of_tippe_tops("figures.landscape:inversion", "the run on the section of F at its lambda"),
 }
+"""The figures of a run, by name."""
+
+SWEEP_KINDS = {
+    "class": "fate of each top over two axes (default)",
+    "inversion": "time of inversion",
+    "normal-force": "least normal force",
+}
+"""The figures of a sweep, and what each shows."""
+
+
+def described() -> str:
+    """What `plot --help` says of the kinds."""
+    runs = "".join(f"\n- {name}: {figure.shows}" for name, figure in FIGURES.items())
+    sweeps = "".join(f"\n- {name}: {shows}" for name, shows in SWEEP_KINDS.items())
+    return f"Of a run:\n{runs}\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
 
 
 def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
-    """Draws one kind of figure of a run to a file; arguments and errors as of `drawn`, and StoreError."""
-    written(drawn(kind, groups, attrs), path)
-
-
-def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Figure:
-    """One kind of figure of a run.
+    """Draws one kind of figure of a run to a file.
 
     Parameters
     ----------
@@ -70,25 +79,41 @@ def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Figure:
         trajectory and events, Datasets or columns by name.
     attrs
         The root attributes of the run's store.
+    path
+        The file; its ending names the format.
 
     Raises
     ------
     InputError
         For another kind, and where the run lacks what the figure shows.
+    StoreError
+        Where the file cannot be written.
     """
-    from ..errors import InputError
+    written(drawn(kind, groups, attrs), path)
+
+
+def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
+    """One kind of figure of a run, a matplotlib Figure. Raises InputError if the run lacks what it shows."""
+    from ..errors import InputError, a_system
+    from .style import styled
 
     check_kind(kind)
-    made = FIGURES[kind]
-    missing = [name for name in made.needs if name not in groups["trajectory"]]
-    if missing:
-        raise InputError([f"the figure `{kind}` must have `{missing[0]}` to draw, but this system has none."])
+    chosen = FIGURES[kind]
+    if chosen.needs not in groups["trajectory"]:
+        raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
+    given: Any = (groups["trajectory"], groups["events"], attrs)
+    if chosen.prepare is not None:
+        from ..landscape import along_run
+
+        given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
     with styled():
-        return made.draw(*made.prepare(groups["trajectory"], groups["events"], attrs))
+        return _function(chosen.draw)(*given)
 
 
-def written(figure: Figure, path: Path) -> None:
+def written(figure: Any, path: Path) -> None:
     """Writes a figure; the ending of `path` names the format. Raises StoreError."""
+    from .style import save, styled
+
     with styled():
         save(figure, path)
 
@@ -97,15 +122,24 @@ def draw_sweep(kind: str, store: Path, path: Path) -> None:
     """Draws one kind of figure of a sweep to a file. Raises InputError, StoreError."""
     from ..sweeps import maps
     from . import sweep
+    from .style import save, styled
 
     made = maps.make_map(store, kind)
     with styled():
         save(sweep.draw_map(made), path)
 
 
-def check_kind(kind: str) -> None:
+def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
     """Raises InputError if there is no such figure."""
-    from ..errors import InputError
+    from ..errors import InputError, suggestion
 
-    if kind not in FIGURES:
-        raise InputError([f"the kind of figure must be one of {', '.join(FIGURES)}, but is `{kind}`."])
+    if kind not in known:
+        raise InputError(
+            [f"the kind of figure must be one of {', '.join(known)}, but is `{kind}`.{suggestion(kind, known)}"]
+        )
+
+
+def _function(name: str) -> Any:
+    """The function module:name of the package."""
+    module, _, function = name.partition(":")
+    return getattr(import_module(f"...{module}", __name__), function)

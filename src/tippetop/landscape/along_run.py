@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..errors import InputError
+from ..errors import InputError, a_system
 from ..mechanics.friction import Frictionless
 from ..mechanics.system import KINDS, Landscape
 from ..mechanics.systems import SYSTEMS, find
@@ -118,5 +118,5 @@ def _body(attrs: dict[str, Any], momenta: tuple[str, str] | None = None) -> tupl
     landscape = record.landscape if record is not None else None
     if landscape is None or not fits(landscape):
         allowed = [other for other, system in SYSTEMS.items() if fits(system.landscape)]
-        raise InputError([f"this figure needs a run of {' or '.join(allowed)}, but this is one of {name}."])
+        raise InputError([f"this figure is drawn for {', '.join(allowed)} only; this is {a_system(name)}."])
     return dict(attrs["parameters"]), name, landscape

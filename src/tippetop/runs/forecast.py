@@ -15,9 +15,9 @@ MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # tw
 
 
 def assessment(problem: Problem) -> dict[str, Any]:
-    """Quantities at the start (SI), what theory predicts of it, and what the run will take: steps, seconds, bytes."""
+    """What is at the start (name -> value in SI, unit), what theory predicts of it, and what the run will take."""
     start, expected = at_start(problem), cost(problem)
-    quantities = {f"{q.name} [{q.unit.symbol}]": start[q.name] for q in problem.system.quantities}
+    quantities = {q.name: {"value": start[q.name], "unit": q.unit.symbol} for q in problem.system.quantities}
     predicted = _outlook(problem, start) | _regularisation(problem, expected) | _advice(problem)
     return {"at_start": quantities, **predicted, "expected": expected}
 
@@ -41,7 +41,7 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
     if problem.system.outlook is None:
         return {}
     outlook = problem.system.outlook(problem.body(), start)
-    limits = {f"{name} [{t.unit.symbol}]": t.value for name, t in outlook.thresholds.items()}
+    limits = {name: {"value": t.value, "unit": t.unit.symbol} for name, t in outlook.thresholds.items()}
     sentences = {"regime": outlook.regime, "fate": outlook.fate}
     return {**({"thresholds": limits} if limits else {}), **{key: text for key, text in sentences.items() if text}}
 
@@ -64,8 +64,11 @@ def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, A
         from .regularisation import inversion_sensitivity
 
         sensitivity = inversion_sensitivity(problem)
-        times = {f"theta = pi/2 at [s], eps = {eps:g} m/s": t for eps, t in sensitivity["inversion_time"].items()}
-        found["inversion_by_eps"] = {**times, "d log t / d log eps": sensitivity["exponent"]}
+        found["inversion_by_eps"] = {
+            "eps": {"value": list(sensitivity["inversion_time"]), "unit": "m s-1"},
+            "first_equator": {"value": list(sensitivity["inversion_time"].values()), "unit": "s"},
+            "exponent": {"value": sensitivity["exponent"], "unit": "1"},
+        }
     return found
 
 

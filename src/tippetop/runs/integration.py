@@ -122,7 +122,7 @@ class Integration:
         lifted = self.log.tally["lifted_at"] if terminal_kinds_of_model(self.problem) else None
         beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
         if status is None:
-            return f"on its way: t = {t:.6g} s of {self.problem.until:.6g} s"
+            return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"
         if status is Status.FINISHED:
             return f"finished at t = {t:.6g} s{beyond}"
         if status is Status.SETTLED:

@@ -1,4 +1,4 @@
-"""What a run reports, in words."""
+"""The summary of a run as lines of text."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -20,7 +20,7 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     found.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
-        found.append(("other events", ", ".join(f"{n} {kind}" for kind, n in others.items())))
+        found.append(("other events", ", ".join(f"{kind} {_times(n)}" for kind, n in others.items())))
     if "normal_force" in info:
         force, weight = info["normal_force"], info["normal_force"]["weight"]
         low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
@@ -32,15 +32,27 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     if "motion" in info:
         found.append(("motion", info["motion"]))
     if "regularisation" in info:
-        by_eps = ", ".join(f"{name} = {_number(value)}" for name, value in info.get("inversion_by_eps", {}).items())
-        found.append(("regularisation", f"{info['regularisation']}: {by_eps}" if by_eps else info["regularisation"]))
+        found.append(("regularisation", regularisation(info)))
     if "certificate" in info:
         found.append(("certificate", _certificate(info["certificate"])))
     return found
 
 
-def _number(value: float | None) -> str:
-    return "never" if value is None else f"{value:.5g}"
+def _times(n: int) -> str:
+    return {1: "once", 2: "twice"}.get(n, f"{n} times")
+
+
+def regularisation(info: Mapping[str, Any]) -> str:
+    """What the regularisation speed eps of a Coulomb law decides: the time of inversion for three values of it."""
+    if "inversion_by_eps" not in info:
+        return info["regularisation"]
+    by_eps = {name: entry["value"] for name, entry in info["inversion_by_eps"].items()}
+    times = ", ".join(
+        f"{'never' if t is None else f'{t:.5g} s'} ({'eps = ' if i == 0 else ''}{1e3 * eps:g} mm/s)"
+        for i, (eps, t) in enumerate(zip(by_eps["eps"], by_eps["first_equator"], strict=True))
+    )
+    exponent = "undefined" if by_eps["exponent"] is None else f"{by_eps['exponent']:.3g}"
+    return f"{info['regularisation']}; theta = pi/2 at: {times}; exponent d log t/d log eps {exponent}"
 
 
 def _certificate(found: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ from typing import Any, get_args
 import numpy as np
 from pydantic import ValidationError
 
-from ..errors import InputError
+from ..errors import InputError, suggestion
 from ..mechanics.contact.gliding.catalogue import POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.operand import leaves, refill
@@ -76,7 +76,8 @@ def system_of(tables: dict[str, Any]) -> System:
     system = find(name) if isinstance(name, str) else None
     if system is None:
         found = "is missing" if name is None else f"is {name!r}"
-        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}."])
+        near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
+        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}.{near}"])
     return system
 
 
@@ -152,17 +153,26 @@ def _run_faults(system: System, run: RunTable) -> list[str]:
     faults = []
     known = [event.name for event in system.events]
     faults += [
-        f"`run.events` must be of {', '.join(known)}, but has {e!r}." for e in run.events or [] if e not in known
+        f"`run.events` must be of {', '.join(known)}, but has {e!r}.{suggestion(e, known)}"
+        for e in run.events or []
+        if e not in known
     ]
     if run.output_step is not None and run.output_times is not None:
-        faults.append("`run.output_step` must stand alone, but `run.output_times` is given too.")
+        faults.append(
+            "`run.output_step` must stand alone, but `run.output_times` is given too: remove one "
+            "(--set run.output_step=)."
+        )
     if run.output_step is not None and not run.until / run.output_step <= MOST_ROWS:
         faults.append(
             f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {run.output_step:g} gives "
             f"{run.until / run.output_step:.3g}."
         )
     if run.output != "times" and (run.output_step is not None or run.output_times is not None):
-        faults.append('`run.output` must be "times" where `run.output_step` or `run.output_times` is given.')
+        given = "output_step" if run.output_step is not None else "output_times"
+        faults.append(
+            f'`run.output` must be "times" where `run.{given}` is given, but is "{run.output}": remove one '
+            f"(--set run.{given}=)."
+        )
     times = run.output_times or []
     if any(b <= a for a, b in itertools.pairwise(times)):
         faults.append("`run.output_times` must ascend strictly, but do not.")

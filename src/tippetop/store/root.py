@@ -40,8 +40,7 @@ def attributes(path: str | Path) -> dict[str, Any]:
         if found["format"] != FORMAT:
             raise KeyError("format")
     except (OSError, ValueError, KeyError, TypeError) as error:
-        why = "does not exist" if not place.exists() else "is none" if not isinstance(error, OSError) else str(error)
-        raise StoreError(f"`{path}` must be a store of tippetop, but {why}.") from None
+        raise StoreError(f"`{path}` {_no_store(place, error)}.") from None
     if found.get("format_version") != FORMAT_VERSION:
         raise StoreError(
             f"`{path}` must have format version {FORMAT_VERSION}, but has {found.get('format_version')}: "
@@ -54,6 +53,17 @@ def attributes(path: str | Path) -> dict[str, Any]:
         except (OSError, ValueError, KeyError):
             pass  # it just finished, or never began: the root attributes stand
     return found
+
+
+def _no_store(place: Path, error: Exception) -> str:
+    """Why a path is not a store of ours."""
+    if not place.exists():
+        return "does not exist"
+    if not place.is_dir():
+        return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
+    if isinstance(error, OSError) and not isinstance(error, FileNotFoundError):
+        return f"must be a store of tippetop, but cannot be read: {error.strerror or error}"
+    return "must be a store of tippetop, but is another folder"
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
