@@ -11,6 +11,7 @@ import scipy.optimize
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from tippetop.landscape import body as bodies
+from tippetop.landscape.kernels import kernels
 from tippetop.mechanics.systems import tippe_top
 from tippetop_kernels.jit import kernel
 
@@ -90,7 +91,7 @@ def grids(n, D, lam):
 def compete(n, repeats):
     """Nanoseconds per point of every contestant, by repetition."""
     t = bodies.top(FIGURE)
-    b, k, r = t.body, bodies.kernels(), t.relief
+    b, k, r = t.body, kernels(), t.coefficients
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     box = D, D * FIGURE["R"]
     out = {}
@@ -105,10 +106,10 @@ def compete(n, repeats):
     zs = np.linspace(-0.999, 0.999, n)
 
     def alone(s):
-        k.heights(*k.problem, t.several, xs[s], ys, r, F[s], status[s])
+        k.heights(*k.problem, t.two_wells, xs[s], ys, r, F[s], status[s])
 
     def full(s):
-        k.minima(*k.problem, t.several, xs[s], ys, r, F[s], q[s], status[s])
+        k.minima(*k.problem, t.two_wells, xs[s], ys, r, F[s], q[s], status[s])
 
     def surface(threads, work=alone):
         return lambda: on_threads(work, n, threads)
@@ -147,39 +148,39 @@ def count_closer(t, xs, ys):
     from tippetop_kernels import grid
     from tippetop_kernels.minimise import NEARLY
 
-    f = bodies.kernels().formulas
+    f = kernels().formulas
 
     @kernel
-    def count(lean, guess, slopes, xs, ys, r):
+    def count(at_momenta, guess, slopes, xs, ys, r):
         n = 0
         for x in xs:
             for y in ys:
-                p = lean(x, y, r)
+                p = at_momenta(x, y, r)
                 q = grid.clipped(guess(p, r))
                 g1, g2, g3 = slopes(q, p, r)
                 n += not abs(grid.factor(g1, g2, g3) - 1) <= NEARLY
         return n
 
-    return count(f["lean"], f["guess"], f["slopes"], xs, ys, t.relief) / (xs.size * ys.size)
+    return count(f["at_momenta"], f["guess"], f["slopes"], xs, ys, t.coefficients) / (xs.size * ys.size)
 
 
 def pieces(n, repeats):
     """Where the time of a point goes [ns]: each part of a row by itself, on one block that stays in the cache."""
     from tippetop_kernels import grid
-    from tippetop_kernels.lanes import BLOCK
+    from tippetop_kernels.staging import BLOCK
 
     t = bodies.top(FIGURE)
-    f, r, many = bodies.kernels().formulas, t.relief, n * n // BLOCK
+    f, r, many = kernels().formulas, t.coefficients, n * n // BLOCK
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     x, ys = 0.3 * D, np.linspace(0.3 * D, 0.4 * D, BLOCK) * FIGURE["R"]
-    like = f["lean"](x, ys[0], r)
+    like = f["at_momenta"](x, ys[0], r)
     F, q, last, status = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK, np.int8)
     points, stages = np.empty(16 * BLOCK), np.empty(grid.STAGED * BLOCK)
     loops = {
-        "terms of the point": (grid.prepared, (f["lean"], x, ys, r, points)),
+        "terms of the point": (grid.prepared, (f["at_momenta"], x, ys, r, points)),
         "guess": (grid.guesses, (f["guess"], like, r, q, points, stages)),
         "one step of Halley": (grid.steps, (f["slopes"], like, r, q, last, points, stages, 1, 1e-3)),
-        "F in twofold arithmetic": (grid.values, (f["value"], like, r, q, F, points, stages)),
+        "F in double-double arithmetic": (grid.values, (f["value"], like, r, q, F, points, stages)),
         "status": (grid.judged, (f["ends"], like, x, ys, r, last, status, points, 1e-3)),
     }
 

@@ -14,7 +14,7 @@ from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.system import Event
 from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem
-from tippetop.runs.integration import Course
+from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Nowhere
 
@@ -109,7 +109,7 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        return Solver(lambda _: Course(problem).run(Nowhere()), lambda: _solved(problem))
+        return Solver(lambda _: Integration(problem).run(Nowhere()), lambda: _solved(problem))
 
     return solver
 

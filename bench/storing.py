@@ -11,7 +11,7 @@ from typing import Any
 from tippetop.cli.memory import keep_memory
 from tippetop.problem import Problem
 from tippetop.runs import recording
-from tippetop.runs.integration import Course
+from tippetop.runs.integration import Integration
 from tippetop.runs.sinks import Nowhere
 from tippetop.scenario import build
 
@@ -34,8 +34,8 @@ def bare(problem: Problem) -> float:
 
 def followed(problem: Problem) -> float:
     """Seconds of the run without rows."""
-    course = Course(problem)
-    return elapsed(lambda: course.run(Nowhere()))
+    integration = Integration(problem)
+    return elapsed(lambda: integration.run(Nowhere()))
 
 
 def stored(problem: Problem) -> float:

@@ -10,18 +10,19 @@ from typing import Any
 import numpy as np
 
 from tippetop.ensembles import ensemble
-from tippetop.sweeps import plan, sweep, workers
+from tippetop.sweeps import sweep, workers
+from tippetop.sweeps.plan import Plan
 
 
 def plain(document: dict[str, Any]) -> tuple[float, float]:
     """Seconds by the wall clock and of the processor, of the tops of a plan in one call, one thread."""
-    made, clock, processor = plan.of(document), time.perf_counter(), time.process_time()
+    made, clock, processor = Plan.from_tables(document), time.perf_counter(), time.process_time()
     tops, _ = ensemble.varied(made.base, made.columns(np.arange(made.n)))
     ensemble.measure(tops, threads=1)
     return time.perf_counter() - clock, time.process_time() - processor
 
 
-def swept(made: plan.Plan, client: Any) -> tuple[float, float]:
+def swept(made: Plan, client: Any) -> tuple[float, float]:
     """The same into a new store, by the workers of a client, which are warm; processor: workers and writer."""
     with tempfile.TemporaryDirectory() as folder:
         before, clock = used(client), time.perf_counter()
@@ -34,22 +35,22 @@ def used(client: Any) -> float:
     return time.process_time() + sum(client.run(time.process_time).values())
 
 
-def tops(n: int) -> plan.Plan:
+def tops(n: int) -> Plan:
     """Canonical tops of 10 s with other spins, in chunks of some four seconds, as a large sweep has them."""
     axis = {"of": "initial.omega3", "linspace": [100.0, 160.0], "n": n}
-    return plan.of({"scenario": "inverting", "axis": [axis], "chunk": min(n, 4096)})
+    return Plan.from_tables({"scenario": "inverting", "axis": [axis], "chunk": min(n, 4096)})
 
 
 def compare(quick: bool) -> dict[str, Any]:
     """Runs all, interleaved: the medians, and those of the ratios pair by pair; and what a second worker brings."""
     logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every connection
     made, rounds = tops(4096 if quick else 8192), 3 if quick else 5
-    with workers.own(1) as client:
+    with workers.local_cluster(1) as client:
         swept(shared(1024, 256), client)
         # both in the same process: from one to the next, equal work differs by up to a tenth
         rows = [(client.submit(plain, made.document, pure=False).result(), swept(made, client)) for _ in range(rounds)]
         many = shared(2 * made.n, 1024 if quick else 2048)
-        with workers.own(2) as both:
+        with workers.local_cluster(2) as both:
             swept(shared(1024, 256), both)
             pairs = [(swept(many, client)[0], swept(many, both)[0]) for _ in range(3)]
     ways = ("plain, in the worker", "into a store, by the worker")
@@ -69,6 +70,6 @@ def compare(quick: bool) -> dict[str, Any]:
     }
 
 
-def shared(n: int, chunk: int) -> plan.Plan:
+def shared(n: int, chunk: int) -> Plan:
     """So many, in chunks that two workers can share evenly."""
-    return plan.of({**tops(n).document, "chunk": chunk})
+    return Plan.from_tables({**tops(n).document, "chunk": chunk})

@@ -20,7 +20,7 @@ def test_a_bar_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr("sys.stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "100")
-    with progress.shown(True, "tops") as tell:
+    with progress.reporting(True, "tops") as tell:
         monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock, 120.0))
         tell(20, 100)
         tell(60, 100)
@@ -29,15 +29,15 @@ def test_a_bar_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_no_bar_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress.shown(True, "tops") as tell:
+    with progress.reporting(True, "tops") as tell:
         tell(1, 2)
     assert capsys.readouterr() == ("", "")
 
 
 def test_any_callback_is_passed_on() -> None:
     seen: list[tuple[int, int]] = []
-    with progress.shown(lambda *at: seen.append(at), "tops") as tell:
+    with progress.reporting(lambda *at: seen.append(at), "tops") as tell:
         tell(1, 2)
-    with progress.shown(False, "tops") as tell:
+    with progress.reporting(False, "tops") as tell:
         tell(2, 2)
     assert seen == [(1, 2)]

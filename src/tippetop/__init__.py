@@ -1,60 +1,57 @@
 """tippetop: tops that roll and glide, integrated to rounding, with their events, potentials and surfaces.
 
->>> import tippetop
->>> run = tippetop.run("inverting", until=8)
+>>> import tippetop as tt
+>>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
+>>> run = tt.run(top, tt.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
 >>> print(run)
->>> trajectory = tippetop.datasets(run)["trajectory"]
+>>> run.trajectory.theta.plot()
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 
-if TYPE_CHECKING:
-    from .ensembles.ensemble import ensemble as ensemble
-    from .errors import InputError as InputError
-    from .landscape.marked_lines import marked_lines as marked_lines
-    from .landscape.potential import potential as potential
-    from .landscape.surface import minimal_surface as minimal_surface
-    from .landscape.turning import band as band
-    from .landscape.turning import turning_angles as turning_angles
-    from .mechanics.friction import LAWS as LAWS
-    from .mechanics.systems import SYSTEMS as SYSTEMS
-    from .problem import Problem as Problem
-    from .runs.attributes import datasets as datasets
-    from .runs.run import run as run
-    from .runs.run import solve as integrate  # noqa: F401
-    from .scenario.build import load as load
-    from .store.root import open_group as open_group
-    from .sweeps.summary import gridded as gridded
-    from .sweeps.sweep import sweep as sweep
-
-_PLACES = {
-    "run": ("runs.run", "run"),
-    "integrate": ("runs.run", "solve"),
-    "load": ("scenario.build", "load"),
-    "open_group": ("store.root", "open_group"),
-    "ensemble": ("ensembles.ensemble", "ensemble"),
-    "LAWS": ("mechanics.friction", "LAWS"),
-    "band": ("landscape.turning", "band"),
-    "marked_lines": ("landscape.marked_lines", "marked_lines"),
-    "minimal_surface": ("landscape.surface", "minimal_surface"),
-    "potential": ("landscape.potential", "potential"),
-    "turning_angles": ("landscape.turning", "turning_angles"),
-    "Problem": ("problem", "Problem"),
-    "datasets": ("runs.attributes", "datasets"),
-    "InputError": ("errors", "InputError"),
-    "gridded": ("sweeps.summary", "gridded"),
-    "sweep": ("sweeps.sweep", "sweep"),
-    "SYSTEMS": ("mechanics.systems", "SYSTEMS"),
+_NAMES = {
+    "errors": "InputError StoreError Interrupted Unfinished",
+    "engine.status": "Status",
+    "problem": "Problem",
+    "mechanics.friction": "LAWS Law",
+    "mechanics.system": "Event Parameter Quantity System",
+    "mechanics.systems": "SYSTEMS",
+    "mechanics.units": "Unit",
+    "library.bodies": "Cylinder HeavyTop TippeTop",
+    "library.laws": "Coulomb Frictionless Latitude Mixed Modified Stribeck Viscous",
+    "library.landscapes": "band marked_lines minimal_surface potential turning_angles",
+    "library.many": "ensemble",
+    "library.registering": "register",
+    "library.run": "Run StoredRun",
+    "library.running": "datasets integrate open resume run",
+    "library.theory": "linear_modes nutation reconstruct regime thresholds",
+    "runs.results": "Summary",
+    "scenario.build": "load",
+    "scenario.reading": "presets",
+    "store.root": "open_group",
+    "sweeps.summary": "gridded",
+    "sweeps.sweep": "sweep",
 }
-__all__ = list(_PLACES)
+_PLACES = {name: module for module, names in _NAMES.items() for name in names.split()}
+__all__ = sorted([*_PLACES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
     """Public names, imported when first used: `tippetop --help` must not wait for LLVM."""
-    if name not in _PLACES:
-        raise AttributeError(f"module 'tippetop' has no attribute {name!r}")
-    from importlib import import_module
+    if name == "__version__":
+        from importlib.metadata import version
 
-    module, attribute = _PLACES[name]
-    return getattr(import_module(f".{module}", __name__), attribute)
+        found: Any = version("tippetop")
+    elif name in _PLACES:
+        from importlib import import_module
+
+        found = getattr(import_module(f".{_PLACES[name]}", __name__), name)
+    else:
+        raise AttributeError(f"module 'tippetop' has no attribute {name!r}")
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

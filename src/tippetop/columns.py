@@ -1,10 +1,25 @@
 """Named columns in SI units, as the store and a Dataset keep them."""
 
+import re
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .mechanics.units import Unit
+
+
+GREEK = {"lambda_s": "λₛ", "omega_3": "ω₃", "gamma": "γ", "lambda": "λ", "sigma": "σ", "theta": "θ"}
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def greek(text: str) -> str:
+    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃."""
+    return re.sub("|".join(GREEK), lambda word: GREEK[word[0]], text)
+
+
+def units_text(units: str) -> str:
+    """Units as people write them: `kg m2 s-1` is kg m² s⁻¹."""
+    return re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power[0].translate(SUPERSCRIPTS), units)
 
 
 class Column(NamedTuple):

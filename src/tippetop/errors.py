@@ -1,12 +1,29 @@
-"""What goes wrong in ways that a person can mend: each error is one or more sentences."""
+"""Errors that the user can mend: each is one or more sentences."""
+
+import difflib
+from collections.abc import Iterable
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """The known word nearest to a mistyped one, None where none is near; upper and lower case are the same."""
+    lower = {k.lower(): k for k in known}
+    found = difflib.get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
+    return lower[found[0]] if found else None
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """`` Did you mean `x`?`` to be appended to a sentence, or nothing where no known word is near."""
+    found = nearest(word, known)
+    return f" Did you mean `{found}`?" if found else ""
+
+
+def a_system(name: str) -> str:
+    """A system in a sentence: gliding-heavy-top -> a gliding heavy top."""
+    return f"a{'n' if name[0] in 'aeiou' else ''} {name.replace('-', ' ')}"
 
 
 class Interrupted(Exception):
-    """The run was asked to stop, and stopped at a commit; `signal` says by what."""
-
-    def __init__(self, signal_number: int):
-        super().__init__(signal_number)
-        self.signal = signal_number
+    """The run was asked to stop, and stopped at a commit: its store can be resumed."""
 
 
 class StoreError(OSError):
@@ -14,7 +31,7 @@ class StoreError(OSError):
 
 
 class InputError(ValueError):
-    """A scenario that cannot be run; `sentences` says each thing that must hold and what was found."""
+    """Input that cannot be used; each of `sentences` says what must hold and what was found."""
 
     def __init__(self, sentences: list[str]):
         super().__init__("\n".join(sentences))

@@ -12,7 +12,7 @@ from .mechanics.operand import leaves, refill
 from .mechanics.system import Form, System
 from .mechanics.units import SECOND, Scales
 from .mechanics.variables import Variables
-from .sampling import Given, Grid
+from .sampling import EvenTimes, ListedTimes
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
@@ -30,7 +30,7 @@ class Problem:
     friction_units: Any
     initial: dict[str, Any]
     until: float
-    times: Grid | Given  # of the rows that are asked for
+    times: EvenTimes | ListedTimes  # of the rows that are asked for
     events: tuple[str, ...]  # the kinds that are logged
     on_liftoff: str = "stop"
     precision: str = "double"
@@ -41,7 +41,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
-            object.__setattr__(self, "times", Given(self.times))
+            object.__setattr__(self, "times", ListedTimes(self.times))
 
     @cached_property
     def number(self) -> Any:

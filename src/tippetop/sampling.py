@@ -7,7 +7,7 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class Grid:
+class EvenTimes:
     """The times 0, step, 2 step, ..., and `until` itself as the last one [s]."""
 
     step: float
@@ -26,14 +26,14 @@ class Grid:
 
     def count(self, t: float, *, inclusive: bool) -> int:
         """How many of the times lie before t, or at t too."""
-        near = max(0, int(t / self.step) - 1)
+        near = min(max(0, int(t / self.step) - 1), len(self))
         side: Any = "right" if inclusive else "left"
         return near + int(np.searchsorted(self[near : near + 4], t, side=side))
 
 
 @dataclass(frozen=True)
-class Given:
-    """Times that a person listed, ascending [s]."""
+class ListedTimes:
+    """Times that the user listed, ascending [s]."""
 
     times: np.ndarray
 

@@ -14,6 +14,7 @@ from tippetop.ensembles.outcomes import CLASSES, STATUSES
 from tippetop.ensembles.tops import Tops
 from tippetop.errors import InputError
 from tippetop.mechanics.operand import leaves
+from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs.run import solve
 from tippetop.scenario import build, reading
 
@@ -92,17 +93,6 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
         assert float(top["drift_jellett"]) < 1e-13
         assert float(top["drift_energy_balance"]) < 1e-12
     assert {"finished", "liftoff"} <= set(kinds(found, "status"))
-
-
-def test_a_turning_right_after_a_start_at_rest_is_found() -> None:
-    """The start is a zero of theta' and is not logged; the next zero lies in the same step. A dense scan tells."""
-    data = {"initial.omega3": 65.94886167813415, "initial.theta": 0.022550316141261836, "friction.mu": 0.25}
-    data |= {"initial.phi_dot": -3.450667221634134, "run.until": 1.0}
-    top = tippetop.ensemble("inverting", {key: np.array([value]) for key, value in data.items()})
-    problem = build.load("inverting", [f"{key}={value!r}" for key, value in data.items()])
-    dense = solve(dataclasses.replace(problem, times=np.linspace(0, 1, 100_001))).columns()["theta"].values
-    moves = np.sign(np.diff(dense))
-    assert int(top["turnings"][0]) == np.sum(moves[1:] != moves[:-1])
 
 
 @pytest.mark.parametrize(("threads", "longest"), [(2, 192), (1, 31)])
@@ -202,3 +192,10 @@ def test_progress_tells_every_top() -> None:
 def test_names_of_ends() -> None:
     assert len(set(STATUSES)) == len(STATUSES)
     assert set(CLASSES) >= {"upright", "tumbling", "inverted", "lifted-off"}
+
+
+def test_the_end_of_a_top_is_called_what_its_system_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    starts = {"initial.theta": np.array([0.01, 3.1])}
+    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "inverted"]
+    monkeypatch.setitem(SYSTEMS, "heavy-top", dataclasses.replace(SYSTEMS["heavy-top"], classes=("upright",)))
+    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "under-way"]

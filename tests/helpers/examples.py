@@ -11,11 +11,15 @@ from tippetop.engine.observables import Observables
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
-from tippetop.runs.run import Run, solve
+from tippetop.runs.run import Solution, solve
 
 
 CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3.2e-6, "g": 9.82}
 """S. Rauch-Wojciechowski and N. Rutstam, Regul. Chaotic Dyn. 18 (2013)."""
+HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
+"""A heavy top; its moment about the tip is 2.4e-4 kg m^2."""
+SLENDER = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
+"""A heavy top whose periods were computed by quadrature in 30 digits."""
 
 
 def problem(
@@ -35,12 +39,18 @@ def problem(
     return Problem(used, form, parameters, record, units, initial, until, **options)
 
 
-def run(*arguments: Any, **options: Any) -> Run:
+def run(*arguments: Any, **options: Any) -> Solution:
     """The run of `problem(...)`."""
     return solve(problem(*arguments, **options))
 
 
-def columns(made: Run) -> dict[str, np.ndarray]:
+def turning_times(times: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Where a dense scan of theta turns: the times of the rows at which its steps change sign."""
+    moves = np.sign(np.diff(theta))
+    return times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
+
+
+def columns(made: Solution) -> dict[str, np.ndarray]:
     """The columns of a run, by name."""
     return {name: column.values for name, column in made.columns().items()}
 

@@ -49,14 +49,16 @@ def minimum(D, lam, b, near):
     """
     D, lam, near = mp.mpf(D), mp.mpf(lam), mp.mpf(near)
 
-    def N(q):
-        return spinning.critical(z_of(q), D, lam, b)
+    def N(factor):
+        return spinning.critical(z_of(near * factor), D, lam, b)
 
-    low, high = near / (1 + mp.mpf("1e-6")), near * (1 + mp.mpf("1e-6"))
+    low, high = 1 / (1 + mp.mpf("1e-6")), 1 + mp.mpf("1e-6")
     f_low, f_high = N(low), N(high)
     assert f_low > 0 > f_high, f"no minimum next to q = {float(near)} for D = {float(D)!r}, lambda = {float(lam)!r}"
-    q = mp.findroot(N, (low, high), solver="anderson", tol=mp.mpf(10) ** -110, maxsteps=60, verify=False)
-    assert low < q < high
+    # relative to near and to f_low, so that 50 digits are 50 digits, and it ends after 8 steps
+    factor = mp.findroot(lambda x: N(x) / f_low, (low, high), solver="anderson", tol=mp.mpf(10) ** -50, verify=False)
+    assert low < factor < high
+    q = near * factor
     return potential(z_of(q), D, lam, b), q
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tippetop_kernels.grid import minima, on_threads
+from tippetop_kernels.level_crossings import Level, crossings
 from tippetop_kernels.minimise import LARGEST, SMALLEST, Status, lowest, minimise
-from tippetop_kernels.roots import Level, crossings
 
 
 class Hill(NamedTuple):

@@ -8,6 +8,7 @@ import pytest
 
 from tippetop.landscape import body as bodies
 from tippetop.landscape import formulas, marked_lines, surface
+from tippetop.landscape.kernels import kernels
 from tippetop.mechanics.systems import spinning
 from tippetop_kernels.minimise import Status
 
@@ -44,9 +45,9 @@ def worst(parameters, points):
     errors = []
     for i in range(D.size):
         exact, q_exact = oracle.minimum(D[i], lam[i], b, q[i])
-        p = formulas.lean(D[i], lam[i], t.relief)
+        p = formulas.at_momenta(D[i], lam[i], t.coefficients)
         # rounding of the slope, some units of F, over its rate of change
-        condition = F[i] / formulas.bend(q[i], p, t.relief)
+        condition = F[i] / formulas.curvature(q[i], p, t.coefficients)
         in_ulp = max(oracle.ulps(F[i], exact), oracle.ulps(alone[i], exact))
         errors.append((in_ulp, float(abs(q[i] / q_exact - 1)) / (2**-52 * max(condition, 1))))
     return np.max(errors, axis=0)
@@ -103,13 +104,13 @@ def test_two_minima_and_the_lower_of_them():
     parameters = oracle.parameters(0.3, 3.0, 4.0)
     b = oracle.body(parameters)
     t = bodies.top(parameters)
-    assert t.several
+    assert t.two_wells
     lam = 1.02 * float(spinning.lambda_pi(b))
     D = float(spinning.slope(-1, b)) * lam
     found = surface.minimal_surface(parameters, [D * (1 + 1e-4), D, D * (1 - 1e-4)], lam)  # D < 0
     q = np.geomspace(1e-12, 1e12, 200_001)
     for x, F, status in zip(found.D.values, found.F.values.ravel(), found.status.values.ravel(), strict=True):
-        V = formulas.value(q, formulas.lean(x, lam, t.relief), t.relief)
+        V = formulas.value(q, formulas.at_momenta(x, lam, t.coefficients), t.coefficients)
         assert V.min() >= F
         assert pytest.approx(V.min(), rel=1e-8) == F
         inner = (V[1:-1] < V[:-2]) & (V[1:-1] < V[2:])
@@ -135,16 +136,16 @@ def test_two_minima_of_which_the_end_is_the_lower():
 
 def test_second_minimum_appears_at_gamma_star():
     """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
-    assert not bodies.top(oracle.parameters(0.3, 2.1212, 2.5)).several
-    assert bodies.top(oracle.parameters(0.3, 2.1214, 2.5)).several
+    assert not bodies.top(oracle.parameters(0.3, 2.1212, 2.5)).two_wells
+    assert bodies.top(oracle.parameters(0.3, 2.1214, 2.5)).two_wells
 
 
 @numba.njit
-def minima_along(lean, slopes, D, lam, r):
+def minima_along(at_momenta, slopes, D, lam, r):
     """The largest number of minima of V found on 400 values of q, e^-40 to e^40, at the points (D, lam)."""
     worst = 0
     for i in range(D.size):
-        p, count, before = lean(D[i], lam[i], r), 0, -1.0
+        p, count, before = at_momenta(D[i], lam[i], r), 0, -1.0
         for j in range(400):
             g = slopes(np.exp(80 * j / 399 - 40), p, r)[0]
             count += before < 0 < g
@@ -154,8 +155,8 @@ def minima_along(lean, slopes, D, lam, r):
 
 
 def test_no_second_minimum_below_gamma_star():
-    """1500 bodies in and out of the inverting class, at points around the marked lines: what `several` rests on."""
-    rng, f, found = np.random.default_rng(8), bodies.kernels().formulas, 0
+    """1500 bodies in and out of the inverting class, at points around the marked lines: what `two_wells` rests on."""
+    rng, f, found = np.random.default_rng(8), kernels().formulas, 0
     for _ in range(1500):
         alpha, sigma = rng.uniform(0.001, 0.999), 10 ** rng.uniform(-2, 3)
         gamma = rng.choice([rng.uniform(0.5, 1 + alpha), rng.uniform(1 + alpha, 6)])
@@ -164,7 +165,7 @@ def test_no_second_minimum_below_gamma_star():
         slopes = np.array([spinning.slope(z, t.body) for z in (1, -1)])
         lam = scale * 10 ** rng.uniform(-1.5, 1.5, 60)
         D = np.resize(slopes, 60) * lam * (1 + rng.choice([-1, 1], 60) * 10 ** rng.uniform(-8, 0, 60))
-        count = minima_along(f["lean"], f["slopes"], D, lam, t.relief)
-        assert count == 1 or t.several, f"{count} minima for alpha = {alpha}, gamma = {gamma}, sigma = {sigma}"
+        count = minima_along(f["at_momenta"], f["slopes"], D, lam, t.coefficients)
+        assert count == 1 or t.two_wells, f"{count} minima for alpha = {alpha}, gamma = {gamma}, sigma = {sigma}"
         found += count > 1
     assert found > 50  # the scan does see second minima where they are allowed

@@ -6,16 +6,13 @@ import numpy as np
 import pytest
 import scipy.optimize
 import xarray as xr
+from examples import CANONICAL, HEAVY
 
 from tippetop.landscape import body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.systems import heavy_top, spinning, tippe_top
+from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
-from tippetop_kernels.roots import Level
-
-
-CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 1 / 312500, "g": 9.82}  # section 14
-HEAVY = {"m": 0.1, "l": 0.04, "I1": 1e-4 - 1.6e-4 / 4, "I3": 5e-5, "g": 9.82}
 
 
 # --- the potential --------------------------------------------------------------------------------------------------
@@ -44,7 +41,7 @@ def test_second_derivative_of_the_potential():
         assert found.V_zz.item() == pytest.approx(float(exact), rel=1e-12)
 
 
-def test_potential_of_the_relief_is_the_formula_of_the_house():
+def test_potential_of_the_coefficients_is_the_formula_of_the_system():
     z, D, lam = np.linspace(-0.99, 0.99, 41), np.linspace(-4e-4, 5e-4, 7), np.linspace(0, 8e-6, 5)
     found = potential.potential(CANONICAL, z, D, lam)
     body = bodies.top(CANONICAL).body
@@ -127,7 +124,7 @@ TWO_MINIMA = oracle.parameters(0.3, 3.0, 4.0)  # alpha, gamma, sigma: above gamm
 def test_rows_that_start_from_rows_before_them_end_at_the_same_surface(parameters, system, box, even):
     """F alone, whose rows are carried on from one to the next over both marked lines, against F with its minimum."""
     t = bodies.top(parameters, system)
-    assert t.several == (parameters is TWO_MINIMA)
+    assert t.two_wells == (parameters is TWO_MINIMA)
     x = np.linspace(-1, 1, 201) if even else np.sort(np.random.default_rng(3).uniform(-1, 1, 201))
     x, y = (box[1] + box[0] + x * (box[1] - box[0])) / 2, np.linspace(box[2], box[3], 67)
     exact, q, known = surface.minima(t, x, y)
@@ -237,7 +234,10 @@ def test_what_is_not_finite_is_undefined():
         ),
         (lambda: surface.minimal_surface({}, 1e-4, 1e-6), "Argument `parameters` must have 'm'"),
         (lambda: bodies.top({**CANONICAL, "g": np.nan}), "Argument `parameters.g` must be finite"),
-        (lambda: bodies.top({**CANONICAL, "alpha": 1.5}), "alpha in \\(0, 1\\)"),
+        (
+            lambda: bodies.top({**CANONICAL, "alpha": 1.5}),
+            "Argument `parameters.alpha` must be greater than 0 and less than 1, but is 1.5",
+        ),
         (lambda: bodies.top({**CANONICAL, "I1": -1.0}), "Argument `parameters.I1` must be positive"),
         (lambda: bodies.top({**HEAVY, "l": -0.1}, "heavy-top"), "Argument `parameters.l` must be positive"),
         (lambda: bodies.top(CANONICAL, "cylinder"), "Argument `system` must be one of tippe-top"),
@@ -290,9 +290,8 @@ def test_rolling_top_swings_as_its_reference_run():
 def test_heavy_top_swings_as_its_closed_form():
     """Reference case 7: 2 K(k)/W; cuspidal start at theta = 0.6, L3 = 0.01 (sections 8, 14)."""
     L3, z0 = 0.01, np.cos(0.6)
-    heavy = {"m": 0.1, "l": 0.04, "I1": 8 / 100000, "I3": 5e-5, "g": 9.82}
-    E = L3**2 / 2 / heavy["I3"] + heavy["m"] * heavy["g"] * heavy["l"] * z0
-    found = turning.turning_angles(heavy, L3, L3 * z0, E, "heavy-top")
+    E = L3**2 / 2 / HEAVY["I3"] + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * z0
+    found = turning.turning_angles(HEAVY, L3, L3 * z0, E, "heavy-top")
     assert found.theta_min.item() == pytest.approx(0.6, rel=1e-12)
     assert found.theta_max.item() == pytest.approx(0.7376469624934865, rel=1e-12)
     assert found.period.item() == pytest.approx(0.1786029610277087905, rel=1e-11)
@@ -367,10 +366,9 @@ def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
 @pytest.fixture(scope="module")
 def inverting_run():
     import tippetop
-    from tippetop.runs import attributes
 
     run = tippetop.run("inverting", until=8)
-    groups = attributes.datasets(run)
+    groups = tippetop.datasets(run)
     return groups, groups["trajectory"].attrs
 
 

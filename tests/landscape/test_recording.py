@@ -7,20 +7,25 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from examples import CANONICAL
+from stores import assert_same
 
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.landscape import recording, surface
+from tippetop.landscape.recording import Surface
 from tippetop.store import root
 
 
-PARAMETERS = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
+PARAMETERS = {**CANONICAL, "I1": 3.008e-6}
 D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
 
 
 def test_store_is_the_surface(tmp_path):
     seen = []
-    path = recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=lambda *a: seen.append(a))
+    path = recording.write(
+        tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=lambda *a: seen.append(a)
+    )
     stored, exact = root.open_group(path, "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
     for name in ("F", "z", "status", "D", "lambda"):
         np.testing.assert_array_equal(stored[name], exact[name])
@@ -34,61 +39,63 @@ class Stop(Exception):
     """The power fails."""
 
 
-def test_interrupted_store_goes_on(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The store of the surface, which nothing has disturbed."""
+    return recording.write(tmp_path_factory.mktemp("whole") / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+
+
+def stopped(path, after, chunk=16):
+    """Writing stops after some chunks."""
+
     def stop(done, of):
-        if done == 5:
+        if done == after:
             raise Stop
 
     with pytest.raises(Stop):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=stop)
-    assert not (tmp_path / "F.zarr").exists()
+        recording.write(path, Surface.over(PARAMETERS, D, LAM, chunk=chunk), progress=stop)
+    assert not path.exists()
+    return path.with_name(f".{path.name}.part") / "surface"
+
+
+def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
+    stopped(tmp_path / "F.zarr", after=5)
     worked = []
     minima = surface.minima
     monkeypatch.setattr(recording.surface, "minima", lambda *a: worked.append(1) or minima(*a))
-    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert len(worked) == 7
-    stored, exact = root.open_group(tmp_path / "F.zarr", "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
-    np.testing.assert_array_equal(stored.F, exact.F)
+    assert_same(tmp_path / "F.zarr", whole)
 
 
 def test_surface_has_one_writer(tmp_path):
     def second(done, of):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
 
     with pytest.raises(errors.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16, progress=second)
-    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=16)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=second)
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
 
 
-def test_chunk_without_its_status_is_done_again(tmp_path):
+def test_chunk_without_its_status_is_done_again(whole, tmp_path):
     """A kill between F and status leaves no half-done chunk behind."""
-
-    def stop(done, of):
-        raise Stop
-
-    with pytest.raises(Stop):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64, progress=stop)
-    part = tmp_path / ".F.zarr.part" / "surface"
+    part = stopped(tmp_path / "F.zarr", after=1)
     (part / "status" / "c" / "0" / "0").unlink()
     (part / "F" / "c" / "0" / "0").unlink()
-    recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, chunk=64)
-    assert np.isfinite(root.open_group(tmp_path / "F.zarr", "surface").F).all()
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    assert_same(tmp_path / "F.zarr", whole)
 
 
 def test_another_surface_does_not_go_on(tmp_path):
-    def stop(done, of):
-        raise Stop
-
-    with pytest.raises(Stop):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM, progress=stop)
+    stopped(tmp_path / "F.zarr", after=1)
     with pytest.raises(errors.StoreError, match="must be the same surface"):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM * 2)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM * 2, chunk=16))
 
 
 def test_existing_store_is_left_alone(tmp_path):
     (tmp_path / "F.zarr").mkdir()
     with pytest.raises(errors.StoreError, match="must not exist yet"):
-        recording.write(tmp_path / "F.zarr", PARAMETERS, D, LAM)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM))
 
 
 def test_surface_command(tmp_path, capsys):

@@ -5,6 +5,7 @@ import math
 import examples
 import numpy as np
 import pytest
+from examples import HEAVY
 
 from tippetop.engine.observables import Observables
 from tippetop.engine.status import Status
@@ -15,9 +16,6 @@ from tippetop.mechanics.systems import SYSTEMS, heavy_top, tippe_top
 from tippetop.mechanics.theory import heavy_top_motion, nutation
 from tippetop.runs.run import solve
 from tippetop.scenario import build
-
-
-BODY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 
 
 def closed(made) -> heavy_top_motion.ClosedForm:
@@ -38,7 +36,7 @@ def closed(made) -> heavy_top_motion.ClosedForm:
 )
 def test_closed_form(form: str, initial: dict[str, float]) -> None:
     """theta(t) is the elliptic function of the source, to 1e-12; all starts are turning points."""
-    made = examples.problem("heavy-top", BODY, initial, 2.0, form=form)
+    made = examples.problem("heavy-top", HEAVY, initial, 2.0, form=form)
     exact = closed(made)
     z0 = math.cos(initial["theta"])
     shift = 0.0 if abs(z0 - exact.z1) < abs(z0 - exact.z2) else exact.period / 2
@@ -72,8 +70,7 @@ def test_published_heavy_tops() -> None:
 
 
 def test_period_of_the_fixed_top() -> None:
-    body = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
-    made = examples.problem("heavy-top", body, {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0}, 0.3)
+    made = examples.problem("heavy-top", examples.SLENDER, {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0}, 0.3)
     b, start = examples.si(made), examples.at_start(made)
     found = nutation.nutation(
         lambda z: heavy_top.theta_inertia(z, b),
@@ -101,7 +98,7 @@ def test_period_of_the_fixed_top() -> None:
     ],
 )
 def test_motions_have_names(initial: dict[str, float], name: str) -> None:
-    made = examples.problem("heavy-top", BODY, initial, 1.0)
+    made = examples.problem("heavy-top", HEAVY, initial, 1.0)
     b, start = examples.si(made), examples.at_start(made)
     arguments = heavy_top.tip_inertia(b), b.I3, -b.m * b.g * b.c
     assert heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], *arguments) == name
@@ -112,7 +109,7 @@ def test_regular_precession_has_its_name() -> None:
     inertia, theta, omega3 = 8e-5 + 0.1 * 0.04**2, 0.6, 200.0
     a, half, weight = inertia * math.cos(theta), 5e-5 * omega3 / 2, 0.1 * 9.82 * 0.04
     slow = (half - math.sqrt(half**2 - a * weight)) / a
-    made = examples.problem("heavy-top", BODY, {"theta": theta, "phi_dot": slow, "omega3": omega3}, 1.0)
+    made = examples.problem("heavy-top", HEAVY, {"theta": theta, "phi_dot": slow, "omega3": omega3}, 1.0)
     b, start = examples.si(made), examples.at_start(made)
     name = heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], inertia, b.I3, weight)
     assert name == "regular precession"
@@ -162,7 +159,7 @@ def test_equations_and_integrals_of_the_tippe_top_tend_to_the_gliding_heavy_top(
 def test_motions_of_the_tippe_top_tend_to_the_gliding_heavy_top() -> None:
     """theta(t) after half a second converges to first order in R."""
     start, until = {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05, "nu_y": -0.02}, 0.5
-    exact = examples.columns(examples.run("gliding-heavy-top", BODY, start, until, ("viscous", {"mu": 0.3})))["theta"]
+    exact = examples.columns(examples.run("gliding-heavy-top", HEAVY, start, until, ("viscous", {"mu": 0.3})))["theta"]
     errors = []
     for R in RADII:
         parameters = {"m": 0.1, "R": R, "alpha": -0.04 / R, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
@@ -174,7 +171,11 @@ def test_motions_of_the_tippe_top_tend_to_the_gliding_heavy_top() -> None:
 def test_main_equation_of_the_gliding_heavy_top_along_a_run() -> None:
     """E~ = I1* theta'^2/2 + V(z, L_z(t), L_3); L_3 constant. [T 5.26]"""
     made = examples.run(
-        "gliding-heavy-top", BODY, {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05}, 2.0, ("viscous", {"mu": 0.3})
+        "gliding-heavy-top",
+        HEAVY,
+        {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05},
+        2.0,
+        ("viscous", {"mu": 0.3}),
     )
     b, rows = examples.si(made.problem), examples.columns(made)
     V = heavy_top.potential(np.cos(rows["theta"]), rows["Lz"], rows["L3"], b)
@@ -184,7 +185,7 @@ def test_main_equation_of_the_gliding_heavy_top_along_a_run() -> None:
 
 
 def test_the_fallen_top_stops_at_the_plane() -> None:
-    made = examples.run("gliding-heavy-top", BODY, {"theta": 0.4, "omega3": 10.0}, 4.0, ("viscous", {"mu": 0.3}))
+    made = examples.run("gliding-heavy-top", HEAVY, {"theta": 0.4, "omega3": 10.0}, 4.0, ("viscous", {"mu": 0.3}))
     assert made.status is Status.FALLEN
     assert made.report["theta_end"] == pytest.approx(math.pi / 2, abs=1e-12)
     assert list(made.events.kind) == [2]
@@ -193,7 +194,7 @@ def test_the_fallen_top_stops_at_the_plane() -> None:
 def test_forms_of_one_motion_agree() -> None:
     start = {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05, "nu_y": -0.02, "phi": 0.3}
     rows = [
-        examples.columns(examples.run("gliding-heavy-top", BODY, start, 2.0, ("viscous", {"mu": 0.3}), form=form))
+        examples.columns(examples.run("gliding-heavy-top", HEAVY, start, 2.0, ("viscous", {"mu": 0.3}), form=form))
         for form in SYSTEMS["gliding-heavy-top"].forms
     ]
     for other in rows[1:]:
@@ -203,7 +204,7 @@ def test_forms_of_one_motion_agree() -> None:
 
 
 def test_view_of_the_vectors() -> None:
-    made = examples.run("heavy-top", BODY, {"theta": 0.6, "omega3": 200.0}, 0.5, form="euler")
+    made = examples.run("heavy-top", HEAVY, {"theta": 0.6, "omega3": 200.0}, 0.5, form="euler")
     L = examples.columns(made)["L"]
     rows = Observables(made.problem).columns(made.times, made.rows)
     np.testing.assert_allclose(L[:, 2], rows["Lz"].values, rtol=1e-13)

@@ -14,11 +14,35 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.variables import Variables
 
 
-@pytest.mark.parametrize("law", laws.LAWS, ids=lambda law: law.__name__)
-@pytest.mark.parametrize(("system", "form", "friction"), list(laws.cases(SYSTEMS)))
+ASKED = [
+    pytest.param(*names, law, id=f"{'-'.join(names)}-{law.__name__}")
+    for names in laws.cases(SYSTEMS)
+    for law in laws.LAWS
+    if laws.applies(law, SYSTEMS[names[0]], names[1])
+]
+
+
+@pytest.mark.parametrize(("system", "form", "friction", "law"), ASKED)
 def test_law(system: str, form: str, friction: str, law: Callable, rng: np.random.Generator) -> None:
     case = laws.case(SYSTEMS[system], form, friction, rng)
     assert (message := laws.broken(law(case), law.__name__, case)) is None, message
+
+
+def test_every_law_is_asked_of_every_system_unless_it_says_why_not() -> None:
+    """Laws without `only` are asked everywhere; each of the others somewhere, and not everywhere."""
+    everywhere = len(list(laws.cases(SYSTEMS)))
+    for law in laws.LAWS:
+        asked = sum(param.values[-1] is law for param in ASKED)
+        assert 0 < asked < everywhere if hasattr(law, "where") else asked == everywhere, law.__name__
+
+
+def test_a_law_that_is_broken_or_compares_nothing_is_told(rng: np.random.Generator) -> None:
+    case = laws.case(SYSTEMS["heavy-top"], "vector", "none", rng)
+    one = np.ones(laws.STATES)
+    assert laws.broken(iter([("x", one, one)]), "law", case) is None
+    assert laws.broken(iter([]), "law", case) == "law: nothing was compared"
+    assert "law: x is " in str(laws.broken(iter([("x", one + 1e-10, one)]), "law", case))
+    assert "law: x is " in str(laws.broken(iter([("x", one * np.nan, one)]), "law", case))
 
 
 EVERY_FORM = [(name, form) for name, system in SYSTEMS.items() for form in system.forms]

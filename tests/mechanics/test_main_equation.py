@@ -9,15 +9,12 @@ from tippetop.mechanics.theory.main_equation import reconstruct
 from tippetop.runs.run import solve
 
 
-HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
-
-
 @pytest.mark.parametrize(
     ("system", "parameters", "start", "until", "turnings"),
     [
         ("tippe-top", examples.CANONICAL, {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}, 0.6, 19),
         ("tippe-top", examples.CANONICAL, {"theta": 0.5, "phi_dot": -8.0, "omega3": 155.0}, 0.3, 15),
-        ("gliding-heavy-top", HEAVY, {"theta": 0.4, "phi_dot": 5.0, "omega3": 300.0}, 0.15, 7),
+        ("gliding-heavy-top", examples.HEAVY, {"theta": 0.4, "phi_dot": 5.0, "omega3": 300.0}, 0.15, 7),
     ],
 )
 def test_main_equation_gives_the_motion_back(

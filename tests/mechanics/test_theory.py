@@ -1,21 +1,24 @@
 """Thresholds, tumbling states, linear modes and regimes."""
 
+import dataclasses
 import math
 
 import examples
 import numpy as np
 import pytest
 
+from tippetop.landscape import body
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import euler as gliding_euler
-from tippetop.mechanics.friction import Coulomb, Viscous
+from tippetop.mechanics.friction import Coulomb, Latitude, Mixed, Stribeck, Viscous, is_frictionless
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.theory import modes, regimes, thresholds, tumbling
-from tippetop.runs import outlook
+from tippetop.problem import Problem
+from tippetop.runs import forecast
+from tippetop.runs.summary import lines
 
 
 B = contact.Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
-HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 TIP = contact.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 
 
@@ -193,7 +196,7 @@ def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
     spin = 2.44 * thresholds.sleeping_spin(TIP)
     growth = modes.linear_modes(spin, TIP)[0].real
     made = examples.run(
-        "gliding-heavy-top", HEAVY, {"theta": 1e-3, "omega3": spin}, 60.0, ("viscous", {"mu": 0.3}), events=()
+        "gliding-heavy-top", examples.HEAVY, {"theta": 1e-3, "omega3": spin}, 60.0, ("viscous", {"mu": 0.3}), events=()
     )
     theta, t = examples.columns(made)["theta"], made.times
     late = t > 10
@@ -201,19 +204,84 @@ def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
     assert np.polyfit(t[late], np.log(theta[late]), 1)[0] == pytest.approx(growth, rel=1e-2)
 
 
-def test_assessment_speaks_for_every_system() -> None:
-    for name, system in SYSTEMS.items():
-        parameters = HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6}
-        made = examples.problem(
-            name,
-            {k: parameters[k] for k in system.parameters},
-            {"theta": 0.1, "theta_dot": 1.0},
-            1.0,
-            ("viscous", {"mu": 0.3}),
-        )
-        found = outlook.assessment(system, examples.si(made), made.initial)
+def start_of(name: str, theta: float = 0.1, law: tuple = ("viscous", {"mu": 0.3}), **more: float) -> Problem:
+    """A start of a system with its usual numbers."""
+    system, numbers = SYSTEMS[name], examples.HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6}
+    initial = {"theta": theta, **{key: value for key, value in more.items() if key in system.initial}}
+    return examples.problem(name, {k: numbers[k] for k in system.parameters}, initial, 1.0, law)
+
+
+def test_every_system_of_ours_has_an_outlook() -> None:
+    for name in SYSTEMS:
+        found = forecast.assessment(start_of(name, theta_dot=1.0))
         assert found["regime"]
-        assert all(t.long_name and t.unit for t in found["thresholds"].values())
-    canonical = outlook.assessment(SYSTEMS["tippe-top"], B, {"theta": 0.1, "omega3": 155.0})
+    canonical = forecast.assessment(start_of("tippe-top", omega3=155.0))
     assert canonical["fate"] == "ends in the inverted spin"
-    assert canonical["lambda"] == pytest.approx(6.894441319558e-6, rel=1e-12)
+    outlook = SYSTEMS["tippe-top"].outlook(B, {"jellett": 6.894441319558e-6})
+    assert outlook.fate == "ends in the inverted spin"
+    assert all(t.long_name and t.unit for t in outlook.thresholds.values())
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No threshold, no regime, no fate, no inversion: knowledge comes with the record, not with a name."""
+    toy = dataclasses.replace(
+        SYSTEMS[name], name=f"toy-{name}", outlook=None, motion=None, borders=None, landscape=None, inverts=False
+    )
+    monkeypatch.setitem(SYSTEMS, toy.name, toy)
+    made = dataclasses.replace(start_of(name), system=toy)
+    found = forecast.assessment(made)
+    assert set(found) == {"at_start", "expected"}
+    assert forecast.remarks(made) == {}
+    report = {"reason": "end.", "steps": 1, "event_counts": {}, "theta_end": 0.1, "nutational_band": {}, "drift": {}}
+    inversion = dict.fromkeys(("first_equator", "last_equator", "inverted_at"))
+    words = dict(lines({**report, "system": toy.name, "inversion": inversion}))
+    assert "inversion" not in words
+    with pytest.raises(ValueError, match="must be one of"):
+        body.top(made.parameters, toy.name)
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_a_renamed_system_is_known_as_well(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    renamed = dataclasses.replace(SYSTEMS[name], name=f"renamed-{name}")
+    monkeypatch.setitem(SYSTEMS, renamed.name, renamed)
+    made = start_of(name, omega3=155.0)
+    other = dataclasses.replace(made, system=renamed)
+    assert forecast.assessment(other) == forecast.assessment(made)
+    assert forecast.remarks(other) == forecast.remarks(made)
+
+
+NO_FRICTION = [
+    ("none", {}),
+    ("viscous", {"mu": 0.0}),
+    ("coulomb", {"mu": 0.0, "eps": 1e-3}),
+    ("mixed", {"mu": 0.0, "mu_coulomb": 0.0, "eps": 1e-3}),
+    ("stribeck", {"mu": 0.0, "mu_static": 0.0, "v_s": 0.1, "eps": 1e-3}),
+    ("latitude", {"mu": 0.0, "mu_stem": 0.0}),
+]
+
+
+@pytest.mark.parametrize("law", NO_FRICTION, ids=lambda law: law[0])
+def test_mu_zero_is_no_friction_under_any_law(law: tuple) -> None:
+    tippe = forecast.assessment(start_of("tippe-top", law=law, omega3=155.0))
+    assert tippe["fate"] == "no friction: no inversion, theta nutates for ever"
+    assert "regularisation" not in tippe
+    heavy = forecast.assessment(start_of("gliding-heavy-top", law=law, omega3=155.0))
+    assert heavy["regime"].startswith("without friction the upright spin is ")
+    assert "fate" not in heavy
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        Viscous(1e-9),
+        Coulomb(0.1, 1e-3),
+        Mixed(0.0, 0.1, 1e-3),
+        Stribeck(0.0, 0.1, 0.1, 1e-3),
+        Latitude(0.0, 0.1),
+        Latitude(0.1, 0.0),
+    ],
+    ids=lambda law: type(law).__name__,
+)
+def test_any_number_that_rubs_is_friction(law: tuple) -> None:
+    assert not is_frictionless(law)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from examples import turning_times
 
 import tippetop
 from tippetop.engine.status import Status
@@ -38,7 +39,7 @@ class TestSignificance:
 
 
 def test_amplitude_is_the_swing_since_the_turning_before() -> None:
-    run = tippetop.run("inverting", until=2.0)
+    run = tippetop.run("inverting", until=2.0).solution
     turning = run.events.of("turning")
     swing = np.abs(np.diff(turning.theta, prepend=0.1))
     np.testing.assert_allclose(turning.amplitude, swing, rtol=0, atol=1e-15)
@@ -47,39 +48,41 @@ def test_amplitude_is_the_swing_since_the_turning_before() -> None:
 
 @pytest.mark.parametrize("assignments", [[], ["initial.phi=1.0"]])
 def test_a_run_released_at_rest_does_not_log_its_start(assignments: list[str]) -> None:
-    events = tippetop.run("inverting", assignments, until=0.5).events
+    events = tippetop.run("inverting", assignments, until=0.5).solution.events
     assert events.time[0] > 1e-3
     assert np.all(np.diff(events.theta_dot_sign) != 0), "minima and maxima alternate"
 
 
-def test_a_turning_in_the_first_step_of_a_start_at_rest_is_found() -> None:
-    """The integrator's own detection finds the start twice and misses this one."""
-    sets = ["initial.omega3=31.882596139055472", "initial.theta=2.448384987785755", "friction.mu=0.5"]
-    run = tippetop.run("inverting", [*sets, "initial.phi_dot=-22.071083809249515", "run.output_step=1e-5"], until=0.3)
-    theta = run.columns()["theta"].values
-    moves = np.sign(np.diff(theta))
-    turns = run.times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
-    found = run.events.of("turning").time
-    assert len(found) == len(turns)
-    np.testing.assert_allclose(found, turns, atol=1e-5)
-    assert found[0] < 0.011
+AT_REST = {"initial.omega3": 0.0, "initial.theta": 0.0, "initial.phi_dot": 0.0, "friction.mu": 0.3}
+KNOWN = (
+    # a turning in the first step, which the integrator's own detection missed, finding the start twice
+    (31.882596139055472, 2.448384987785755, -22.071083809249515, 0.5),
+    # the first turning in the same step as the start, which the lanes missed
+    (65.94886167813415, 0.022550316141261836, -3.450667221634134, 0.25),
+)
 
 
-def test_random_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generator) -> None:
-    for _ in range(20):
-        values = {"omega3": rng.uniform(0, 170), "theta": rng.uniform(0.05, 3.0), "phi_dot": rng.uniform(-30, 30)}
-        sets = [f"initial.{name}={value!r}" for name, value in values.items()]
-        run = tippetop.run("inverting", [*sets, "run.output_step=2e-5"], until=0.4)
-        moves = np.sign(np.diff(run.columns()["theta"].values))
-        turns = run.times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
+def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generator) -> None:
+    """Single runs tell when, lanes tell how many. A start at rest is a zero of theta' and no turning."""
+    low, high = np.array([0, 0.05, -30, 0.3]), np.array([170, 3.0, 30, 0.3])
+    starts = [dict(zip(AT_REST, values, strict=True)) for values in [*KNOWN, *rng.uniform(low, high, (18, 4))]]
+    for start in starts:
+        sets = [f"{key}={float(value)!r}" for key, value in start.items()]
+        run = solve(build.load("inverting", [*sets, "run.output_step=2e-5"], until=0.4))
+        turns = turning_times(run.times, run.columns()["theta"].values)
         found = run.events.of("turning").time
-        inside = found[found < run.report["t_end"] - 1e-4], turns[turns < run.report["t_end"] - 1e-4]
-        assert len(inside[0]) == len(inside[1]), values
-        np.testing.assert_allclose(*inside, atol=2e-5, err_msg=str(values))
+        sure = run.report["t_end"] - 1e-4  # the scan does not see a turning beyond its last row
+        assert np.sum(found < sure) == np.sum(turns < sure), start
+        np.testing.assert_allclose(found[found < sure], turns[turns < sure], atol=2e-5, err_msg=str(start))
+        start["turnings"] = np.sum(run.events.significant & (run.events.kind == 0))
+    assert sum(start["turnings"] for start in starts) > 100
+    varied = {key: np.array([start[key] for start in starts]) for key in AT_REST}
+    many = tippetop.ensemble("inverting", varied, until=0.4, threads=1)
+    np.testing.assert_array_equal(many["turnings"], [start["turnings"] for start in starts])
 
 
 def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
-    events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).events
+    events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).solution.events
     turning = events.of("turning")
     assert len(events.of("settled", significant=True).time) == 1
     assert turning.significant.sum() == 395
@@ -108,6 +111,6 @@ def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.Monk
 
 def test_sliding_that_dies_for_a_moment_has_not_settled() -> None:
     """In planar motion the contact velocity passes through zero at every swing."""
-    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0)
+    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0).solution
     assert len(run.events.of("settled").time) > 3
     assert len(run.events.of("settled", significant=True).time) == 0

@@ -15,13 +15,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from stores import acknowledged, assert_same, ended, start_process, wait_until
 
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.problem import Problem
 from tippetop.runs import recording
-from tippetop.runs.integration import Course
+from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
@@ -31,10 +32,10 @@ from tippetop.store import root
 
 SETS = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # it turns for ever
 UNTIL = 400.0
-PRELUDE = (
-    "import tippetop.runs.recording as r, tippetop.store.files as a; r.COMMIT_EVERY = 0.02; r.MOST_ROWS = 5000;"
-    "r.EVENTS_PER_CHUNK = 1000; import sys; from tippetop.cli import main;"
-)
+PRELUDE = """
+import tippetop.runs.recording as r
+r.COMMIT_EVERY, r.MOST_ROWS, r.EVENTS_PER_CHUNK = 0.02, 5000, 1000
+"""  # small chunks and frequent commits
 
 
 def problem(until: float = UNTIL, *sets: str) -> Problem:
@@ -42,15 +43,7 @@ def problem(until: float = UNTIL, *sets: str) -> Problem:
 
 
 def start(*arguments: str) -> subprocess.Popen:
-    """The command line in a process of its own, with small chunks and frequent commits."""
-    code = f"{PRELUDE} main({list(arguments)!r})"
-    return subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-
-
-def ended(process: subprocess.Popen) -> tuple[int, str]:
-    """Exit code and stderr of a process, once it ends."""
-    _, err = process.communicate()
-    return process.returncode, err
+    return start_process(*arguments, prelude=PRELUDE)
 
 
 def running(store: Path, until: float = UNTIL) -> list[str]:
@@ -58,29 +51,11 @@ def running(store: Path, until: float = UNTIL) -> list[str]:
     return ["run", "inverting", *sets, "--until", str(until), "--out", str(store)]
 
 
-def files(store: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(store)): p.read_bytes() for p in sorted(store.rglob("*")) if p.is_file()}
-
-
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     store = tmp_path_factory.mktemp("whole") / "run.zarr"
     assert ended(start(*running(store)))[0] == 0
     return store
-
-
-def assert_same(store: Path, other: Path) -> None:
-    mine, yours = files(store), files(other)
-    assert sorted(mine) == sorted(yours)
-    assert [name for name in mine if mine[name] != yours[name]] == []
-
-
-def acknowledged(store: Path) -> int:
-    """How many rows the checkpoint of a store acknowledges; -1 if there is none."""
-    try:
-        return json.loads((store / "checkpoint.json").read_text())["rows"]
-    except FileNotFoundError:
-        return -1
 
 
 @pytest.mark.parametrize(("kills", "until"), [(3, UNTIL), pytest.param(50, 6000.0, marks=pytest.mark.slow)])
@@ -93,12 +68,13 @@ def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
     arguments, before, killed = running(store, until), -1, 0
     while True:
         process = start(*arguments)
-        while killed < kills and process.poll() is None and acknowledged(store) <= before:
-            time.sleep(0.002)
-        time.sleep(rng.uniform(0.0, 0.05) if killed < kills else 0.0)
-        if killed == kills or process.poll() is not None:
+        if killed == kills:
             code, err = ended(process)
             assert code == 0, err
+            break
+        wait_until(lambda before=before: acknowledged(store) > before, process)
+        time.sleep(rng.uniform(0.0, 0.05))
+        if process.poll() is not None:
             break
         process.send_signal(signal.SIGKILL)
         ended(process)
@@ -115,8 +91,7 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
 ) -> None:
     store = tmp_path / "run.zarr"
     process = start(*running(store))
-    while not (store / "checkpoint.json").exists():
-        time.sleep(0.005)
+    wait_until((store / "checkpoint.json").exists, process)
     time.sleep(0.1)
     process.send_signal(number)
     found, err = ended(process)
@@ -129,10 +104,10 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
 def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path, tmp_path: Path) -> None:
     """A file-size limit makes a write fail in the middle, as a full disk does."""
     store = tmp_path / "run.zarr"
-    code = f"{PRELUDE} r.MOST_ROWS = 5000; main({running(store)!r})"
     limits = (30_000, 30_000)
+    prelude = f"import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n{PRELUDE}"
     process = subprocess.run(
-        [sys.executable, "-c", f"import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); {code}"],
+        [sys.executable, "-c", f"{prelude}\nfrom tippetop.cli import main; main({running(store)!r})"],
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits),
         capture_output=True,
         text=True,
@@ -149,8 +124,7 @@ def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path,
 def test_two_writers_are_refused_with_the_holder_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     store = tmp_path / "run.zarr"
     process = start(*running(store))
-    while not (store / "checkpoint.json").exists():
-        time.sleep(0.005)
+    wait_until((store / "checkpoint.json").exists, process)
     assert outcome(["resume", str(store)]) == 5
     assert f"process {process.pid}" in capsys.readouterr().err
     process.kill()
@@ -164,10 +138,10 @@ def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.setattr(recording, name, value)
     seen = []
 
-    def stop(course: object) -> None:
-        seen.append(course)
+    def stop(integration: object) -> None:
+        seen.append(integration)
         if len(seen) == 4:
-            raise errors.Interrupted(signal.SIGINT)
+            raise errors.Interrupted
 
     with pytest.raises(errors.Interrupted):
         recording.record(problem(), store, progress=stop)
@@ -195,7 +169,7 @@ def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, mon
     with pytest.raises(StoreError, match="must have a whole checkpoint"):
         recording.resume(store)
     other = json.loads(kept)
-    other["course"]["equations"] = "0" * 16
+    other["integration"]["equations"] = "0" * 16
     place.write_text(json.dumps(other))
     with pytest.raises(StoreError, match="equations"):
         recording.resume(store)
@@ -242,10 +216,10 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
     recording.record(short, whole)
     calls = []
 
-    def stop(course: object) -> None:
-        calls.append(course)
+    def stop(integration: object) -> None:
+        calls.append(integration)
         if len(calls) == 2:
-            raise errors.Interrupted(signal.SIGINT)
+            raise errors.Interrupted
 
     with pytest.raises(errors.Interrupted):
         recording.record(short, broken, progress=stop)
@@ -279,17 +253,17 @@ class HandedOver(Exception):
 
 def handed_over_after_every_slice(made: Problem) -> Memory:
     """A run that a new process takes over, from a checkpoint, before its first slice and after each."""
-    memory, course = Memory(), Course(made)
+    memory, integration = Memory(), Integration(made)
 
-    def stop(_: Course) -> None:
+    def stop(_: Integration) -> None:
         raise HandedOver
 
-    while course.status is None:
-        kept = json.loads(json.dumps(course.snapshot(), allow_nan=False))
-        course = Course(made)
-        course.restore(kept)
+    while integration.status is None:
+        kept = json.loads(json.dumps(integration.snapshot(), allow_nan=False))
+        integration = Integration(made)
+        integration.restore(kept)
         with contextlib.suppress(HandedOver):
-            course.run(memory, stop)
+            integration.run(memory, stop)
     return memory
 
 
@@ -327,9 +301,9 @@ def test_rows_at_events_or_steps(tmp_path: Path) -> None:
 def test_a_settled_run_can_stop_early(tmp_path: Path) -> None:
     tables = reading.override(reading.read("inverting"), ["run.stop_when=settled", "run.until=1e5"])
     tables["run"]["output_step"] = 1.0
-    course, attrs = recording.record(build.problem(tables), tmp_path / "run.zarr")
+    integration, attrs = recording.record(build.problem(tables), tmp_path / "run.zarr")
     assert attrs["status"] == "settled"
-    assert 36 < course.t_end < 1000
+    assert 36 < integration.t_end < 1000
     shutil.rmtree(tmp_path / "run.zarr")
 
 

@@ -20,9 +20,13 @@ def load(*assignments: str, until: float = 2.0, **changes: object) -> Problem:
     return dataclasses.replace(build.load("inverting", list(assignments), until), **changes)
 
 
-def test_output_never_changes_the_run() -> None:
-    """Bits of the end, steps and events are equal for 2 rows, 10^5 rows, and rows at odd times."""
+def test_neither_rows_nor_events_change_the_run() -> None:
+    """Bits of the end and steps are equal for 2 rows, 10^5 rows, rows at odd times, and without events; events too."""
     plain = solve(load(until=6.5, times=np.array([0.0, 6.5])))
+    without = solve(load("run.events=[]", until=6.5, times=np.array([0.0])))
+    assert without.final.tobytes() == plain.final.tobytes()
+    assert without.report["steps"] == plain.report["steps"]
+    assert len(without.events.time) == 0 < len(plain.events.time)
     for times in (np.linspace(0, 6.5, 100_001), np.sort(np.random.default_rng(1).uniform(0, 6.5, 77))):
         other = solve(load(until=6.5, times=times))
         assert other.final.tobytes() == plain.final.tobytes()
@@ -48,12 +52,6 @@ def test_slices_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert pieces.final.tobytes() == whole.final.tobytes()
     assert pieces.rows.tobytes() == whole.rows.tobytes()
     assert all(a.tobytes() == b.tobytes() for a, b in zip(pieces.events, whole.events, strict=True))
-
-
-def test_events_never_change_the_run() -> None:
-    with_turnings, without = solve(load(until=6.5)), solve(load("run.events=[]", until=6.5))
-    assert with_turnings.report["steps"] == without.report["steps"]
-    assert with_turnings.final.tobytes() == without.final.tobytes()
 
 
 def test_quadratures_never_control_the_step() -> None:
@@ -151,3 +149,18 @@ def test_a_run_prints_itself() -> None:
     text = str(tippetop.run("inverting", until=1.0))
     assert "finished at t = 1 s" in text
     assert "drift" in text
+
+
+@pytest.mark.parametrize(("preset", "form"), [("gliding-heavy-top", "vector"), ("gliding-heavy-top", "contact")])
+def test_the_length_of_an_integrated_axis_is_watched(preset: str, form: str) -> None:
+    """Every form that integrates the components of 3hat promises |3hat| = 1."""
+    made = solve(build.load(preset, [f"form={form}"], 1.0))
+    assert 0 <= made.report["drift"]["axis_norm"] < 1e-13
+    axis = made.rows[:, [made.problem.form.units._fields.index(name) for name in ("ux", "uy", "uz")]]
+    assert made.report["drift"]["axis_norm"] >= np.abs(np.linalg.norm(axis, axis=1) - 1).max() - 1e-14
+
+
+def test_a_cylinder_has_no_inversion_to_report() -> None:
+    """Whether a run that did not invert says so is a fact of the system, also in memory."""
+    assert "inversion" not in str(tippetop.run("rolling-cylinder", until=0.1))
+    assert "inversion       none" in str(tippetop.run("inverting", until=0.1))

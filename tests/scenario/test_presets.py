@@ -31,4 +31,4 @@ def test_check_says_the_regime(name: str, capsys: pytest.CaptureFixture[str]) ->
     assert found["regime"]
     assert ("inversion_by_eps" in found) == ("eps" in found.get("friction", {}) and found["system"] == "tippe-top")
     assert outcome(["check", name]) == 0
-    assert "[J]" in capsys.readouterr().out
+    assert " J, " in capsys.readouterr().out

@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,14 +30,21 @@ def sentences(*assignments: str) -> str:
         ("parameters.g=inf", "`parameters.g` must be a finite number, but is inf."),
         ("parameters.I3=7e-6", "`parameters.I3` must be at most 2*I1"),
         ("parameters.I1=-1.0", "`parameters.I1` must be greater than 0.0, but is -1.0."),
-        ("parameters.gama=1", "`parameters.gama` must not be there: known keys are m, R, alpha, I1, I3, g."),
+        ("parameters.gama=1", "unknown key `parameters.gama`. The keys of `parameters` are m, R, alpha, I1, I3, g."),
         ("friction.mu=-0.1", "`friction.mu` must be at least 0.0, but is -0.1."),
         ("friction.law=coulomb", "`friction.eps` must be given, but is missing."),
         ("friction.law=glue", "`friction.law` must be one of viscous"),
         ("friction={}", "`friction.law` must be one of"),
         ("initial.theta=3.2", "`initial.theta` must be at most 3.14"),
         ("initial.psi_dot=1.0", "`initial.psi_dot` must stand alone"),
-        ("initial.mass=1", "`initial.mass` must not be there"),
+        ("initial.mass=1", "unknown key `initial.mass`. The keys of `initial` are"),
+        ("initial.omega=1", "unknown key `initial.omega`; did you mean `initial.omega3`?"),
+        ("mu=0.2", "unknown key `mu`; did you mean `friction.mu`?"),
+        ("initial.mu=0.2", "unknown key `initial.mu`; did you mean `friction.mu`?"),
+        ("thteta=0.2", "unknown key `thteta`; did you mean `initial.theta`?"),
+        ("system=tippetop", "but is 'tippetop'. Did you mean `tippe-top`?"),
+        ("friction.law=coulom", "but is 'coulom'. Did you mean `coulomb`?"),
+        ("run.events=['turnin']", "but has 'turnin'. Did you mean `turning`?"),
         ("run.until=0", "`run.until` must be greater than 0"),
         ("run.until='long'", "`run.until` must be a number, but is 'long'."),
         ("run.events=['eclipse']", "`run.events` must be of turning"),
@@ -86,10 +94,33 @@ def test_the_grid_ends_with_until_and_times_are_kept_as_given() -> None:
     assert build.problem(tables).times[:].tolist() == [0.1, 0.7, 2.0]
 
 
-def test_until_cuts_output_times() -> None:
+@pytest.mark.parametrize(
+    ("until", "times"), [(3.0, [0.1, 0.7, 2.0]), (2.0, [0.1, 0.7, 2.0]), (0.7, [0.1, 0.7]), (0.5, [0.1])]
+)
+def test_another_end_cuts_output_times(until: float, times: list[float], tmp_path: Path) -> None:
+    """As a file with `--until` does; the tables that were given stay as they are."""
+    text = reading.presets()["inverting"].partition("[run]")[0]
+    (tmp_path / "mine.toml").write_text(f"{text}[run]\nuntil = 2.0\noutput_times = [0.1, 0.7, 2.0]\n")
+    cut = build.load(str(tmp_path / "mine.toml"), until=until)
+    assert (cut.until, cut.times[:].tolist()) == (until, times)
+    tables = reading.read(str(tmp_path / "mine.toml"))
+    assert build.ending(tables, until)["run"] == {"until": until, "output_times": times}
+    assert tables["run"] == {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
+
+
+def test_an_end_alone_does_not_cut_output_times() -> None:
+    """`--set run.until` says one thing and `output_times` another: that is the user's to solve."""
     tables = tomllib.loads(reading.presets()["inverting"])
     tables["run"] = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
-    assert build.problem(reading.override(tables, ["run.until=3"])).until == 3.0
+    with pytest.raises(InputError, match=r"`run.output_times` must not exceed"):
+        build.problem(reading.override(tables, ["run.until=1"]))
+
+
+def test_another_end_keeps_the_step_of_the_grid() -> None:
+    tables = build.ending(reading.read("inverting"), 0.25)
+    grid = build.problem(tables).times[:]
+    assert grid[-1] == 0.25
+    np.testing.assert_allclose(np.diff(grid), tables["run"]["output_step"], rtol=1e-9)
 
 
 def test_every_preset_loads_and_cites_its_source() -> None:

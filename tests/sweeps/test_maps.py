@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from plans import PLAN, assert_same
+from plans import PLAN
+from stores import assert_same
 
 import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.mechanics.theory import thresholds
 from tippetop.scenario import build
-from tippetop.sweeps import maps, plan, sweep
+from tippetop.sweeps import maps, sweep
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import open_sweep
 
@@ -75,7 +76,7 @@ def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **colum
         table[axis.key].attrs = {"units": "1", "long_name": axis.key}
     table.attrs = {"plan": of.document, "status": "finished", "title": "sweep: a top"}
     monkeypatch.setattr(maps, "open_sweep", lambda path: table)
-    return maps.mapped(tmp_path, next(k for k, v in maps.NEEDED.items() if v[0] in columns))
+    return maps.make_map(tmp_path, next(k for k, v in maps.NEEDED.items() if v[0] in columns))
 
 
 def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -85,7 +86,7 @@ def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.Mo
         {"of": "friction.mu", "values": [0.3, 0.1, 0.2]},
         {"of": "initial.theta", "values": [0.1, 0.2, 0.3]},
     ]
-    of = plan.of({"scenario": "inverting", "axis": axes})
+    of = Plan.from_tables({"scenario": "inverting", "axis": axes})
     w, mu, theta = of.design.numbers(np.arange(of.n)).values()
     found = synthetic(tmp_path, monkeypatch, of, inverted_at=w + 1000 * mu + 1e6 * theta)
     x, y = (axis.centres for axis in found.axes)
@@ -98,7 +99,7 @@ def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.Mo
 def test_borders_are_where_the_threshold_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Over lambda itself the border of the inverted spin is the line lambda = 1."""
     axes = [{"of": "lambda", "linspace": [0.5, 2.0], "n": 5}, {"of": "gamma", "linspace": [0.75, 1.2], "n": 5}]
-    of = plan.of({"scenario": "inverting", "axis": axes})
+    of = Plan.from_tables({"scenario": "inverting", "axis": axes})
     found = synthetic(tmp_path, monkeypatch, of, inverted_at=np.zeros(of.n))
     values = found.borders["λ = λ_s: inverted spin stable above"]
     np.testing.assert_allclose(np.exp(values), np.broadcast_to(found.axes[0].span[:, None], values.shape), rtol=1e-12)
@@ -110,7 +111,7 @@ def test_borders_are_where_the_threshold_is(tmp_path: Path, monkeypatch: pytest.
 def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     axes = [{"of": "initial.omega3", "between": [100, 200]}, {"of": "friction.mu", "between": [0.1, 1], "log": True}]
     sample = {"method": "sobol", "n": 4096, "seed": 1}
-    of = plan.of({"scenario": "inverting", "axis": axes, "sample": sample})
+    of = Plan.from_tables({"scenario": "inverting", "axis": axes, "sample": sample})
     w, _ = of.design.numbers(np.arange(of.n)).values()
     found = synthetic(tmp_path, monkeypatch, of, **{"class": np.where(w < 150, 1, 3).astype(np.int8)})
     kinds = found.fields["class"]
@@ -124,17 +125,17 @@ def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytes
     from tippetop.figures.style import save, styled
 
     axes = [{"of": "initial.omega3", "linspace": [100, 175], "n": 1000}, {**AXIS, "n": 1000}]
-    of = plan.of({"scenario": "inverting", "axis": axes})
+    of = Plan.from_tables({"scenario": "inverting", "axis": axes})
     found = synthetic(tmp_path, monkeypatch, of, **{"class": rng.integers(0, 6, of.n).astype(np.int8)})
     assert found.fields["class"].shape == (1000, 1000)
     with styled():
-        save(sweep.drawn(found), tmp_path / "a.png")
+        save(sweep.draw_map(found), tmp_path / "a.png")
 
 
 def test_what_cannot_be_drawn_is_said(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="must be one of class, inversion, normal-force of a sweep"):
-        maps.mapped(whole, "sphere")
-    of = plan.of({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
+        maps.make_map(whole, "sphere")
+    of = Plan.from_tables({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
     with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
 
@@ -159,7 +160,9 @@ def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
     values = [*(upright * np.array([0.95, 0.98, 1.04])), 0.5, 0.98, 1.02, 1.05]
     axis = {"of": "lambda", "values": [float(v) for v in values]}
     start = {"run": {"until": 200.0}, "initial": {"theta": 0.02}, "friction": {"mu": 1.0}}
-    found = tippetop.sweep(plan.of({"scenario": "inverting", "set": start, "axis": [axis]}), tmp_path / "S.zarr")
+    found = tippetop.sweep(
+        Plan.from_tables({"scenario": "inverting", "set": start, "axis": [axis]}), tmp_path / "S.zarr"
+    )
     names = np.array(found["class"].attrs["flag_meanings"].split())[found["class"].values]
     assert names[:2].tolist() == ["upright"] * 2
     assert not {"upright", "inverted"} & set(names[2:5])

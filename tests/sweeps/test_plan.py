@@ -11,10 +11,10 @@ import pytest
 
 from tippetop.errors import InputError
 from tippetop.problem import Problem
-from tippetop.runs import outlook
+from tippetop.runs import forecast
 from tippetop.scenario import reading
-from tippetop.sweeps import plan
 from tippetop.sweeps.design import Axis, Design, Sample
+from tippetop.sweeps.plan import Plan
 
 
 GRID = [
@@ -24,11 +24,11 @@ GRID = [
 ]
 
 
-def made(*axes: dict[str, Any], **more: Any) -> plan.Plan:
-    return plan.of({"scenario": "inverting", "axis": list(axes), **more})
+def made(*axes: dict[str, Any], **more: Any) -> Plan:
+    return Plan.from_tables({"scenario": "inverting", "axis": list(axes), **more})
 
 
-def all_numbers(of: plan.Plan) -> dict[str, np.ndarray]:
+def all_numbers(of: Plan) -> dict[str, np.ndarray]:
     return of.design.numbers(np.arange(of.n))
 
 
@@ -68,9 +68,8 @@ def test_a_chunk_is_a_stretch_of_the_whole() -> None:
 
 def jellett_of(problem: Problem) -> tuple[float, float]:
     """Jellett's integral of a start and its threshold, as `check` says them."""
-    body = problem.body(float)
-    found = outlook.assessment(problem.system, body, problem.initial)
-    return found["lambda"], found["thresholds"]["lambda_s"].value
+    found = problem.system.outlook(problem.body(), start := forecast.at_start(problem))
+    return start["jellett"], found.thresholds["lambda_s"].value
 
 
 @pytest.mark.parametrize("theta", [0.1, 2.5])
@@ -102,9 +101,9 @@ def test_a_document_is_the_whole_plan(tmp_path: Path) -> None:
     """Through JSON, as the store keeps it: the same numbers, whatever became of the scenario's file."""
     (tmp_path / "mine.toml").write_text(reading.presets()["cohen"])
     axes = [{"of": "initial.omega3", "values": [1.0, float("nan"), 3.0, float("inf")]}, GRID[1]]
-    one = plan.of({"scenario": "mine.toml", "axis": axes, "keep": ["class"], "runs": [0]}, tmp_path)
+    one = Plan.from_tables({"scenario": "mine.toml", "axis": axes, "keep": ["class"], "runs": [0]}, tmp_path)
     (tmp_path / "mine.toml").unlink()
-    again = plan.of(json.loads(json.dumps(one.document, allow_nan=False)))
+    again = Plan.from_tables(json.loads(json.dumps(one.document, allow_nan=False)))
     assert again.document == one.document
     assert (again.chunk, again.n, again.keep, again.runs) == (one.chunk, 16, ["class"], [0])
     for key, values in one.columns(np.arange(one.n)).items():
@@ -128,9 +127,9 @@ def test_chunks_hold_every_top_once_and_take_seconds(n: int, until: float) -> No
 
 
 def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
-    text = (Path(__file__).parents[1] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
     (tmp_path / "PLAN.toml").write_text(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[0])
-    of = plan.read(tmp_path / "PLAN.toml")
+    of = Plan.from_toml(tmp_path / "PLAN.toml")
     assert (of.n, of.base.until, of.runs) == (24, 8.0, [0])
 
 
@@ -181,7 +180,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
 )
 def test_what_is_wrong_is_said(document: dict[str, Any], words: list[str]) -> None:
     with pytest.raises(InputError) as error:
-        plan.of({"scenario": "inverting", **document})
+        Plan.from_tables({"scenario": "inverting", **document})
     for word in words:
         assert word in str(error.value)
 
@@ -189,5 +188,5 @@ def test_what_is_wrong_is_said(document: dict[str, Any], words: list[str]) -> No
 def test_all_that_is_wrong_is_said_at_once() -> None:
     axes = [{"of": "friction.mu", "geomspace": [0, 1], "n": 2}, {"of": "gamma"}, {**OMEGA, "n": 2}]
     with pytest.raises(InputError) as error:
-        plan.of({"scenario": "inverting", "set": {"parameters": {"m": -1}}, "axis": axes, "runs": [3]})
+        Plan.from_tables({"scenario": "inverting", "set": {"parameters": {"m": -1}}, "axis": axes, "runs": [3]})
     assert len(error.value.sentences) == 4

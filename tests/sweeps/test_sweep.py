@@ -11,17 +11,19 @@ from typing import Any
 import numpy as np
 import pytest
 import zarr
-from plans import PLAN, assert_same, written
+from plans import PLAN
+from stores import assert_same, written
 
 import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root
-from tippetop.sweeps import chunk, plan, workers
+from tippetop.sweeps import chunk, workers
+from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import open_sweep, report
 
 
-LINES = chunk.lines
+LINES = chunk.compute_chunk
 
 
 def computed(monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = lambda chunk: None) -> list[int]:
@@ -33,7 +35,7 @@ def computed(monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = la
         change(task.chunk)
         return LINES(task, threads)
 
-    monkeypatch.setattr(chunk, "lines", lines)
+    monkeypatch.setattr(chunk, "compute_chunk", lines)
     return seen
 
 
@@ -42,7 +44,7 @@ def computed(monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = la
 
 def test_the_columns_are_those_of_the_ensemble(whole: Path, file: Path) -> None:
     """In one go and in other chunks: the same bits."""
-    of = plan.read(file)
+    of = Plan.from_toml(file)
     expected = tippetop.ensemble("inverting", of.columns(np.arange(of.n)), until=0.5, threads=1)
     found = open_sweep(whole)
     assert set(expected.variables) < set(found.variables)
@@ -77,12 +79,14 @@ def test_absurd_tops_spoil_no_other(tmp_path: Path) -> None:
         {"of": "initial.omega3", "values": [155.0, float("nan"), 1e300, 150.0]},
         {"of": "friction.mu", "values": [0.3, -1.0]},
     ]
-    of = plan.of({"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": axes, "keep": ["final_state"]})
+    of = Plan.from_tables(
+        {"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": axes, "keep": ["final_state"]}
+    )
     found = tippetop.sweep(of, tmp_path / "S.zarr", workers=1)
     assert "class" not in found
     status = np.array(found["status"].attrs["flag_meanings"].split())[found["status"].values]
     assert status.tolist() == ["finished", *["invalid"] * 5, "finished", "invalid"]
-    good = plan.of(
+    good = Plan.from_tables(
         {"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": [{**axes[0], "values": [155, 150]}]}
     )
     alone = tippetop.sweep(good, tmp_path / "good.zarr", workers=1)
@@ -243,14 +247,14 @@ def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
 
 def test_another_plan_is_refused(whole: Path, file: Path) -> None:
     file.write_text(PLAN.replace("175", "170"))
-    with pytest.raises(StoreError, match="must be of the same plan to be gone on with, but differs in axis"):
+    with pytest.raises(StoreError, match="must be of the same plan to be continued, but differs in axis"):
         tippetop.sweep(file, whole)
 
 
 def test_other_versions_are_refused(whole: Path, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = {**provenance.versions(), "heyoka": "0"}
     monkeypatch.setattr(provenance, "versions", lambda: found)
-    with pytest.raises(StoreError, match="must be gone on with by the same versions"):
+    with pytest.raises(StoreError, match="must be continued by the same versions"):
         tippetop.sweep(file, whole)
 
 

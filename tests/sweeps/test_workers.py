@@ -4,22 +4,23 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
-from plans import PLAN, assert_same, chunks, written
+from plans import PLAN
+from stores import assert_same, chunks, ended, start_process, wait_until, written
 
 import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import Unfinished
 from tippetop.scenario import build
 from tippetop.store import provenance
-from tippetop.sweeps import chunk, plan
+from tippetop.sweeps import chunk
+from tippetop.sweeps.plan import Plan
 
 
-LINES = chunk.lines
+LINES = chunk.compute_chunk
 
 
 def test_dask_makes_the_same_store(
@@ -33,7 +34,7 @@ def test_dask_makes_the_same_store(
         n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0", protocol="tcp://", host="127.0.0.1"
     ) as cluster:
         with monkeypatch.context() as patched:
-            patched.setattr(chunk, "lines", failing)
+            patched.setattr(chunk, "compute_chunk", failing)
             assert outcome(["sweep", str(file), "--out", str(store), "--scheduler", cluster.scheduler_address]) == 6
         assert "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do." in capsys.readouterr().err
         assert chunks(store) == [1, 1, 2, 1]
@@ -55,9 +56,7 @@ def test_two_processes_make_the_same_store(whole: Path, file: Path, tmp_path: Pa
 
 
 def start(file: Path, store: Path, *words: str) -> subprocess.Popen:
-    code = "from tippetop.cli import main; main()"
-    command = [sys.executable, "-c", code, "sweep", str(file), "--out", str(store), *words]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    return start_process("sweep", str(file), "--out", str(store), *words)
 
 
 def children(process: subprocess.Popen) -> list[int]:
@@ -79,9 +78,7 @@ def longer(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 def wait_for(process: subprocess.Popen, store: Path, done: int) -> None:
     """Waits until so many chunks are done."""
-    while not store.exists() or written(store) < done:
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.05)
+    wait_until(lambda: written(store) >= done, process)
 
 
 @pytest.mark.slow
@@ -91,8 +88,7 @@ def test_killed_workers_cost_nothing(longer: tuple[Path, Path], tmp_path: Path) 
     for done in (3, 12, 25):
         wait_for(process, store, done)
         os.kill(children(process)[0], signal.SIGKILL)
-    _, err = process.communicate()
-    assert (process.returncode, err) == (0, "")
+    assert ended(process) == (0, "")
     assert_same(store, longer[1])
 
 
@@ -103,10 +99,9 @@ def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path,
         process = start(longer[0], store, "--workers", workers)
         wait_for(process, store, done)
         process.kill()
-        process.communicate()
+        ended(process)
         assert written(store) < 40
-    process = start(longer[0], store)
-    assert process.communicate()[1] == ""
+    assert ended(start(longer[0], store)) == (0, "")
     assert_same(store, longer[1])
 
 
@@ -123,7 +118,7 @@ def test_a_chunk_that_kills_its_workers_takes_no_other_with_it(
 ) -> None:
     store = tmp_path / "S.zarr"
     with monkeypatch.context() as patched:
-        patched.setattr(chunk, "lines", deadly)
+        patched.setattr(chunk, "compute_chunk", deadly)
         with pytest.raises(Unfinished) as error:
             tippetop.sweep(file, store, workers=2)
     assert sorted(error.value.sentences) == [
@@ -149,8 +144,8 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
         workers[0].kill()
         wait_for(process, store, 10)
         scheduler.kill()
-        _, err = process.communicate()
-        assert process.returncode == 6
+        code, err = ended(process)
+        assert code == 6
         assert "tippetop: the scheduler went away; what it gave back is stored." in err
     finally:
         for other in (scheduler, *workers):
@@ -163,9 +158,9 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
 
 def test_a_worker_of_other_versions_is_refused(file: Path) -> None:
     """Its bits could differ."""
-    of = plan.read(file)
+    of = Plan.from_toml(file)
     task = chunk.Task(
         0, build.resolved(of.base), of.columns(of.tops(0)), None, {**provenance.versions(), "heyoka": "0"}
     )
     with pytest.raises(chunk.OtherVersions, match="other versions of heyoka than the sweep was begun with"):
-        chunk.lines(task)
+        chunk.compute_chunk(task)

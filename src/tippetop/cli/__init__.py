@@ -1,29 +1,39 @@
-"""The command line: words become calls, errors become one sentence and an exit code. Heavy imports wait."""
+"""The command line: words become calls, errors become sentences and an exit code. Heavy imports wait."""
 
 from __future__ import annotations
 
 import signal
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from cyclopts import App, CycloptsError
 
-from . import landscape, run, show, sweep
+from . import host, landscape, run, show, sweep, usage
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
 
 app = App(
     name="tippetop",
-    help="Tops that roll and glide: integrate, log events, store, draw.",
+    help=(
+        "Tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane: integrated to rounding, with "
+        "their events, stored, checked and drawn.\n\n"
+        "A first run: `tippetop run inverting --figure inverting.png`. `tippetop presets` lists the scenarios to start "
+        "from, `tippetop systems` what a scenario may contain. The manual is README.md and docs/ of the source."
+    ),
     version_flags=["--version"],
     version=lambda: _version(),
     result_action="return_value",
 )
 for module in (run, landscape, sweep, show):
     for command in module.COMMANDS:
-        app.command(command)
+        app.command(command if command in show.TEXT_ONLY else host.prepared(command))
+
+
+def _commands() -> list[str]:
+    return [command.__name__ for module in (run, landscape, sweep, show) for command in module.COMMANDS]
 
 
 def _version() -> str:
@@ -40,7 +50,13 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs the command line and exits: 0 done, 1 a bug, 2 usage or configuration, 3 the physics stopped it, 4 the
     accuracy contract was broken, 5 store or disk, 6 failed chunks, 130 and 143 interrupted."""
     signal.signal(signal.SIGTERM, _terminate)
+    warnings.showwarning = _warn  # type: ignore[assignment]
     sys.exit(outcome(arguments))
+
+
+def _warn(message: Warning | str, *_: Any) -> None:
+    """A warning of a library as one line of ours on stderr, without the place in the library's source."""
+    print(f"tippetop: warning: {' '.join(str(message).split())}", file=sys.stderr)
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
@@ -48,9 +64,9 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
     try:
         return app(arguments, exit_on_error=False, print_error=False) or DONE
     except CycloptsError as error:
-        return complain([str(error)], USAGE)
+        return complain([usage.sentence(error, _commands())], USAGE)
     except KeyboardInterrupt:
-        return complain(["interrupted: nothing was stored."], INTERRUPTED)
+        return complain(["interrupted; nothing was stored."], INTERRUPTED)
     except BrokenPipeError:  # the reader of our output went away
         sys.stderr.close()
         return DONE
@@ -62,7 +78,7 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
 
 
 def _known_errors(error: Exception) -> int | None:
-    """Exit code of an error that is the user's or the machine's, after saying it; None for a bug."""
+    """Exit code of an error that is the user's or the machine's, after printing it; None for a bug."""
     from ..errors import InputError, StoreError
 
     if isinstance(error, InputError):
@@ -73,7 +89,7 @@ def _known_errors(error: Exception) -> int | None:
 
 
 def complain(sentences: list[str], code: int) -> int:
-    """Says sentences on stderr and gives the exit code back."""
+    """Prints sentences on stderr and gives the exit code back."""
     for sentence in sentences:
         print(f"tippetop: {sentence}", file=sys.stderr)
     return code

@@ -18,12 +18,14 @@ Json = Annotated[bool, Parameter(name="--json", negative=())]
 def surface(
     scenario: str,
     *,
-    D: Annotated[str | None, Parameter(name="--D")] = None,
-    lambda_: Annotated[str | None, Parameter(name="--lambda")] = None,
+    D: Annotated[str | None, Parameter(name="--D", allow_leading_hyphen=True)] = None,
+    lambda_: Annotated[str | None, Parameter(name="--lambda", allow_leading_hyphen=True)] = None,
     out: Path | None = None,
     figure: Path | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """The minimal surface F(D, lambda) over a grid; into a store chunk by chunk, resumable: any size.
+    """The minimal surface F(D, lambda) of a tippe top over a grid of any size; the same command continues an
+    unfinished one.
 
     Parameters
     ----------
@@ -34,31 +36,40 @@ def surface(
     lambda_
         min:max:n of Jellett's integral [kg m^3/s]; by default 0 to 4.5 lambda_pi, 401 points.
     out
-        Store to write, a zarr folder; must not exist yet. Interrupted, the same command goes on.
+        Store to write or to continue, a zarr folder. Of a finished one there is nothing to do.
     figure
-        Draw the surface with both marked lines to this PNG, SVG or PDF.
+        Draw the surface and the lines of both spinning states on it to this PNG, SVG or PDF.
+    overwrite
+        Make a store anew that exists, finished or not.
     """
     import numpy as np
 
     from ..landscape import marked_lines, recording, surface
     from ..progress import Bar
-    from .run import _check_picture
+    from .overwrite import remove_store
+    from .run import check_picture
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
-        raise _wrong("surface must be given --out or --figure, but has neither.")
+        raise _wrong("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
     if figure is not None:
-        _check_picture(figure)
+        check_picture(figure, "--figure")
     lam_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     lambdas = _axis("--lambda", lambda_) if lambda_ else np.linspace(0, 4.5 * lam_pi, 401)
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
-    if out is not None:
+    if out is not None and overwrite:
+        remove_store(out)
+        remove_store(out.with_name(f".{out.name}.part"))
+    if out is not None and _is_finished(out, parameters, Ds, lambdas):
+        print(f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).", file=sys.stderr)
+    elif out is not None:
         try:
             with Bar("chunks") as bar:
-                recording.write(out, parameters, Ds, lambdas, system, progress=bar.update)
+                wanted = recording.Surface.over(parameters, Ds, lambdas, system)
+                recording.write(out, wanted, progress=bar.update)
         except KeyboardInterrupt:
-            print("tippetop: interrupted; the same command goes on from here.", file=sys.stderr)
+            print("tippetop: interrupted; the same command continues from here.", file=sys.stderr)
             return 130
     if figure is not None:
         few = [v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas)]
@@ -67,11 +78,33 @@ def surface(
     return 0
 
 
+def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any) -> bool:
+    """Whether `out` is this very surface, whole. Raises StoreError if it is another, or something else."""
+    import numpy as np
+
+    from ..errors import StoreError
+    from ..store import root
+
+    if not out.exists():
+        return False
+    attrs = root.attributes(out)
+    if attrs.get("content") != "surface":
+        raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")
+    found = root.open_group(out, "surface")
+    same = attrs["parameters"] == parameters
+    same = same and np.array_equal(found["D"].values, Ds) and np.array_equal(found["lambda"].values, lambdas)
+    if not same:
+        raise StoreError(
+            f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
+        )
+    return True
+
+
 def potential(
     scenario: str,
     *,
-    D: Annotated[float, Parameter(name="--D")],
-    lambda_: Annotated[float, Parameter(name="--lambda")],
+    D: Annotated[float, Parameter(name="--D", allow_leading_hyphen=True)],
+    lambda_: Annotated[float, Parameter(name="--lambda", allow_leading_hyphen=True)],
     n: int = 1001,
     out: Path | None = None,
     figure: Path | None = None,
@@ -92,7 +125,7 @@ def potential(
     out
         Store to write, a zarr folder; must not exist yet.
     figure
-        Draw V to this PNG, SVG or PDF.
+        Draw V(z) to this PNG, SVG or PDF.
     as_json
         Print the minimum as one JSON object.
     """
@@ -100,7 +133,7 @@ def potential(
 
     from ..landscape import potential, recording, surface
     from ..store import root
-    from .run import _check_picture
+    from .run import check_picture
 
     parameters, system = _tippe_top(scenario)
     for name, value in (("--D", D), ("--lambda", lambda_)):
@@ -109,7 +142,7 @@ def potential(
     if n < 2:
         raise _wrong(f"--n must be at least 2, but is {n}.")
     if figure is not None:
-        _check_picture(figure)
+        check_picture(figure, "--figure")
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = potential.potential(parameters, z, D, lambda_, system)
     least = surface.minimal_surface(parameters, D, lambda_, system)
@@ -151,7 +184,7 @@ def picture(store: Path, attrs: dict[str, Any], out: Path) -> int:
 
 
 def describe(attrs: dict[str, Any], as_json: bool) -> int:
-    """Says what the store of `surface` or `potential` holds."""
+    """Prints what the store of `surface` or `potential` holds."""
     if as_json:
         print(json.dumps(attrs, allow_nan=False))
         return 0
@@ -185,17 +218,20 @@ def _draw_potential(V: Any, least: Any, path: Path) -> None:
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
-    """Parameters and system of a scenario. Raises ScenarioError if it has no (D, lambda)."""
+    """Parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
+    from ..errors import a_system
+    from ..landscape.along_run import SPINNING
     from ..scenario import build
 
     problem = build.load(scenario)
-    if problem.system.name not in ("tippe-top", "rolling-tippe-top"):
-        raise _wrong(f"`system` must be a tippe top to have a potential in D and lambda, but is {problem.system.name}.")
+    landscape = problem.system.landscape
+    if landscape is None or landscape.symbols != SPINNING:
+        raise _wrong(f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}.")
     return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
 
 
 def _axis(name: str, text: str) -> Any:
-    """min:max:n as an array. Raises ScenarioError."""
+    """min:max:n as an array. Raises InputError."""
     import numpy as np
 
     try:

@@ -1,4 +1,4 @@
-"""`tippetop run`: integrate a scenario, store it, draw it, say what happened."""
+"""`tippetop run, resume`: integrate a scenario, store it, draw it, print its summary."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -31,11 +32,11 @@ def run(
     scenario
         TOML file, or preset (see `tippetop presets`).
     out
-        Store to write, a zarr folder; must not exist yet.
+        Store to write, a zarr folder; must not exist yet (or say --overwrite).
     until
         End of the run [s], instead of the scenario's.
     set_
-        Change a value: table.key=value. May be repeated.
+        Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
     figure
         Draw theta(t) with the nutational band to this PNG, SVG or PDF.
     as_json
@@ -47,21 +48,20 @@ def run(
     window
         Certify only the first so many seconds.
     """
-    from ..progress import Progress
+    from ..progress import Bar
     from ..runs import attributes
     from ..scenario import build
     from ..store import root
-    from .memory import keep_memory
+    from .text import following
 
     problem = build.load(scenario, set_, until)
     if figure is not None:
-        _check_picture(figure)
-    keep_memory()
+        check_picture(figure, "--figure")
     if out is None:
         from ..runs.run import solve
 
-        with Progress(problem.until) as progress:
-            done = solve(problem, progress.update, keep=figure is not None)
+        with Bar("s", "t = {done:.4g} s") as bar:
+            done = solve(problem, following(bar), keep=figure is not None)
         attrs = root.finite(attributes.attributes(problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
@@ -69,37 +69,47 @@ def run(
         return _say(attrs, done.seconds, {"figure": figure}, as_json)
     from ..runs.recording import record
 
-    with Progress(problem.until) as progress:
-        course, attrs = _interruptible(lambda: record(problem, out, overwrite=overwrite, progress=progress.update), out)
+    with Bar("s", "t = {done:.4g} s") as bar:
+        integration, attrs = _interruptible(
+            lambda stop: record(problem, out, overwrite=overwrite, progress=following(bar), stop=stop), out
+        )
     if certify:
         attrs["certificate"] = _certificate(problem, window, out)
     _picture(figure, out, attrs)
-    return _say(attrs, course.seconds, {"store": out, "figure": figure}, as_json)
+    return _say(attrs, integration.seconds, {"store": out, "figure": figure}, as_json)
 
 
 def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
-    """Continue an interrupted run: the finished store is that of an undisturbed one, bit by bit."""
-    from ..progress import Progress
-    from ..runs.recording import resume as go_on
-    from ..store import root
-    from .memory import keep_memory
+    """Continue an interrupted run; the finished store equals that of an undisturbed one, bit by bit.
 
-    keep_memory()
-    until = root.attributes(store)["run"]["until"]
-    with Progress(until) as progress:
-        course, attrs = _interruptible(lambda: go_on(store, progress.update), store)
-    return _say(attrs, course.seconds, {"store": store}, as_json)
+    Parameters
+    ----------
+    store
+        The store of the interrupted run.
+    as_json
+        Print the result as one JSON object.
+    """
+    from ..progress import Bar
+    from ..runs.recording import resume as continued
+    from .text import following
+
+    with Bar("s", "t = {done:.4g} s") as bar:
+        integration, attrs = _interruptible(lambda stop: continued(store, following(bar), stop=stop), store)
+    return _say(attrs, integration.seconds, {"store": store}, as_json)
 
 
-def _interruptible(work: Callable[[], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
-    """Does the work; where it was interrupted, says how to go on and exits with 128 + the signal's number."""
+def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
+    """Does the work; where a signal stopped it, says how to continue and exits with 128 + the signal's number."""
     from ..errors import Interrupted
+    from .host import stopping
 
-    try:
-        return work()
-    except Interrupted as stopped:
-        print(f"tippetop: interrupted; everything so far is kept. Go on with: tippetop resume {store}", file=sys.stderr)
-        raise SystemExit(128 + stopped.signal) from None
+    with stopping() as stop:
+        try:
+            return work(stop.event)
+        except Interrupted:
+            pass
+    print(f"tippetop: interrupted; what is done is kept. Continue with: tippetop resume {store}", file=sys.stderr)
+    raise SystemExit(128 + stop.signal)
 
 
 def _certificate(problem: Any, window: float | None, store: Path | None) -> dict[str, Any]:
@@ -128,11 +138,12 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:
     """Prints the result; gives the exit code."""
     from ..runs.attributes import headline_of
-    from .text import summary, told
+    from ..runs.results import summary_of
+    from .text import summary
 
-    found = told(attrs)
+    found = summary_of(attrs)
     if as_json:
-        print(json.dumps(found, allow_nan=False))
+        print(json.dumps(found.to_dict(), allow_nan=False))
     else:
         summary(headline_of(attrs), found, seconds, places)
     if attrs["status"] in ("non-finite", "stalled"):
@@ -153,16 +164,16 @@ def _contract(attrs: dict[str, Any]) -> int:
     return 4 if broken else 0
 
 
-def _check_picture(path: Path) -> None:
-    """Raises ScenarioError or StoreError now rather than after the run."""
+def check_picture(path: Path, option: str) -> None:
+    """Raises InputError or StoreError now rather than after the run. `option`: what the file was given by."""
     from ..errors import InputError, StoreError
 
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise InputError([f"--figure must end with .png, .svg or .pdf, but is `{path}`."])
+        raise InputError([f"{option} must end with .png, .svg or .pdf, but is `{path}`."])
     if not path.parent.is_dir():
-        raise StoreError(f"`{path.parent}` must be a folder, but is not.")
+        raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
     if not os.access(path.parent, os.W_OK):
-        raise StoreError(f"`{path}` must be writable, but its folder is not.")
+        raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
 
 
 COMMANDS: list[Any] = [run, resume]

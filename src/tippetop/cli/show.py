@@ -8,17 +8,28 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from ..figures import catalogue
+
 
 Json = Annotated[bool, Parameter(name="--json", negative=())]
 
 
 def info(store: Path, *, as_json: Json = False) -> int:
-    """Say what is in a store: status, events, inversion, drift of the invariants, provenance."""
+    """Print what is in a store: status, events, inversion, drift of the invariants, provenance.
+
+    Parameters
+    ----------
+    store
+        A store that `run`, `sweep`, `surface` or `potential` wrote, finished or not.
+    as_json
+        Print it as one JSON object.
+    """
     from rich.table import Table
 
+    from ..runs.results import summary_of
     from ..runs.summary import lines
     from ..store import root
-    from .text import console, told
+    from .text import console
 
     attrs = root.attributes(store)
     if attrs.get("content") == "sweep":
@@ -30,9 +41,9 @@ def info(store: Path, *, as_json: Json = False) -> int:
         from .landscape import describe
 
         return describe(attrs, as_json)
-    found = told(attrs)
+    found = summary_of(attrs)
     if as_json:
-        print(json.dumps(found, allow_nan=False))
+        print(json.dumps(found.to_dict(), allow_nan=False))
         return 0
     out = console()
     out.print(attrs["title"], style="bold")
@@ -54,11 +65,23 @@ def check(
     set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
     as_json: Json = False,
 ) -> int:
-    """Validate a scenario without running it: resolved parameters, invariants at the start, expected cost; or the plan
-    of a sweep: its size and cost."""
+    """Validate a scenario without running it: invariants at the start, thresholds, expected fate and cost.
+
+    The plan of a sweep is validated too: its axes, its size, its cost.
+
+    Parameters
+    ----------
+    scenario
+        TOML file, or preset (see `tippetop presets`), or the plan of a sweep.
+    set_
+        Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
+    as_json
+        Print the result as one JSON object.
+    """
     from rich.table import Table
 
     from ..runs import forecast
+    from ..runs.summary import regularisation
     from ..scenario import build, reading
     from ..sweeps import plan
     from .text import console
@@ -75,40 +98,73 @@ def check(
 
         print(json.dumps(finite(found), allow_nan=False))
         return 0
+    units = {name: p.unit.symbol for name, p in {**problem.system.parameters, **problem.system.initial}.items()}
+    units |= dict(zip(problem.friction._fields, (u.symbol for u in problem.friction_units), strict=True))
+    units |= {"until": "s", "output_step": "s", "seconds": "s"}
     table = Table.grid(padding=(0, 2))
     for name, value in found.items():
-        text = ", ".join(f"{k} = {_plain(v)}" for k, v in value.items()) if isinstance(value, dict) else _plain(value)
-        table.add_row(name.replace("_", " "), text)  # units stand in brackets, which are markup to rich
+        if name == "regularisation":
+            text = regularisation(found)
+        elif isinstance(value, dict):
+            text = ", ".join(f"{key} = {_with_unit(entry, units.get(key, '1'))}" for key, entry in value.items())
+        else:
+            text = _plain(value)
+        if name != "inversion_by_eps":  # said by `regularisation`
+            table.add_row(name.replace("_", " "), text)
     console().print(table)
     return 0
 
 
-def plot(store: Path, kind: str | None = None, *, out: Path) -> int:
-    """Draw a store: theta (with the nutational band), normal-force, drift, sphere, energy; band, surface, potential,
-    inversion (a run in its landscape); of a sweep class, inversion, normal-force; the stores of `surface` and
-    `potential` draw themselves."""
-    from ..figures import catalogue
-    from ..store import chunks, root
-    from .run import _check_picture
+def plot(
+    store: Path,
+    kind: Annotated[str | None, Parameter(help=catalogue.described())] = None,
+    *,
+    out: Path,
+) -> int:
+    """Draw a store to a PNG, SVG or PDF file.
 
-    _check_picture(out)
+    Parameters
+    ----------
+    store
+        A store that `run`, `sweep`, `surface` or `potential` wrote.
+    out
+        The picture to write: a name that ends with .png, .svg or .pdf.
+    """
+    from ..store import chunks, root
+    from .run import check_picture
+
+    check_picture(out, "--out")
     attrs = root.attributes(store)
-    if attrs.get("content") == "sweep":
+    content = attrs.get("content", "run")
+    if content == "sweep":
+        catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
         catalogue.draw_sweep(kind or "class", store, out)
-        return 0
-    if "content" in attrs:
+    elif content != "run":
         from .landscape import picture
 
-        return picture(store, attrs, out)
-    kind = kind or "theta"
-    catalogue.check_kind(kind)
-    groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
-    catalogue.draw(kind, groups, attrs, out)
+        catalogue.check_kind(kind or content, [content])
+        picture(store, attrs, out)
+    else:
+        catalogue.check_kind(kind or "theta")
+        groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
+        catalogue.draw(kind or "theta", groups, attrs, out)
     return 0
 
 
 def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
-    """Write a store as one netCDF, CSV or Parquet file; --group events for the event log (netCDF has both)."""
+    """Write a store as one netCDF, CSV or Parquet file.
+
+    Parameters
+    ----------
+    store
+        The store of a run or of a sweep.
+    to
+        The format: netcdf, csv or parquet.
+    out
+        The file to write; must not exist yet.
+    group
+        `trajectory` (default) or `events` of a run, for CSV and Parquet; netCDF holds both.
+    """
     from ..store.export import export as write
 
     write(store, to, out, group)
@@ -116,18 +172,27 @@ def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
 
 
 def systems(*, as_json: Json = False) -> int:
-    """List the systems with their forms, parameters and events."""
+    """List the systems: forms, parameters and initial keys with their units, friction laws, integrals, events.
+
+    Parameters
+    ----------
+    as_json
+        Print the list as one JSON object.
+    """
     from rich.table import Table
 
-    from ..mechanics.systems import SYSTEMS
+    from ..mechanics.systems import SYSTEMS, load_entry_points
     from .text import console
 
+    load_entry_points()
     found: dict[str, dict[str, Any]] = {
         name: {
             "title": s.title,
             "forms": list(s.forms),
             "parameters": {n: p.unit.symbol for n, p in s.parameters.items()},
+            "friction": {n: {k: p.unit.symbol for k, p in law.parameters.items()} for n, law in s.laws.items()},
             "initial": {n: p.unit.symbol for n, p in s.initial.items()},
+            "quantities": {q.name: q.unit.symbol for q in s.quantities},
             "integrals": list(s.integrals),
             "events": [e.name for e in s.events],
             "source": s.source,
@@ -137,16 +202,38 @@ def systems(*, as_json: Json = False) -> int:
     if as_json:
         print(json.dumps(found))
         return 0
-    table = Table("system", "what", "forms", "parameters", "integrals", box=None, padding=(0, 2, 0, 0))
-    for name, s in found.items():
-        columns = (s["title"], " ".join(s["forms"]), " ".join(s["parameters"]), " ".join(s["integrals"]))
-        table.add_row(name, *columns)
-    console().print(table)
+    out = console()
+    for number, (name, s) in enumerate(found.items()):
+        out.print(f"{chr(10) if number else ''}{name}: {s['title']}", style="bold")
+        table = Table.grid(padding=(0, 2))
+        for key in ("forms", "parameters", "friction", "initial", "quantities", "integrals", "events"):
+            if s[key]:
+                table.add_row(f"  {key}", _listed(s[key]))
+        out.print(table)
     return 0
 
 
+def _listed(names: Any) -> str:
+    """Names with their units in brackets; a friction law with the numbers that it takes."""
+    if isinstance(names, list):
+        return ", ".join(names)
+    words = []
+    for name, unit in names.items():
+        if isinstance(unit, dict):
+            words.append(f"{name} ({_listed(unit)})" if unit else name)
+        else:
+            words.append(name if unit == "1" else f"{name} [{unit}]")
+    return ", ".join(words)
+
+
 def presets(*, as_json: Json = False) -> int:
-    """List the built-in scenarios with their sources."""
+    """List the built-in scenarios with their sources.
+
+    Parameters
+    ----------
+    as_json
+        Print the list as one JSON object.
+    """
     from rich.table import Table
 
     from ..scenario.reading import presets as texts
@@ -174,7 +261,19 @@ def _comment(text: str) -> str:
 
 
 def _plain(value: Any) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(_plain, value))
+    if isinstance(value, bool):
+        return "true" if value else "false"
     return f"{value:.8g}" if isinstance(value, float) else str(value)
 
 
+def _with_unit(entry: Any, unit: str) -> str:
+    """A number with its unit: `entry` is the number, or a record of value and unit."""
+    if isinstance(entry, dict):
+        entry, unit = entry["value"], entry["unit"]
+    return f"{_plain(entry)} {unit}".removesuffix(" 1") if isinstance(entry, int | float) else _plain(entry)
+
+
 COMMANDS: list[Any] = [info, check, plot, export, systems, presets]
+TEXT_ONLY: list[Any] = [export, systems, presets]  # they compute nothing, and need no engine

@@ -1,8 +1,9 @@
-"""`tippetop sweep`: run the tops of a plan, and say what became of them."""
+"""`tippetop sweep`: run the tops of a plan, and print their fates."""
 
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,51 +16,58 @@ def sweep(
     out: Path,
     workers: int | None = None,
     scheduler: str | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
-    """Run the many tops of a plan into a store; the same command goes on with an unfinished one: the same bits.
+    """Run the many tops of a plan into a store; the same command continues an unfinished one: the same bits.
 
     Parameters
     ----------
     plan
         TOML file: a scenario, and the axes along which it varies.
     out
-        Store to write or to go on with, a zarr folder.
+        Store to write or to continue, a zarr folder. Of a finished one there is nothing to do.
     workers
         Processes on this machine; by default as many as usable cores. 1 computes in this process.
     scheduler
         Address of a running dask scheduler, such as tcp://host:8786, whose workers compute instead.
+    overwrite
+        Make a store anew that exists, finished or not.
     as_json
         Print the result as one JSON object.
     """
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED, complain
-    from ..errors import Interrupted
+    from ..store import root
     from ..sweeps import summary, sweep
+    from .overwrite import remove_store
 
-    again = f"Go on with: {_command(plan, out, workers, scheduler)}"
+    again = f"Continue with: {_command(plan, out, workers, scheduler)}"
+    if overwrite:
+        remove_store(out)
+    elif out.is_dir() and root.attributes(out).get("status") == "finished":
+        print(f"tippetop: `{out}` is finished: its chunks are checked, nothing else to do.", file=sys.stderr)
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
         failed = []
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
-    except (KeyboardInterrupt, Interrupted, SystemExit) as stopped:
-        number = stopped.signal if isinstance(stopped, Interrupted) else 0
-        code = 128 + number if number else INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
+    except (KeyboardInterrupt, SystemExit) as stopped:  # at once: not after the chunks that are being computed
+        code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
     describe(summary.report(out), as_json)
     return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS) if failed else 0
 
 
 def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) -> str:
-    """The command line that goes on."""
+    """The command line that continues the sweep."""
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
     words += ["--workers", str(workers)] if workers is not None else []
     return " ".join(words + (["--scheduler", scheduler] if scheduler is not None else []))
 
 
 def describe(found: dict[str, Any], as_json: bool) -> int:
-    """Says what is in a sweep's store."""
+    """Prints what is in a sweep's store."""
     from rich.table import Table
 
     from ..store.root import finite
@@ -78,16 +86,16 @@ def describe(found: dict[str, Any], as_json: bool) -> int:
 
 
 def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
-    """Says what a plan would take."""
+    """Prints what a plan would take."""
     from rich.table import Table
 
     from ..store.root import finite
     from ..sweeps import chunk
-    from ..sweeps.plan import of as checked
+    from ..sweeps.plan import Plan
     from .text import console
 
-    plan = checked(tables, folder)
-    columns = chunk.empty(plan.base, plan.keep).values()
+    plan = Plan.from_tables(tables, folder)
+    columns = chunk.column_schema(plan.base, plan.keep).values()
     found: dict[str, Any] = {
         "tops": plan.n,
         "axes": plan.design.sizes,

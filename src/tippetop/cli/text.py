@@ -1,9 +1,11 @@
-"""What a person reads: the summary of a run, and the progress bar in a terminal."""
+"""What is printed for people: the summary of a run, and the progress of one."""
 
 from __future__ import annotations
 
+import os
 import sys
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
@@ -11,21 +13,30 @@ from rich.table import Table
 from ..runs.summary import lines
 
 
+if TYPE_CHECKING:
+    from ..progress import Bar
+
+
 def console() -> Console:
-    """Standard output; no colour when it is not a terminal."""
-    return Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 160)
+    """Standard output; no colour when it is not a terminal, and then wide unless COLUMNS says otherwise."""
+    narrow = sys.stdout.isatty() or "COLUMNS" in os.environ
+    return Console(highlight=False, markup=False, width=None if narrow else 160)
 
 
-def told(attrs: dict[str, Any]) -> dict[str, Any]:
-    """What `run --json` and `info --json` say of a run, from the root attributes of its store."""
-    from ..runs import attributes, forecast
-    from ..scenario import build
-    from ..store.root import finite
+def following(bar: Bar) -> Callable[[Any], None]:
+    """A run's progress callback, which tells a bar how far the integration has come."""
 
-    return attributes.info(attrs) | finite(forecast.remarks(build.problem(build.tables_of(attrs))))
+    def note(report: dict[str, Any]) -> str:
+        drift = max(report["drift"].values(), default=0.0)
+        turnings = report["event_counts"].get("turning", 0)
+        return f"theta {report['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
+
+    return lambda integration: bar.update(
+        integration.t_end, integration.problem.until, lambda: note(integration.report())
+    )
 
 
-def summary(headline: str, info: dict[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:
+def summary(headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:
     """Prints a run in a few lines."""
     out = console()
     out.print(headline, style="bold")

@@ -7,7 +7,6 @@ import heyoka as hy
 
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
-from ..mechanics.systems import SYSTEMS
 from ..mechanics.variables import Variables
 
 
@@ -48,6 +47,12 @@ def component(variable: str) -> str:
     return f"vector_{variable}"
 
 
+def integrated(variable: str) -> str:
+    """The name of an integrated component of 3hat among the values of a row, where it is not what the column `axis` is
+    taken from."""
+    return f"integrated_{variable}"
+
+
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
     """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions."""
     scalars, angles = form.scalars(q, body), form.to_angles(q, carried, body)
@@ -56,8 +61,16 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
         vector, direct = system.forms["vector"], form.name == "vector"
         state = q if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
         values |= {component(name): getattr(state, name) for names in system.vectors.values() for name in names}
+        if not direct and integrates_axis(system, form):
+            values |= {integrated(name): getattr(q, name) for name in system.vectors["axis"]}
     values |= {quantity.name: quantity.formula(scalars, body) for quantity in system.quantities}
     return values
+
+
+def integrates_axis(system: System, form: Form) -> bool:
+    """Whether the form integrates the components of 3hat, whose length must then stay 1."""
+    axis = system.vectors.get("axis", ())
+    return bool(axis) and set(axis) <= set(form.units._fields)
 
 
 def near_poles(form: Form, q: Any, body: Any) -> list:
@@ -75,9 +88,8 @@ def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
 
 
 @lru_cache(maxsize=32)
-def compile_orientation(system_name: str, form_name: str, friction: Any) -> Any:
+def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
     """`orientation_of` as a compiled function; apart from the other observables, so that their bits stay."""
-    system = SYSTEMS[system_name]
     form = system.forms[form_name]
     q, carried, body, rates = equations_of_motion(system, Variables(form), friction)
     outputs = [hy.expression(0.0) + value for value in orientation_of(form, q, carried, body)]
@@ -86,14 +98,13 @@ def compile_orientation(system_name: str, form_name: str, friction: Any) -> Any:
 
 @lru_cache(maxsize=32)
 def compile_observables(
-    system_name: str, form_name: str, friction: Any, orientation: bool
+    system: System, form_name: str, friction: Any, orientation: bool
 ) -> tuple[tuple[str, ...], Any]:
     """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it, whose
     last two outputs are those of `near_poles` if the system has poles.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
-    system = SYSTEMS[system_name]
     form = system.forms[form_name]
     q, carried, body, rates = equations_of_motion(system, Variables(form, orientation), friction)
     values = observed(system, form, q, carried, body)

@@ -5,15 +5,17 @@ from typing import Any
 import numpy as np
 
 from ..problem import Problem
-from .expressions import component
+from .expressions import component, integrated, integrates_axis
 
 
 def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """What a run must keep, of all that its states say."""
     found = {name: values[name] for name in problem.system.integrals}
     found["energy_balance"] = values["energy"] + values.get("work", 0.0)
-    if problem.form.name == "vector":
-        found["axis_norm"] = np.sqrt(sum(values[component(name)] ** 2 for name in problem.system.vectors["axis"]))
+    if integrates_axis(problem.system, problem.form):
+        axis = problem.system.vectors["axis"]
+        x, y, z = (values.get(integrated(name), values[component(name)]) for name in axis)
+        found["axis_norm"] = np.sqrt(x**2 + y**2 + z**2)
     return found
 
 

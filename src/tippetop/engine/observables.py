@@ -42,7 +42,7 @@ class Observables:
         polar = np.empty((0, len(rows)))
         if self._wide is np.float64:
             problem = self.problem
-            key = (self.system.name, self.form.name, problem.friction.__class__)
+            key = (self.system, self.form.name, problem.friction.__class__)
             names, function = compile_observables(*key, problem.orientation)
             outputs = self._compiled(function, rows)
             values, polar = dict(zip(names, outputs, strict=False)), outputs[len(names) :]
@@ -78,7 +78,7 @@ class Observables:
         orientation = self.form.orientation
         assert orientation is not None
         if self._wide is np.float64:
-            function = compile_orientation(self.system.name, self.form.name, self.problem.friction.__class__)
+            function = compile_orientation(self.system, self.form.name, self.problem.friction.__class__)
             values = self._compiled(function, rows)
         else:
             with np.errstate(invalid="ignore", divide="ignore"):

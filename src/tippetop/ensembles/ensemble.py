@@ -14,7 +14,7 @@ from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.system import KINDS
 from ..problem import Problem
-from ..progress import shown
+from ..progress import reporting
 from ..scenario import build
 from . import observer
 from .lanes import LANES, Lanes
@@ -205,20 +205,18 @@ def varied(base: Problem, variations: Mapping[str, Any]) -> tuple[Tops, list[tup
     return tops, tops.faults()
 
 
-def ensemble(
-    source: str,
+def of_problem(
+    base: Problem,
     variations: Mapping[str, Any],
     *,
-    until: float | None = None,
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
 ) -> "xr.Dataset":
-    """How each of many tops goes: a scenario with other numbers, (n,) each, under dotted keys like `friction.mu`.
+    """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
-    `progress(done, of)` counts tops; True draws a bar.
-    Tops that cannot be are marked `invalid`; what is wrong with the first of them stands in the attributes. Raises
-    ScenarioError if the scenario or a key is wrong.
+    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
+    of them stands in the attributes. Raises InputError if a key is wrong.
     """
-    tops, faults = tops_of(source, variations, until)
-    with shown(progress, "tops") as tell:
+    tops, faults = varied(base, variations)
+    with reporting(progress, "tops") as tell:
         return dataset(measure(tops, threads=threads, progress=tell), faults)

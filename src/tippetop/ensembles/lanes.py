@@ -14,8 +14,7 @@ import numpy as np
 from ..engine.expressions import equations_of_motion
 from ..engine.status import SETTLED_FOR, Status
 from ..mechanics.operand import leaves
-from ..mechanics.system import KINDS
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.system import KINDS, System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
 from . import observer
@@ -39,13 +38,12 @@ class Machine(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def compiled(name: str, form_name: str, friction: Any, tolerance: float, lanes: int) -> Machine:
+def compiled(system: System, form_name: str, friction: Any, tolerance: float, lanes: int) -> Machine:
     """The batch integrator of a system in a form with a friction law.
 
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is neither, its integral is
     integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
     """
-    system = SYSTEMS[name]
     form = system.forms[form_name]
     variables = Variables(form, orientation=False)
     q, _, body, equations = equations_of_motion(system, variables, friction)
@@ -102,7 +100,7 @@ class Lanes:
 
     def __init__(self, tops: Tops, lanes: int = LANES):
         base = tops.base
-        machine = compiled(base.system.name, base.form.name, base.friction.__class__, base.tolerance, lanes)
+        machine = compiled(base.system, base.form.name, base.friction.__class__, base.tolerance, lanes)
         self.tops, self.lanes, self.machine = tops, lanes, machine
         integrator = self.integrator = copy.deepcopy(machine.integrator)
         self.rules, self.rows = rules(base), machine.rows

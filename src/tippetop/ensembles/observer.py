@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop_kernels.crossings import crossings, extremes, ranges
 from tippetop_kernels.jit import inlined, kernel
+from tippetop_kernels.polynomials import crossings, extremes, ranges
 
 from ..mechanics.system import KINDS, NOISE_FLOOR
 

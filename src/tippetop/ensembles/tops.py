@@ -91,9 +91,8 @@ class Tops:
 
     def values(self, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
         """All that states (variables, k) of the tops `which` (k,) say, by name, in internal units."""
-        names, function = compile_observables(
-            self.base.system.name, self.base.form.name, self.base.friction.__class__, False
-        )
+        base = self.base
+        names, function = compile_observables(base.system, base.form.name, base.friction.__class__, False)
         k = states.shape[1]
         fill = -k % function.batch_size  # whole SIMD batches: the bits of a column do not depend on its neighbours
         padded = np.ascontiguousarray(np.pad(states, ((0, 0), (0, fill)), mode="edge"))

@@ -1,64 +1,145 @@
-"""The kinds of figures: what each draws, and what a run must have for it."""
+"""The figures of a run and of a sweep: what each shows, what it is made from and needs, and what draws it.
 
-from collections.abc import Callable
+Here only are figures fed: a drawing imports nothing but the style, and takes what it is given.
+Nothing is imported until a figure is drawn, so that `tippetop plot --help` can list the kinds at once.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from . import landscape, run, stability
-from .style import save, styled
+
+@dataclass(frozen=True)
+class RunFigure:
+    """A figure of a run: draw(*prepare(trajectory, events, attributes)); both are named module:function, and imported
+    when the figure is drawn."""
+
+    shows: str  # one line for people
+    draw: str
+    prepare: str | None = None  # None: what is drawn is the run as it is
+    needs: str = "time"  # the column of the trajectory without which there is nothing to show
+    drawn_for: str = ""  # the systems that have that column, in words
 
 
-def _in_landscape(name: str) -> Callable:
-    """A figure of a run in its landscape; numba wakes only when it is drawn."""
-
-    def drawn(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
-        from ..landscape import along_run
-
-        tables = (along_run.table(group) for group in (trajectory, events))
-        return getattr(landscape, name)(*getattr(along_run, name)(*tables, attrs))
-
-    return drawn
+def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
+    """A figure over the spinning states of a tippe top."""
+    prepare = f"landscape.along_run:{draw.rpartition(':')[2]}"
+    return RunFigure(shows, draw, prepare, needs="routh", drawn_for="tippe tops")
 
 
-KINDS: dict[str, Callable] = {
-    "theta": run.theta,
-    "normal-force": run.normal_force,
-    "drift": run.drift,
-    "growth": run.growth,
-    "sphere": run.sphere,
-    "energy": run.energy,
-    "phase": stability.phase_of_run,
-    **{name: _in_landscape(name) for name in ("band", "surface", "potential", "inversion")},
+FIGURES: dict[str, RunFigure] = {
+    "theta": RunFigure("theta(t), turning angles, nutational band (default)", "figures.run:theta"),
+    "normal-force": RunFigure(
+        "normal force g_n(t) in units of the weight",
+        "figures.run:normal_force",
+        needs="normal_force",
+        drawn_for="systems with a normal force",
+    ),
+    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift"),
+    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.run:growth"),
+    "sphere": RunFigure("path of the axis on the sphere", "figures.run:sphere", needs="axis", drawn_for="tops"),
+    "energy": RunFigure("energy, modified energy, energy taken by friction", "figures.run:energy"),
+    "phase": _of_tippe_tops("figures.stability:phase", "asymptotic states over lambda, and the run among them"),
+    "band": RunFigure(
+        "turning angles that the main equation predicts", "figures.landscape:band", "landscape.along_run:band"
+    ),
+    "surface": _of_tippe_tops("figures.landscape:surface", "the run on the minimal surface F(D, lambda)"),
+    "potential": RunFigure(
+        "the effective potential V(z) at six times", "figures.landscape:potential", "landscape.along_run:potential"
+    ),
+    "inversion": _of_tippe_tops("figures.landscape:inversion", "the run on the section of F at its lambda"),
 }
+"""The figures of a run, by name."""
+
+SWEEP_KINDS = {
+    "class": "fate of each top over two axes (default)",
+    "inversion": "time of inversion",
+    "normal-force": "least normal force",
+}
+"""The figures of a sweep, and what each shows."""
 
 
-NEEDED = {"sphere": "axis", **dict.fromkeys(("phase", "band", "surface", "potential", "inversion"), "routh")}
-"""The column without which a figure has nothing to show."""
+def described() -> str:
+    """What `plot --help` says of the kinds."""
+    runs = "".join(f"\n- {name}: {figure.shows}" for name, figure in FIGURES.items())
+    sweeps = "".join(f"\n- {name}: {shows}" for name, shows in SWEEP_KINDS.items())
+    return f"Of a run:\n{runs}\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
 
 
 def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
-    """Draws one kind of figure of a run to a file. groups: trajectory and events, Datasets or columns."""
-    from ..errors import InputError
+    """Draws one kind of figure of a run to a file.
 
-    if NEEDED.get(kind, "time") not in groups["trajectory"]:
-        raise InputError([f"the figure `{kind}` must have `{NEEDED[kind]}` to draw, but this system has none."])
+    Parameters
+    ----------
+    kind
+        A name of `FIGURES`.
+    groups
+        trajectory and events, Datasets or columns by name.
+    attrs
+        The root attributes of the run's store.
+    path
+        The file; its ending names the format.
+
+    Raises
+    ------
+    InputError
+        For another kind, and where the run lacks what the figure shows.
+    StoreError
+        Where the file cannot be written.
+    """
+    written(drawn(kind, groups, attrs), path)
+
+
+def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
+    """One kind of figure of a run, a matplotlib Figure. Raises InputError if the run lacks what it shows."""
+    from ..errors import InputError, a_system
+    from .style import styled
+
+    check_kind(kind)
+    chosen = FIGURES[kind]
+    if chosen.needs not in groups["trajectory"]:
+        raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
+    given: Any = (groups["trajectory"], groups["events"], attrs)
+    if chosen.prepare is not None:
+        from ..landscape import along_run
+
+        given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
     with styled():
-        save(KINDS[kind](groups["trajectory"], groups["events"], attrs), path)
+        return _function(chosen.draw)(*given)
+
+
+def written(figure: Any, path: Path) -> None:
+    """Writes a figure; the ending of `path` names the format. Raises StoreError."""
+    from .style import save, styled
+
+    with styled():
+        save(figure, path)
 
 
 def draw_sweep(kind: str, store: Path, path: Path) -> None:
-    """Draws one kind of figure of a sweep to a file. Raises ScenarioError, StoreError."""
+    """Draws one kind of figure of a sweep to a file. Raises InputError, StoreError."""
     from ..sweeps import maps
     from . import sweep
+    from .style import save, styled
 
-    made = maps.mapped(store, kind)
+    made = maps.make_map(store, kind)
     with styled():
-        save(sweep.drawn(made), path)
+        save(sweep.draw_map(made), path)
 
 
-def check_kind(kind: str) -> None:
-    """Raises ScenarioError if there is no such figure."""
-    from ..errors import InputError
+def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
+    """Raises InputError if there is no such figure."""
+    from ..errors import InputError, suggestion
 
-    if kind not in KINDS:
-        raise InputError([f"the kind of figure must be one of {', '.join(KINDS)}, but is `{kind}`."])
+    if kind not in known:
+        raise InputError(
+            [f"the kind of figure must be one of {', '.join(known)}, but is `{kind}`.{suggestion(kind, known)}"]
+        )
+
+
+def _function(name: str) -> Any:
+    """The function module:name of the package."""
+    module, _, function = name.partition(":")
+    return getattr(import_module(f"...{module}", __name__), function)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..columns import units_text
 from .style import LOWER, QUIET, RUN, UPPER, figure
 
 
@@ -184,10 +185,4 @@ def _symbol(name: Any) -> str:
 
 
 def _unit(values: Any) -> str:
-    return (
-        str(values.attrs.get("units", ""))
-        .replace("kg m", "kg m")
-        .replace("m2", "m²")
-        .replace("m3", "m³")
-        .replace("s-1", "s⁻¹")
-    )
+    return units_text(str(values.attrs.get("units", "")))

@@ -46,22 +46,3 @@ def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, 
     axes.set_title("Asymptotic states: solid stable, dashed unstable", pad=10)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return made
-
-
-def phase_of_run(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
-    """The asymptotic states of the body of a run, with the run."""
-    from ..mechanics.friction import Frictionless
-    from ..mechanics.systems import SYSTEMS
-    from ..mechanics.theory.thresholds import lambda_s, lambda_u
-    from ..mechanics.theory.tumbling import branches
-
-    body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
-    lam = float(_values(trajectory["jellett"])[0])
-    limits = {r"$\lambda_u$": lambda_u(body), r"$\lambda_s$": lambda_s(body)}
-    marks = {name: value for name, value in limits.items() if np.isfinite(value)}
-    most = 1.25 * max(abs(lam), *marks.values())
-    return phase(branches(body, most), marks, (np.cos(_values(trajectory["theta"])), lam))
-
-
-def _values(column: Any) -> np.ndarray:
-    return np.asarray(column.values)

@@ -1,13 +1,13 @@
 """How all our figures look."""
 
-import contextlib
-import os
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from ..store.files import replacing, writing
 
 
 RUN, UPPER, LOWER, QUIET, ALARM = "#1f3b57", "#c2410c", "#0f766e", "#8a94a0", "#b91c1c"
@@ -41,15 +41,6 @@ def styled() -> Any:
 
 def save(made: Figure, path: Path) -> None:
     """Writes a figure whole or not at all; the ending of `path` names the format. Raises StoreError."""
-    from ..errors import StoreError
-
     path = Path(path)
-    scratch = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
-        made.savefig(scratch, dpi=150)
-        os.replace(scratch, path)
-    except OSError as error:
-        raise StoreError(f"`{path}` must be writable, but: {error.strerror or error}.") from None
-    finally:
-        with contextlib.suppress(OSError):
-            scratch.unlink()
+    with writing(path), replacing(path) as scratch:
+        made.savefig(scratch, dpi=150, format=path.suffix.removeprefix(".").lower())

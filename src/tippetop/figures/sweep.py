@@ -8,8 +8,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..ensembles.outcomes import CLASSES
-from ..sweeps.maps import Map, Shown
 from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
 
 
@@ -23,7 +21,7 @@ COLOURS = {
 }
 STYLES = ("-", "--", ":", "-.")
 TITLES = {
-    "class": "What became of the tops",
+    "class": "Fate of each top",
     "inversion": "Time of inversion, first rise of θ through π − 0.1",
     "normal-force": "Least normal force",
 }
@@ -31,12 +29,12 @@ ONE_AXIS = {"inversion": "Times of inversion", "normal-force": "Extremes of the 
 TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
 
 
-def drawn(made: Map) -> Figure:
-    """The figure of a map."""
+def draw_map(made: Any) -> Figure:
+    """The figure of a map, as `sweeps.maps` makes it."""
     return _over_two(made) if len(made.axes) == 2 else _over_one(made)
 
 
-def _over_two(made: Map) -> Figure:
+def _over_two(made: Any) -> Figure:
     page = figure(9.6, 5.6)
     axes = page.add_subplot()
     axes.grid(False)
@@ -44,10 +42,10 @@ def _over_two(made: Map) -> Figure:
     field = next(iter(made.fields.values())).T
     entries: list[Any] = []
     if made.kind == "class":
-        colours = ListedColormap(list(COLOURS.values()))
-        axes.pcolormesh(x.edges, y.edges, field, cmap=colours, vmin=-0.5, vmax=len(COLOURS) - 0.5, rasterized=True)
-        present = [name for i, name in enumerate(CLASSES) if (field == i).any()]
-        entries += [Patch(color=COLOURS[name], label=_said(name)) for name in present]
+        colours = ListedColormap([COLOURS[name] for name in made.classes])
+        axes.pcolormesh(x.edges, y.edges, field, cmap=colours, vmin=-0.5, vmax=len(made.classes) - 0.5, rasterized=True)
+        present = [name for i, name in enumerate(made.classes) if (field == i).any()]
+        entries += [Patch(color=COLOURS[name], label=_name(name)) for name in present]
     elif np.isfinite(field).any():
         force = made.kind == "normal-force"
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap="cividis" if force else "viridis", rasterized=True)
@@ -68,7 +66,7 @@ def _over_two(made: Map) -> Figure:
     return page
 
 
-def _liftoff(axes: Any, x: Shown, y: Shown, field: np.ndarray) -> list[Any]:
+def _liftoff(axes: Any, x: Any, y: Any, field: np.ndarray) -> list[Any]:
     """The border at which the normal force reaches zero."""
     touches: Any = np.ma.array(field <= TOUCH, dtype=float, mask=np.isnan(field))
     if min(field.shape) < 2 or not touches.min() < touches.max():
@@ -77,7 +75,7 @@ def _liftoff(axes: Any, x: Shown, y: Shown, field: np.ndarray) -> list[Any]:
     return [Line2D([], [], color=ALARM, lw=1.4, label="liftoff: $g_n$ reaches 0")]
 
 
-def _borders(axes: Any, made: Map) -> list[Any]:
+def _borders(axes: Any, made: Any) -> list[Any]:
     """Thresholds as lines over the map, white below black so that they show on every colour."""
     x, y = (axis.span for axis in made.axes)
     entries = []
@@ -88,7 +86,7 @@ def _borders(axes: Any, made: Map) -> list[Any]:
     return entries
 
 
-def _over_one(made: Map) -> Figure:
+def _over_one(made: Any) -> Figure:
     page = figure(9.0, 5.0)
     axes = page.add_subplot()
     (x,) = made.axes
@@ -96,10 +94,10 @@ def _over_one(made: Map) -> Figure:
     if made.kind == "class":
         kinds, theta = made.fields["class"], made.fields["theta_end"]
         axes.plot(x.centres, theta, color=QUIET, lw=0.8)
-        for i, name in enumerate(CLASSES):
+        for i, name in enumerate(made.classes):
             here = kinds == i
             if (here & np.isfinite(theta)).any():
-                axes.plot(x.centres[here], theta[here], ".", color=COLOURS[name], label=_said(name), ms=7)
+                axes.plot(x.centres[here], theta[here], ".", color=COLOURS[name], label=_name(name), ms=7)
         axes.set(ylabel="θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
     elif made.kind == "inversion":
@@ -119,7 +117,7 @@ def _over_one(made: Map) -> Figure:
     return page
 
 
-def _dress(axes: Any, made: Map, x: Shown) -> None:
+def _dress(axes: Any, made: Any, x: Any) -> None:
     axes.set_xlabel(x.label)
     if x.log:
         axes.set_xscale("log")
@@ -129,7 +127,7 @@ def _dress(axes: Any, made: Map, x: Shown) -> None:
     axes.set_title(f"{title} · {made.title}{notes}")
 
 
-def _said(name: str) -> str:
+def _name(name: str) -> str:
     """The name of a class."""
     return "no end: invalid, not finite, stalled" if name == "none" else name.replace("-", " ")
 

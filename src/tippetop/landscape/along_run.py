@@ -5,17 +5,20 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..errors import InputError
-from ..mechanics.system import KINDS
-from .formulas import SHAPES
+from ..errors import InputError, a_system
+from ..mechanics.friction import Frictionless
+from ..mechanics.system import KINDS, Landscape
+from ..mechanics.systems import SYSTEMS, find
+from ..mechanics.theory import thresholds, tumbling
 from .marked_lines import marked_lines
 from .potential import potential as potential_over
 from .surface import minimal_surface
 from .turning import band as band_along
-from .turning import run_names, turning_angles
+from .turning import turning_angles
 
 
 TIMES = 6  # panels of the potential
+SPINNING = ("D", "lambda")  # the momenta over which spinning states are lines
 
 
 def table(columns: Any) -> xr.Dataset:
@@ -34,7 +37,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
     """
     from scipy.interpolate import CubicSpline
 
-    parameters, system = _body(attrs, *SHAPES)
+    parameters, system, landscape = _body(attrs)
     found = band_along(parameters, trajectory, system)
     turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
     when, theta = events["time"].values[turning], events["theta"].values[turning]
@@ -42,7 +45,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
         when, theta, turning = when[:0], theta[:0], np.zeros_like(turning)
         states: list[Any] = [np.empty(0)] * 3
     else:
-        states = [CubicSpline(trajectory["time"].values, trajectory[name].values)(when) for name in run_names(system)]
+        states = [CubicSpline(trajectory["time"].values, trajectory[name].values)(when) for name in landscape.columns]
     edges = turning_angles(parameters, states[0], states[1], states[2], system)
     low, high = edges["theta_min"].values, edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
@@ -52,7 +55,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[xr.Dataset, ...]:
     """The minimal surface around a run, the marked lines, and the run."""
-    parameters, _ = _body(attrs)
+    parameters, *_ = _body(attrs, SPINNING)
     lam = float(trajectory["jellett"][0])
     lambdas = np.linspace(0, 1.25 * lam, 201) if lam > 0 else np.linspace(1.25 * lam, 0, 201) if lam < 0 else None
     if lambdas is None:
@@ -64,7 +67,7 @@ def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -
 
 def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[list]:
     """V(z), E~ and the turning angles at several times: evenly spread in theta, hence all through an inversion."""
-    parameters, system = _body(attrs, *SHAPES)
+    parameters, system, landscape = _body(attrs)
     theta = trajectory["theta"].values
     reached = np.maximum.accumulate(theta)
     picks = np.unique(np.searchsorted(reached, np.linspace(theta[0], reached[-1], TIMES)))
@@ -73,7 +76,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     z = np.cos(np.linspace(np.pi, 0, 1203)[1:-1])
     curves = []
     for i in picks:
-        x, y, E = (float(trajectory[name][i]) for name in run_names(system))
+        x, y, E = (float(trajectory[name][i]) for name in landscape.columns)
         at = turning_angles(parameters, x, y, E, system).assign(energy=E)
         curves.append((f"t = {float(trajectory['time'][i]):.4g} s", potential_over(parameters, z, x, y, system), at))
     return (curves,)
@@ -81,7 +84,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
 
 def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
     """The section of the surface at the run's lambda, the spinning states there, and the run."""
-    parameters, _ = _body(attrs)
+    parameters, *_ = _body(attrs, SPINNING)
     lam = float(trajectory["jellett"][0])
     lines = marked_lines(parameters, lam)
     ends = np.array([*lines["D"].values.ravel(), *trajectory["routh"].values])
@@ -90,9 +93,30 @@ def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     return section, lines, trajectory, f"{attrs['title']}: λ = {lam:.6g} kg m³ s⁻¹"
 
 
-def _body(attrs: dict[str, Any], *allowed: str) -> tuple[dict[str, float], str]:
-    """Parameters and system of a run. Raises ScenarioError where there is no such landscape."""
-    system, allowed = attrs["system"], allowed or ("tippe-top", "rolling-tippe-top")
-    if system not in allowed:
-        raise InputError([f"this figure needs a run of {' or '.join(allowed)}, but this is one of {system}."])
-    return dict(attrs["parameters"]), system
+def phase(
+    trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]
+) -> tuple[list[tumbling.Branch], dict[str, float], tuple[np.ndarray, float]]:
+    """The asymptotic states of the body of a run as branches over lambda, values of lambda to be marked, and the run as
+    cos(theta) with its lambda [kg m^3/s]."""
+    _body(attrs, SPINNING)
+    body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
+    lam = float(trajectory["jellett"][0])
+    limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
+    marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
+    most = 1.25 * max(abs(lam), *marks.values())
+    return tumbling.branches(body, most), marks, (np.cos(trajectory["theta"].values), lam)
+
+
+def _body(attrs: dict[str, Any], momenta: tuple[str, str] | None = None) -> tuple[dict[str, float], str, Landscape]:
+    """Parameters, system and landscape of a run. Raises InputError where there is none, or none over these momenta."""
+
+    def fits(landscape: Landscape | None) -> bool:
+        return landscape is not None and momenta in (None, landscape.symbols)
+
+    name = attrs["system"]
+    record = find(name)
+    landscape = record.landscape if record is not None else None
+    if landscape is None or not fits(landscape):
+        allowed = [other for other, system in SYSTEMS.items() if fits(system.landscape)]
+        raise InputError([f"this figure is drawn for {', '.join(allowed)} only; this is {a_system(name)}."])
+    return dict(attrs["parameters"]), name, landscape

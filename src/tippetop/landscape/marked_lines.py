@@ -7,30 +7,45 @@ import numpy as np
 import xarray as xr
 
 from ..mechanics.systems import spinning
-from .body import attributes, axis, labelled, top
-
-
-# --- the spinning states --------------------------------------------------------------------------------------------
+from ..mechanics.theory.thresholds import spin
+from .body import top
+from .labels import attributes, axis, labelled, of_momentum
 
 
 def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
-    """The spinning states theta = 0, pi of a tippe top with Jellett's integral `lam` [kg m^3/s]: boundary values.
+    """The spinning states theta = 0, pi of a tippe top: the lines that they are on its minimal surface. [T 4.23-4.28]
 
-    D [kg m^2/s], E~ [J], omega_3 [rad/s] of each `end`, and whether it lies on the minimal surface: theta = 0 always,
-    theta = pi iff |lambda| >= lambda_pi (an attribute). [T 4.23-4.28; 5.1]
+    Parameters
+    ----------
+    parameters
+        m, R, alpha, I1, I3, g of a tippe top, SI.
+    lam
+        Jellett's integral lambda [kg m^3/s], a number or ascending numbers, (n,).
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `end` (theta = 0, theta = pi) and `lambda`, (2, n): D [kg m^2/s], E, the energy E~ [J], omega3 [rad/s],
+        and on_surface, whether E~ = F there: theta = 0 always, theta = pi iff |lambda| >= lambda_pi [5.1], which is an
+        attribute [kg m^3/s].
+
+    Raises
+    ------
+    ValueError
+        For a parameter that is missing, not finite or outside its interval, and numbers that do not ascend.
     """
     t = top(parameters)
     lam, z = axis("lambda", lam), np.array([1.0, -1.0])
     lam_pi = float(spinning.lambda_pi(t.body))
     Z, Lam = z[:, None], lam[None, :]
-    dims = ("end", "lambda")
+    dims, (first, second) = ("end", "lambda"), t.landscape.momenta
     return xr.Dataset(
         {
-            "D": labelled("D", dims, spinning.momentum(Z, Lam, t.body)),
+            "D": of_momentum(first, dims, spinning.momentum(Z, Lam, t.body)),
             "E": labelled("E", dims, spinning.energy(Z, Lam, t.body), "J", "modified energy E~ of the spinning state"),
-            "omega3": labelled("omega3", dims, spinning.spin(Z, Lam, t.body), "rad s-1", "spin omega_3"),
+            "omega3": labelled("omega3", dims, spin(Z, Lam, t.body), "rad s-1", "spin omega_3"),
             "on_surface": (dims, (Z > 0) | (np.abs(Lam) >= lam_pi), {"long_name": "E~ = F there"}),
         },
-        {"end": ["theta = 0", "theta = pi"], "lambda": labelled("lambda", "lambda", lam)},
+        {"end": ["theta = 0", "theta = pi"], "lambda": of_momentum(second, "lambda", lam)},
         attributes(t, lambda_pi=lam_pi),
     )

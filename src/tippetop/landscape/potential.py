@@ -6,30 +6,51 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from .body import attributes, axis, kernels, labelled, top
-
-
-# --- the potential --------------------------------------------------------------------------------------------------
+from ..mechanics.system import System
+from .body import top
+from .kernels import kernels
+from .labels import attributes, axis, labelled, of_momentum
 
 
 def potential(
-    parameters: Mapping[str, float], z: Any, first: Any, second: Any, system: str = "tippe-top"
+    parameters: Mapping[str, float], z: Any, first: Any, second: Any, system: str | System = "tippe-top"
 ) -> xr.Dataset:
-    """V [J] and its derivatives by z over the grid z x first x second, dimensions of length one dropped.
+    """The effective potential V of a top and its derivatives by z over a grid. [T 4.12, 2.38, 5.26]
 
-    `z` = cos(theta) in (-1, 1), ascending; first and second momentum are D [kg m^2/s] and lambda [kg m^3/s] for tippe
-    tops, L3 and Lz [kg m^2/s] for heavy tops. No digits are lost near the poles: 1 - z is exact there, and X is formed
-    without cancellation. Outside (-1, 1), at z = +-1 too, and for infinite arguments V is NaN: it is +oo at a pole off
-    the marked line; the end values on it are those of `marked_lines`. [T 4.12, 2.38, 5.26]
+    Parameters
+    ----------
+    parameters
+        The numbers of the system, SI, by name.
+    z
+        cos(theta) in (-1, 1), a number or ascending numbers.
+    first, second
+        The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz
+        [kg m^2/s] of a heavy top.
+    system
+        A system that has a landscape, or its name.
+
+    Returns
+    -------
+    xarray.Dataset
+        V, V_z and V_zz [J] over z x first x second; momenta of which there is one only are dropped as dimensions. No
+        digits are lost near the poles: 1 - z is exact there, and X is formed without cancellation. Outside (-1, 1), at
+        z = +-1 too, and for infinite arguments V is NaN: it is +oo at a pole off the marked line; the end values on
+        it are those of `marked_lines`.
+
+    Raises
+    ------
+    ValueError
+        For a system without landscape, a parameter that is missing, not finite or outside its interval, and axes that
+        are empty or do not ascend.
     """
     t, k = top(parameters, system), kernels()
     z, x, y = axis("z", z), axis(t.momenta[0], first), axis(t.momenta[1], second)
     V, V_z, V_zz = (np.empty((z.size, x.size, y.size)) for _ in range(3))
     f = k.formulas
     with np.errstate(invalid="ignore"):
-        k.potentials(f["lean"], f["slopes"], f["value"], t.upright * z, x, y, t.relief, V, V_z, V_zz)
+        k.potentials(f["at_momenta"], f["slopes"], f["value"], t.upright * z, x, y, t.coefficients, V, V_z, V_zz)
     dims = ("z", *t.momenta)
-    scale = 1 / t.relief.gamma.head
+    scale = 1 / t.coefficients.gamma.head
     return xr.Dataset(
         {
             "V": labelled("V", dims, V),
@@ -38,9 +59,8 @@ def potential(
         },
         {
             "z": labelled("z", "z", z),
-            t.momenta[0]: labelled(t.momenta[0], t.momenta[0], x),
-            t.momenta[1]: labelled(t.momenta[1], t.momenta[1], y),
+            **{m.symbol: of_momentum(m, m.symbol, v) for m, v in zip(t.landscape.momenta, (x, y), strict=True)},
             "theta": labelled("theta", "z", np.arccos(np.clip(z, -1, 1))),
         },
         attributes(t),
-    ).squeeze([d for d in t.momenta if {t.momenta[0]: x, t.momenta[1]: y}[d].size == 1])
+    ).squeeze([name for name, v in zip(t.momenta, (x, y), strict=True) if v.size == 1])

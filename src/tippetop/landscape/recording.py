@@ -1,14 +1,15 @@
 """Landscapes on disk. Surfaces beyond memory go to zarr chunk by chunk, resumable: the store knows what is done.
 
 Until the last chunk is written the store is a hidden folder beside its place, `.NAME.part`; a second call with the same
-body and axes goes on where the first stopped. A chunk is done when its `status` is there: it is written last.
+body and axes continues where the first stopped. A chunk is done when its `status` is there: it is written last.
 """
 
 import itertools
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,164 +17,160 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
+from ..store import files, tables
 from ..store.chunks import Appender
-from ..store.files import LOCK, locked, sweep
+from ..store.files import LOCK, Lock
 from ..store.provenance import provenance
 from ..store.root import new_store
 from . import body as bodies
-from . import surface
+from . import labels, surface
 
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
+GROUP = "surface"
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A minimal surface F [J] over x times y, the momenta of a body, in chunks of so many rows and columns."""
+
+    top: bodies.Top
+    x: np.ndarray
+    y: np.ndarray
+    chunk: int = CHUNK
+
+    @classmethod
+    def over(
+        cls, parameters: Mapping[str, float], x: Any, y: Any, system: str = "tippe-top", *, chunk: int = CHUNK
+    ) -> "Surface":
+        """The surface of a body. Raises ValueError for axes that are empty or do not ascend."""
+        top = bodies.top(parameters, system)
+        return cls(top, labels.axis(top.momenta[0], x), labels.axis(top.momenta[1], y), chunk)
+
+    def axes(self) -> dict[str, Column]:
+        """The axes as columns."""
+        return {
+            m.symbol: Column((m.symbol,), values, {"units": m.unit.symbol, "long_name": m.long_name})
+            for m, values in zip(self.top.landscape.momenta, (self.x, self.y), strict=True)
+        }
+
+    def blocks(self) -> Iterator[tuple[int, int]]:
+        """The first row and column of every chunk."""
+        return itertools.product(range(0, self.x.size, self.chunk), range(0, self.y.size, self.chunk))
+
+    def attributes(self) -> dict[str, Any]:
+        """The root attributes of the store."""
+        return {
+            "content": GROUP,
+            "title": "minimal surface F = inf V",
+            "system": self.top.system.name,
+            "parameters": self.top.parameters,
+            "axes": {
+                name: [float(v.values[0]), float(v.values[-1]), int(v.values.size)] for name, v in self.axes().items()
+            },
+            "chunk": self.chunk,
+            **provenance(),
+        }
 
 
 def write(
     path: str | Path,
-    parameters: Mapping[str, float],
-    first: Any,
-    second: Any,
-    system: str = "tippe-top",
+    wanted: Surface,
     *,
-    chunk: int = CHUNK,
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Writes F [J], z and status over first x second into the group `surface` of a new store at `path`.
+    """Writes F [J], z and status of a surface into the group `surface` of a new store at `path`.
 
     17 bytes a point before compression; memory: some 40 bytes a point of one chunk. progress(done, of) is called after
     every chunk. Raises StoreError if `path` exists, or cannot be written, or an unfinished store beside it is another
-    surface; ValueError for axes that are empty or do not ascend.
+    surface.
     """
-    import zarr
-
-    t, path = bodies.top(parameters, system), Path(path)
-    x, y = bodies.axis(t.momenta[0], first), bodies.axis(t.momenta[1], second)
-    if path.exists():
+    path = Path(path)
+    if os.path.lexists(path):
         raise StoreError(f"`{path}` must not exist yet, but does.")
-    scratch = path.with_name(f".{path.name}.part")
-    lock = -1
-    try:
+    scratch = path.with_name(f".{path.name}.part")  # the same name in every process: what one began, another continues
+    with files.writing(path):
         fresh = not scratch.exists()
         scratch.mkdir(parents=True, exist_ok=True)
-        lock = locked(scratch)
-        group = _created(scratch, t, x, y, chunk) if fresh else _opened(scratch, t, x, y, chunk)
-        blocks = list(itertools.product(range(0, x.size, chunk), range(0, y.size, chunk)))
-        for done, (i, j) in enumerate(blocks, 1):
-            if not (scratch / "surface" / "status" / "c" / str(i // chunk) / str(j // chunk)).exists():
-                _fill(group, t, x, y, slice(i, i + chunk), slice(j, j + chunk), threads)
-            if progress is not None:
-                progress(done, len(blocks))
-        (scratch / LOCK).unlink()
-        os.replace(scratch, path)
-    except OSError as error:
-        if isinstance(error, StoreError):
-            raise
-        raise StoreError(f"`{path}` must be writable, but: {error.strerror or error}.") from error
-    except zarr.errors.BaseZarrError as error:
-        raise StoreError(f"`{scratch}` must be readable, but: {error}: remove it.") from error
-    finally:
-        if lock >= 0:
-            os.close(lock)
+        with Lock(scratch) as lock:
+            arrays = _created(scratch, wanted) if fresh else _opened(scratch, wanted)
+            blocks = list(wanted.blocks())
+            for done, (i, j) in enumerate(blocks, 1):
+                if not _has(scratch, i // wanted.chunk, j // wanted.chunk):
+                    _fill(arrays, wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads)
+                if progress is not None:
+                    progress(done, len(blocks))
+            lock.check()
+            lock.remove()
+            files.rename_new(scratch, path)
     return path
 
 
 def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
     """Writes the Dataset V of `potential` along z into the group `potential` of a new store. Raises StoreError."""
-    import zarr
-
     columns = {
         str(name): Column(("z",), np.asarray(v), dict(v.attrs)) for name, v in V.variables.items() if v.dims == ("z",)
     }
     with new_store(path) as scratch:
-        root = zarr.open_group(
-            store=str(scratch), mode="w", zarr_format=3, attributes={"content": "potential", **attrs, **provenance()}
-        )
+        root = tables.create_root(scratch, {"content": "potential", **attrs, **provenance()})
         table = Appender.created(root, "potential", columns, chunk=65536)
         table.append(columns)
         table.flush()
 
 
-def _attributes(t: bodies.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> dict[str, Any]:
-    return {
-        "content": "surface",
-        "title": "minimal surface F = inf V",
-        "system": t.system,
-        "parameters": t.parameters,
-        "axes": {n: [float(v[0]), float(v[-1]), int(v.size)] for n, v in zip(t.momenta, (x, y), strict=True)},
-        "chunk": chunk,
-        **provenance(),
-    }
+def _has(scratch: Path, *chunk: int) -> bool:
+    """Whether a chunk is done."""
+    return (scratch / GROUP / "status" / "c").joinpath(*map(str, chunk)).exists()
 
 
-def _created(scratch: Path, t: bodies.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> Any:
-    """An empty store: the axes, and arrays without a chunk. All that was there goes, but the lock."""
-    import zarr
-
+def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
+    """The arrays of an empty store: the axes, and arrays without a chunk. All that was there goes, but the lock."""
     from tippetop_kernels.minimise import Status
 
     for old in scratch.iterdir():
-        if old.is_dir():
+        if old.is_dir() and not old.is_symlink():
             shutil.rmtree(old)
         elif old.name != LOCK:
             old.unlink()
-    root = zarr.open_group(store=str(scratch), mode="a", zarr_format=3, attributes=_attributes(t, x, y, chunk))
-    group = root.create_group("surface")
-    for name, values in zip(t.momenta, (x, y), strict=True):
-        units, words = bodies.NAMES[name]
-        axis = group.create_array(
-            name,
-            shape=values.shape,
-            dtype=values.dtype,
-            chunks=values.shape,
-            dimension_names=(name,),
-            attributes={"units": units, "long_name": words},
-        )
-        axis[...] = values
+    group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
+    axes = wanted.axes()
+    made = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0), compressors="auto")
+    for name, axis in axes.items():
+        made[name][...] = axis.values
     flags = {
-        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in bodies.flags(Status, "how F is taken").items()
+        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in labels.flags(Status, "how F is taken").items()
     }
-    described = {
-        "F": ("f8", np.nan, dict(zip(("units", "long_name"), bodies.NAMES["F"], strict=True))),
-        "z": ("f8", np.nan, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
-        "status": ("i1", -1, flags),
+    dims, none = wanted.top.momenta, np.zeros((0, 0))
+    columns = {
+        "F": Column(dims, none, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))),
+        "z": Column(dims, none, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
+        "status": Column(dims, none.astype(np.int8), flags),
     }
-    for name, (kind, fill, attributes) in described.items():
-        group.create_array(
-            name,
-            shape=(x.size, y.size),
-            dtype=kind,
-            chunks=(min(chunk, x.size), min(chunk, y.size)),
-            dimension_names=t.momenta,
-            attributes=attributes,
-            fill_value=fill,
-        )
-    return group
+    sizes = {dim: (n, min(wanted.chunk, n)) for dim, n in zip(dims, (wanted.x.size, wanted.y.size), strict=True)}
+    return made | tables.create_table(group, columns, sizes, fill={"status": -1}, compressors="auto")
 
 
-def _opened(scratch: Path, t: bodies.Top, x: np.ndarray, y: np.ndarray, chunk: int) -> Any:
-    """An unfinished store of the same surface."""
-    import zarr
-
+def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:
+    """The arrays of an unfinished store of the same surface."""
     try:
         found = json.loads((scratch / "zarr.json").read_text(encoding="utf-8"))["attributes"]
-        group: Any = zarr.open_group(store=str(scratch), mode="r+")["surface"]
-        wanted = _attributes(t, x, y, chunk)
-        sweep(scratch)
-        same = all(found[k] == wanted[k] for k in ("system", "parameters", "axes", "chunk", "format_version"))
-        same = same and all(np.array_equal(np.asarray(group[n]), v) for n, v in zip(t.momenta, (x, y), strict=True))
-        group["status"]
+        arrays, attributes = tables.open_root(scratch, GROUP, write_empty=False)[1][0], wanted.attributes()
+        files.remove_scratch(scratch)
+        same = all(found[k] == attributes[k] for k in ("system", "parameters", "axes", "chunk", "format_version"))
+        same = same and all(np.array_equal(np.asarray(arrays[k]), axis.values) for k, axis in wanted.axes().items())
+        if "status" not in arrays:  # it is made last
+            return _created(scratch, wanted)
     except (OSError, ValueError, KeyError):
-        return _created(scratch, t, x, y, chunk)  # killed before it held anything
+        return _created(scratch, wanted)  # killed before it held anything
     if not same:
         raise StoreError(f"`{scratch}` must be the same surface, unfinished, but is another: remove it.")
-    return group
+    return arrays
 
 
-def _fill(
-    group: Any, t: bodies.Top, x: np.ndarray, y: np.ndarray, rows: slice, columns: slice, threads: int | None
-) -> None:
+def _fill(arrays: dict[str, Any], wanted: Surface, rows: slice, columns: slice, threads: int | None) -> None:
     """Computes and writes one chunk, the status last."""
-    F, q, status = surface.minima(t, x[rows], y[columns], threads)
-    group["F"][rows, columns] = F
-    group["z"][rows, columns] = surface.argmin(q, status, t.upright)
-    group["status"][rows, columns] = status
+    F, q, status = surface.minima(wanted.top, wanted.x[rows], wanted.y[columns], threads)
+    arrays["F"][rows, columns] = F
+    arrays["z"][rows, columns] = surface.argmin(q, status, wanted.top.upright)[0]
+    arrays["status"][rows, columns] = status

@@ -6,30 +6,32 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from .body import Top, attributes, axis, cosine, flags, inclination, kernels, labelled, top
+from ..mechanics.system import System
+from .body import Top, top
+from .kernels import kernels
+from .labels import attributes, axis, cosine, flags, inclination, labelled, of_momentum
 
 
-def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> np.ndarray:
-    """z where V is least: the pole itself where the infimum is approached there."""
+def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> tuple[np.ndarray, np.ndarray]:
+    """z = cos(theta) and theta [rad] where V is least: the pole itself where the infimum is approached there."""
     from tippetop_kernels.minimise import Status
 
-    z = cosine(q, upright)
-    z[status == Status.AT_LOWER_END] = upright
-    z[status == Status.AT_UPPER_END] = -upright
-    return z
-
-
-# --- the minimal surface --------------------------------------------------------------------------------------------
+    z, theta = cosine(q, upright), inclination(q, upright)
+    for end, at_q in ((Status.AT_LOWER_END, 0.0), (Status.AT_UPPER_END, np.inf)):
+        pole = upright if at_q == 0 else -upright
+        z[status == end] = pole
+        theta[status == end] = 0.0 if pole == 1 else np.pi
+    return z, theta
 
 
 def minima(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> tuple[np.ndarray, ...]:
     """F [J], q of the minimum and Status over x x y, each (x.size, y.size)."""
     from tippetop_kernels.grid import on_threads
 
-    k = kernels()
+    k, c, two = kernels(), t.coefficients, t.two_wells
     F, q = np.empty((x.size, y.size)), np.empty((x.size, y.size))
     status = np.empty((x.size, y.size), np.int8)
-    on_threads(lambda s: k.minima(*k.problem, t.several, x[s], y, t.relief, F[s], q[s], status[s]), x.size, threads)
+    on_threads(lambda s: k.minima(*k.problem, two, x[s], y, c, F[s], q[s], status[s]), x.size, threads)
     return F, q, status
 
 
@@ -38,40 +40,77 @@ def heights(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) ->
     from tippetop_kernels.grid import on_threads
 
     k, F, status = kernels(), np.empty((x.size, y.size)), np.empty((x.size, y.size), np.int8)
-    on_threads(lambda s: k.heights(*k.problem, t.several, x[s], y, t.relief, F[s], status[s]), x.size, threads)
+    on_threads(lambda s: k.heights(*k.problem, t.two_wells, x[s], y, t.coefficients, F[s], status[s]), x.size, threads)
     return F, status
+
+
+def gradients(
+    t: Top, x: np.ndarray, y: np.ndarray, q: np.ndarray, threads: int | None = None
+) -> tuple[np.ndarray, ...]:
+    """dF by the first and the second momentum, each (x.size, y.size); q as `minima` gives it."""
+    from tippetop_kernels.grid import on_threads
+
+    k, by_x, by_y = kernels(), np.empty_like(q), np.empty_like(q)
+    prepare, gradient = k.formulas["at_momenta"], k.formulas["gradient"]
+    on_threads(
+        lambda s: k.gradients(prepare, gradient, x[s], y, t.coefficients, q[s], by_x[s], by_y[s]), x.size, threads
+    )
+    return by_x, by_y
 
 
 def minimal_surface(
     parameters: Mapping[str, float],
     first: Any,
     second: Any,
-    system: str = "tippe-top",
+    system: str | System = "tippe-top",
     *,
     gradient: bool = True,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """F = inf V [J] over the grid first x second (D x lambda, or L3 x Lz), with where and how it is taken.
+    """The minimal surface F = inf V [J] over a grid, with where and how it is taken. [T 4.13 with section 5]
 
-    F is good to 1 ulp (tested: 4). The minimiser, z = cos(theta) and theta [rad], is good to the rounding of dV/dln(q)
-    over d2V/dln(q)^2, q = tan(theta/2)^2: some 1e-15 relative in q, hence in theta and in 1 - |z|, except next to the
-    points where the minimum flattens (lambda = lambda_pi on the line theta = pi), where the cube root of that is left.
-    With `gradient`, F_D and F_lambda by the envelope theorem, to 1e-13 of the larger of |F_D|, F/|D| (likewise lambda).
+    Parameters
+    ----------
+    parameters
+        The numbers of the system, SI, by name.
+    first, second
+        The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz
+        [kg m^2/s] of a heavy top.
+    system
+        A system that has a landscape, or its name.
+    gradient
+        Whether dF by both momenta is wanted: F_D [1/s] and F_lambda [1/(m s)], F_L3 and F_Lz [1/s].
+    threads
+        How many; all cores if None. The result does not depend on it.
 
-    `status`: attained; at_lower_end, at_upper_end: an infimum that is approached at theta = 0, pi (exchanged for heavy
-    tops), D and lambda being on a marked line to within four roundings; lower_of_two; unsettled; undefined (an argument
-    is not finite: NaN). D = lambda = 0 is on the line theta = 0. Raises ValueError for axes that are empty or do not
-    ascend. [T 4.13 with section 5]
+    Returns
+    -------
+    xarray.Dataset
+        F [J], z = cos(theta) and theta [rad] of the minimum, status, and the gradient, over first x second. `status`:
+        attained; at_lower_end, at_upper_end: an infimum that is approached at theta = 0, pi (exchanged for heavy tops),
+        the momenta being on a marked line to within four roundings; lower_of_two; unsettled; undefined (an argument is
+        not finite: NaN). D = lambda = 0 is on the line theta = 0.
+
+    Raises
+    ------
+    ValueError
+        For a system without landscape, a parameter that is missing, not finite or outside its interval, and axes that
+        are empty or do not ascend.
+
+    Notes
+    -----
+    F is good to 1 ulp (tested: 4). The minimiser is good to the rounding of dV/dln(q) over d2V/dln(q)^2,
+    q = tan(theta/2)^2: some 1e-15 relative in q, hence in theta and in 1 - |z|, except next to the points where the
+    minimum flattens (lambda = lambda_pi on the line theta = pi), where the cube root of that is left. The gradient, by
+    the envelope theorem, is good to 1e-13 of the larger of |F_D|, F/|D| (likewise lambda).
     """
     from tippetop_kernels.minimise import Status
 
     t = top(parameters, system)
     x, y = axis(t.momenta[0], first), axis(t.momenta[1], second)
     F, q, status = minima(t, x, y, threads)
-    dims = t.momenta
-    z, theta = argmin(q, status, t.upright), inclination(q, t.upright)
-    theta[status == Status.AT_LOWER_END] = 0.0 if t.upright == 1 else np.pi
-    theta[status == Status.AT_UPPER_END] = np.pi if t.upright == 1 else 0.0
+    z, theta = argmin(q, status, t.upright)
+    dims, momenta = t.momenta, t.landscape.momenta
     data = {
         "F": labelled("F", dims, F),
         "z": labelled("z", dims, z, long_name="z = cos(theta) where V is least"),
@@ -79,15 +118,7 @@ def minimal_surface(
         "status": (dims, status, flags(Status, "how F is taken")),
     }
     if gradient:
-        from tippetop_kernels.grid import on_threads
-
-        k, by_x, by_y = kernels(), np.empty_like(F), np.empty_like(F)
-        f = k.formulas
-        on_threads(
-            lambda s: k.gradients(f["lean"], f["gradient"], x[s], y, t.relief, q[s], by_x[s], by_y[s]), x.size, threads
-        )
-        units = {"D": "s-1", "lambda": "m-1 s-1", "L3": "s-1", "Lz": "s-1"}
-        for name, by in zip(dims, (by_x, by_y), strict=True):
-            data[f"F_{name}"] = labelled("", dims, by, units[name], f"dF/d{name}")
-    coords = {name: labelled(name, name, v) for name, v in zip(dims, (x, y), strict=True)}
+        for m, by in zip(momenta, gradients(t, x, y, q, threads), strict=True):
+            data[f"F_{m.symbol}"] = labelled("", dims, by, m.rate.symbol, f"dF/d{m.symbol}")
+    coords = {m.symbol: of_momentum(m, m.symbol, v) for m, v in zip(momenta, (x, y), strict=True)}
     return xr.Dataset(data, coords, attributes(t))

@@ -1,79 +1,145 @@
 """Turning angles, the period of nutation, and the band along a run."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from ..mechanics.systems import tippe_top
-from .body import attributes, cosine, flags, inclination, kernels, labelled, top
-from .formulas import SHAPES
+from ..mechanics.system import System
+from .body import Top, landscape_of, top
+from .kernels import compiled, kernels
+from .labels import attributes, cosine, flags, inclination, labelled
 
 
 ALLOWANCE = 1e-12  # relative: an energy this close to the minimum touches it (the drift of a good run stays below)
 
 
-# --- turning angles and nutation ------------------------------------------------------------------------------------
+class Swing(NamedTuple):
+    """The nutation at given momenta and energies, each (n,)."""
+
+    low: np.ndarray  # q where V = E~, below the minimum; NaN where E~ lies below it
+    high: np.ndarray  # and above
+    q: np.ndarray  # where V is least
+    F: np.ndarray  # V there [J]
+    curvature: np.ndarray  # d2V/dln(q)^2 there [J]
+    level: np.ndarray  # Level, int8
+    period: np.ndarray  # [s]; NaN where it does not settle
+
+
+def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray) -> Swing:
+    """The nutation at momenta x, y [SI] and energies [J], each (n,)."""
+    k, c = kernels(), t.coefficients
+    f = k.formulas
+    low, high, q, F, curvature, period = (np.empty(x.size) for _ in range(6))
+    level = np.empty(x.size, np.int8)
+    k.turnings(
+        *k.problem,
+        f["excess"],
+        f["curvature"],
+        t.two_wells,
+        ALLOWANCE,
+        x,
+        y,
+        energy,
+        c,
+        low,
+        high,
+        q,
+        F,
+        curvature,
+        level,
+    )
+    k.periods(f["at_momenta"], f["excess"], _inertia(t), low, high, x, y, energy, c, t.body, period)
+    return Swing(low, high, q, F, curvature, level, period)
+
+
+def small_period(t: Top, found: Swing) -> np.ndarray:
+    """The period of vanishing nutations about the minimum of V [s], 2 pi sqrt(2 g/V'') by theta, (n,)."""
+    q = found.q
+    inertia = t.system.theta_inertia
+    assert inertia is not None
+    # d2V/dtheta2 = 4/sin(theta)^2 d2V/dln(q)^2, sin(theta)^2 = 4q/(1 + q)^2
+    return np.pi * np.sqrt(2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / found.curvature)
 
 
 def turning_angles(
-    parameters: Mapping[str, float], first: Any, second: Any, energy: Any, system: str = "tippe-top"
+    parameters: Mapping[str, float], first: Any, second: Any, energy: Any, system: str | System = "tippe-top"
 ) -> xr.Dataset:
-    """The two angles where V = E~ [J], the period of nutation between them, and that of small nutations.
+    """The two angles where V = E~, the period of nutation between them, and that of small ones. [T 4.12, 4.21]
 
-    The arguments are broadcast against one another, with any shape; DataArrays keep their dimensions and coordinates.
-    theta_min <= theta_star <= theta_max [rad]; theta_star is where V is least (the lower of two minima). `period` [s]
-    is the quadrature of the separated equation, NaN where it does not settle to 11 digits (nutations of some 1e-5 rad
-    or less, and next to a separatrix); `small_period` [s] is 2 pi sqrt(2 g/V''), exact for vanishing amplitude.
-    `level`: above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined. [T 4.12, 4.21]
+    Parameters
+    ----------
+    parameters
+        The numbers of the system, SI, by name.
+    first, second
+        The two momenta: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz [kg m^2/s] of a heavy top.
+    energy
+        Modified energy E~ [J]. The three are broadcast against one another, with any shape; DataArrays keep their
+        dimensions and coordinates.
+    system
+        A system that has a landscape, or its name.
+
+    Returns
+    -------
+    xarray.Dataset
+        theta_min <= theta_star <= theta_max [rad], theta_star where V is least (the lower of two minima); F [J];
+        `period` [s], the quadrature of the separated equation, NaN where it does not settle to 11 digits (nutations of
+        some 1e-5 rad or less, and next to a separatrix); `small_period` [s], exact for vanishing amplitude; `level`:
+        above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined.
+
+    Raises
+    ------
+    ValueError
+        For a system without landscape, and a parameter that is missing, not finite or outside its interval.
     """
-    from tippetop_kernels.roots import Level
+    from tippetop_kernels.level_crossings import Level
 
-    t, k = top(parameters, system), kernels()
-    arrays: list[Any] = [
-        a if isinstance(a, xr.DataArray) else np.asarray(a, dtype=float) for a in (first, second, energy)
-    ]
-    if any(isinstance(a, xr.DataArray) for a in arrays):
-        arrays = list(xr.broadcast(*(a if isinstance(a, xr.DataArray) else xr.DataArray(a) for a in arrays)))
-        dims, coords = arrays[0].dims, dict(arrays[0].coords)
-    else:
-        arrays = list(np.broadcast_arrays(*arrays))
-        dims, coords = tuple(f"dim_{i}" for i in range(arrays[0].ndim)), {}
-    shape = arrays[0].shape
-    x, y, E = (np.ascontiguousarray(np.asarray(a, dtype=float).ravel()) for a in arrays)
-    low, high, q, F, V_ss = (np.empty(x.size) for _ in range(5))
-    level = np.empty(x.size, np.int8)
-    f = k.formulas
-    k.turnings(
-        *k.problem, f["excess"], f["bend"], t.several, ALLOWANCE, x, y, E, t.relief, low, high, q, F, V_ss, level
-    )
-    period = np.empty(x.size)
-    k.periods(f["lean"], f["excess"], f["inertia"], low, high, x, y, E, t.relief, t.body, period)
-    z = cosine(q, t.upright)
-    small = np.pi * np.sqrt(2 * tippe_top.theta_inertia(z, t.body) * (4 * q / (1 + q) ** 2) / V_ss)
-    inner, outer = (low, high) if t.upright == 1 else (high, low)
+    t = top(parameters, system)
+    (x, y, E), shape, dims, coords = _aligned(first, second, energy)
+    found = swings(t, x, y, E)
+    inner, outer = (found.low, found.high) if t.upright == 1 else (found.high, found.low)
     angles = "inclination theta [rad] where V = E~"
+
+    def angle(q: np.ndarray, long_name: str) -> tuple:
+        return labelled("theta", dims, inclination(q, t.upright).reshape(shape), long_name=long_name)
+
     data = {
-        "theta_min": labelled("theta", dims, inclination(inner, t.upright).reshape(shape), long_name="least " + angles),
-        "theta_max": labelled(
-            "theta", dims, inclination(outer, t.upright).reshape(shape), long_name="largest " + angles
-        ),
-        "theta_star": labelled("theta", dims, inclination(q, t.upright).reshape(shape), long_name="theta of least V"),
-        "F": labelled("F", dims, F.reshape(shape)),
-        "period": labelled("", dims, period.reshape(shape), "s", "period of nutation"),
-        "small_period": labelled("", dims, small.reshape(shape), "s", "period of small nutations"),
-        "level": (dims, level.reshape(shape), flags(Level, "how E~ lies to the minimum of V")),
+        "theta_min": angle(inner, "least " + angles),
+        "theta_max": angle(outer, "largest " + angles),
+        "theta_star": angle(found.q, "theta of least V"),
+        "F": labelled("F", dims, found.F.reshape(shape)),
+        "period": labelled("", dims, found.period.reshape(shape), "s", "period of nutation"),
+        "small_period": labelled("", dims, small_period(t, found).reshape(shape), "s", "period of small nutations"),
+        "level": (dims, found.level.reshape(shape), flags(Level, "how E~ lies to the minimum of V")),
     }
     return xr.Dataset(data, coords, attributes(t))
 
 
-def band(parameters: Mapping[str, float], run: xr.Dataset, system: str = "tippe-top") -> xr.Dataset:
-    """The nutational band along a run, as the main equation predicts it: theta_min(t), theta_max(t), F(t), periods.
+def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System = "tippe-top") -> xr.Dataset:
+    """The nutational band along a run, as the main equation predicts it. [T 4.21, 5.26]
 
-    `run` has the momenta (routh and jellett, or L3 and Lz) and modified_energy [J] along `time`. [T 4.21, 5.26]
+    Parameters
+    ----------
+    parameters
+        The numbers of the system, SI, by name.
+    run
+        The trajectory of a run: the momenta (routh and jellett, or L3 and Lz) and modified_energy [J] along `time`.
+    system
+        A system that has a landscape, or its name.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `turning_angles`, along the time of the run: theta_min(t), theta_max(t), F(t), periods; with the momenta, the
+        energy and theta of the run.
+
+    Raises
+    ------
+    ValueError
+        As `turning_angles`.
     """
-    names = run_names(system)
+    names = landscape_of(system)[1].columns
     first, second, energy = (run[name] for name in names)
     found = turning_angles(parameters, first, second, energy, system)
     for name in (*names, "theta"):
@@ -82,6 +148,20 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str = "tippe-
     return found
 
 
-def run_names(system: str) -> tuple[str, str, str]:
-    """The variables of a run that place it in its landscape: two momenta and the energy."""
-    return ("routh", "jellett", "modified_energy") if SHAPES[system].upright == 1 else ("L3", "Lz", "modified_energy")
+def _inertia(t: Top) -> Any:
+    """theta_inertia(z, b) of the system, for the kernels."""
+    assert t.system.theta_inertia is not None
+    return compiled(t.system.theta_inertia)
+
+
+def _aligned(*arguments: Any) -> tuple[tuple[np.ndarray, ...], tuple[int, ...], tuple, dict]:
+    """Arguments broadcast against one another, each (n,); and their shape, dimensions and coordinates."""
+    arrays: list[Any] = [a if isinstance(a, xr.DataArray) else np.asarray(a, dtype=float) for a in arguments]
+    if any(isinstance(a, xr.DataArray) for a in arrays):
+        arrays = list(xr.broadcast(*(a if isinstance(a, xr.DataArray) else xr.DataArray(a) for a in arrays)))
+        dims, coords = arrays[0].dims, dict(arrays[0].coords)
+    else:
+        arrays = list(np.broadcast_arrays(*arrays))
+        dims, coords = tuple(f"dim_{i}" for i in range(arrays[0].ndim)), {}
+    flat = tuple(np.ascontiguousarray(np.asarray(a, dtype=float).ravel()) for a in arrays)
+    return flat, arrays[0].shape, dims, coords

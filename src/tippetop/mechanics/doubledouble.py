@@ -9,17 +9,17 @@ from typing import NamedTuple
 from .operand import Operand, formula, product_error
 
 
-class Two(NamedTuple):
+class DoubleDouble(NamedTuple):
     """head + tail, |tail| of the order of the rounding of head."""
 
     head: Operand
     tail: Operand
 
 
-def two(x: Operand) -> Two:
+def doubledouble(x: Operand) -> DoubleDouble:
     """The decimal number x as two doubles."""
     head = float(x)
-    return Two(head, float(x - type(x)(head)))
+    return DoubleDouble(head, float(x - type(x)(head)))
 
 
 @formula
@@ -27,36 +27,36 @@ def plus(x, y):
     """x + y (Knuth's two-sum)."""
     s = x.head + y.head
     v = s - x.head
-    return Two(s, ((x.head - (s - v)) + (y.head - v)) + (x.tail + y.tail))
+    return DoubleDouble(s, ((x.head - (s - v)) + (y.head - v)) + (x.tail + y.tail))
 
 
 @formula
 def minus(x, y):
     """x - y."""
-    return plus(x, Two(-y.head, -y.tail))
+    return plus(x, DoubleDouble(-y.head, -y.tail))
 
 
 @formula
 def tidy(x):
     """The same number with the head rounded from the whole: needed after a cancellation, where heads are used alone."""
     s = x.head + x.tail
-    return Two(s, x.tail - (s - x.head))
+    return DoubleDouble(s, x.tail - (s - x.head))
 
 
 @formula
 def times(x, y):
     """x y."""
-    return Two(x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head))
+    return DoubleDouble(x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head))
 
 
 @formula
 def scaled(k, x):
     """k x for a plain number k."""
-    return Two(k * x.head, product_error(k, x.head) + k * x.tail)
+    return DoubleDouble(k * x.head, product_error(k, x.head) + k * x.tail)
 
 
 @formula
 def quotient(x, y, per):
     """x/y, given per = 1/y to a few roundings: the quotient is mended by its remainder."""
     c = x.head * per
-    return Two(c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per)
+    return DoubleDouble(c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per)

@@ -1,4 +1,4 @@
-"""The laws of the planar contact force: F_h = -k g_n v_A. To add a law: a record, its k, a line in SLIP and in LAWS.
+"""The laws of the planar contact force: F_h = -k g_n v_A. To add a law: a record, its k, an entry in LAWS.
 
 k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies.
 """
@@ -88,24 +88,17 @@ def frictionless(v2, z, law):
     return 0.0
 
 
-SLIP = {
-    Viscous: viscous,
-    Coulomb: coulomb,
-    Mixed: mixed,
-    Stribeck: stribeck,
-    Latitude: latitude,
-    Frictionless: frictionless,
-}
-slip_coefficient = select(SLIP)
-"""k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law."""
-
-
 class Law(NamedTuple):
-    """What a person names in [friction]: the record of the law and the numbers that it takes."""
+    """What the user names in [friction]: the record of the law, the numbers that it takes, and its k(v2, z, law).
+
+    coefficient(v2, z, law) [s/m], marked `@formula`, takes v2 = |v_A|^2 and z = cos(theta), written with `operand`'s
+    functions; F_h = -k g_n v_A. A law that is no multiple of g_n v_A (`cylinder.modified_force`) has none.
+    """
 
     record: type
     parameters: dict[str, Parameter]
     long_name: str
+    coefficient: Any = None
 
     def units(self) -> Any:
         """The law's record filled with units."""
@@ -117,9 +110,9 @@ _COULOMB = Parameter(ONE, "Coulomb friction coefficient mu", least=0)
 _EPS = Parameter(METRE_PER_SECOND, "regularisation speed eps", above=0)
 
 LAWS = {
-    "viscous": Law(Viscous, {"mu": _VISCOUS}, "F = -mu g_n v_A"),
-    "coulomb": Law(Coulomb, {"mu": _COULOMB, "eps": _EPS}, "F = -mu g_n v_A/sqrt(v_A^2 + eps^2)"),
-    "mixed": Law(Mixed, {"mu": _VISCOUS, "mu_coulomb": _COULOMB, "eps": _EPS}, "viscous and Coulomb together"),
+    "viscous": Law(Viscous, {"mu": _VISCOUS}, "F = -mu g_n v_A", viscous),
+    "coulomb": Law(Coulomb, {"mu": _COULOMB, "eps": _EPS}, "F = -mu g_n v_A/sqrt(v_A^2 + eps^2)", coulomb),
+    "mixed": Law(Mixed, {"mu": _VISCOUS, "mu_coulomb": _COULOMB, "eps": _EPS}, "viscous and Coulomb together", mixed),
     "stribeck": Law(
         Stribeck,
         {
@@ -129,6 +122,7 @@ LAWS = {
             "eps": _EPS,
         },
         "Coulomb that weakens with speed: mu + (mu_static - mu) exp(-v_A^2/v_s^2)",
+        stribeck,
     ),
     "latitude": Law(
         Latitude,
@@ -137,6 +131,32 @@ LAWS = {
             "mu_stem": Parameter(SECOND_PER_METRE, "viscous friction coefficient on the side of the stem", least=0),
         },
         "viscous, linear in cos(theta) between mu on the heavy cap and mu_stem on the stem's side",
+        latitude,
     ),
-    "none": Law(Frictionless, {}, "no friction"),
+    "none": Law(Frictionless, {}, "no friction", frictionless),
 }
+
+SLIP = {law.record: law.coefficient for law in LAWS.values()}
+slip_coefficient = select(SLIP)
+"""k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
+
+
+SPEEDS2, HEIGHTS = (0.0, 1e-6, 1.0), (1.0, 0.0, -1.0)  # |v_A|^2 [m^2/s^2] and z at which a law is asked
+
+
+def is_frictionless(law: Any) -> bool:
+    """Whether a law with its numbers takes no energy: k = 0 at rest and in motion, wherever the contact lies.
+
+    So are the law `none`, and every law with mu = 0.
+    """
+    return all(slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS)
+
+
+def add(name: str, law: Law) -> None:
+    """Registers a law under the name that [friction] law = "..." takes: from here on every gliding system has it."""
+    if law.coefficient is None:
+        raise ValueError(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
+    if name in LAWS and LAWS[name].record is not law.record:
+        raise ValueError(f"the name of a law must be new, but `{name}` is that of {LAWS[name].record.__name__}.")
+    LAWS[name] = law
+    SLIP[law.record] = law.coefficient

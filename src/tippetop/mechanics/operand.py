@@ -96,13 +96,18 @@ def refill(record: Any, values: Any) -> Any:
     return type(record)(*(refill(f, values) if isinstance(f, tuple) else next(values) for f in record))
 
 
-def select(choices: dict[type, Callable]) -> Callable:
-    """A formula that is chosen by the type of its last argument, a NamedTuple: in Python and inside numba."""
+def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> Callable:
+    """A formula that is chosen by the type of its last argument, a NamedTuple: in Python and inside numba.
+
+    `choices` is read when the formula is called (in numba, compiled): it may grow. `otherwise` is for other types."""
 
     def selected(*arguments: Operand) -> Operand:
-        return choices[type(arguments[-1])](*arguments)
+        return chosen(type(arguments[-1]))(*arguments)
 
-    selected.for_numba = choices  # type: ignore[attr-defined]
+    def chosen(record: type) -> Callable:
+        return choices.get(record, otherwise) or choices[record]
+
+    selected.for_numba = chosen  # type: ignore[attr-defined]
     if _teach is None:
         _waiting.append(selected)
     else:
@@ -119,14 +124,14 @@ def teach_numba() -> None:
     from numba.extending import intrinsic, overload, register_jitable
 
     def teach(function: Callable) -> None:
-        choices = getattr(function, "for_numba", None)
-        if choices is None:  # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7
+        choice = getattr(function, "for_numba", None)
+        if choice is None:  # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7
             register_jitable(error_model="numpy", forceinline=True)(function)
         else:
 
             @overload(function, jit_options={"error_model": "numpy"})
             def _(*arguments):
-                chosen = choices[arguments[-1].instance_class]
+                chosen = choice(arguments[-1].instance_class)
                 return lambda *arguments: chosen(*arguments)
 
     def teach_lifted(lifted: Callable) -> None:

@@ -1,5 +1,6 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -158,7 +159,49 @@ class Phase:
     exits: tuple[Exit, ...] = ()
 
 
+class Momentum(NamedTuple):
+    """One of the two momenta that the effective potential takes: an axis of the landscape, a column of a run."""
+
+    symbol: str  # of the axis: D, lambda, L3, Lz
+    unit: Unit
+    long_name: str
+    rate: Unit  # of dF by this momentum: joules per unit of it
+    column: str  # of a run
+
+
 @dataclass(frozen=True)
+class Landscape:
+    """What the effective potential V(z; first, second momentum) of a system is made of. [section 5, 8]
+
+    Law: V of the coefficients at q = (1 - upright z)/(1 + upright z) is `System.potential` at z.
+    """
+
+    momenta: tuple[Momentum, Momentum]
+    coefficients: Callable  # coefficients(body) -> PotentialCoefficients, in the numbers of the body
+    upright: int  # +1, -1: z = cos(theta) at q = 0
+    two_wells: Callable | None = None  # two_wells(body) < 0 iff V can have two minima; None: it never has
+    energy: str = "modified_energy"  # the column of a run that is compared with V
+
+    @property
+    def symbols(self) -> tuple[str, str]:
+        """The symbols of the two momenta."""
+        return self.momenta[0].symbol, self.momenta[1].symbol
+
+    @property
+    def columns(self) -> tuple[str, str, str]:
+        """The columns of a run that place it in its landscape: two momenta and the energy."""
+        return self.momenta[0].column, self.momenta[1].column, self.energy
+
+
+class Outlook(NamedTuple):
+    """What theory predicts of a start; an empty field where it says nothing."""
+
+    regime: str = ""  # what is stable, a sentence
+    fate: str = ""  # where the motion ends
+    thresholds: Mapping[str, Any] = {}  # name -> theory.thresholds.Threshold
+
+
+@dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
 class System:
     """A mechanical system: everything that the rest of the house needs to know of it."""
 
@@ -183,6 +226,12 @@ class System:
     potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
     theta_inertia: Callable | None = None
     momenta: tuple[str, ...] = ()  # the quantities that V takes
+    landscape: Landscape | None = None  # V in the variable of the landscape; None: no surface, no band
+    outlook: Callable | None = None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
+    motion: Callable | None = None  # motion(b, start) -> the name of the motion, where theory has one
+    borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
+    inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
+    classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
 
     @property
     def phase(self) -> Phase:
@@ -204,6 +253,13 @@ class System:
         """The events of the first phase."""
         return self.phase.events
 
+    def replace(self, **changes: Any) -> "System":
+        """The system with other fields; `forms`, `quantities` and `events` are those of the first phase."""
+        name, phase = next(iter(self.phases.items()))
+        of_phase = {key: changes.pop(key) for key in ("forms", "quantities", "events", "exits") if key in changes}
+        changes.setdefault("phases", {**self.phases, name: dataclasses.replace(phase, **of_phase)})
+        return dataclasses.replace(self, **changes)
+
     def units(self, b: Any, form: Form) -> tuple[Any, Any]:
         """Mass [kg] and length [m] that become 1 in a form."""
         mass, length = self.scales(b)
@@ -212,6 +268,10 @@ class System:
     def folds(self, form: Form) -> dict[str, float]:
         """What is 0 or 1 in the units of a form by construction."""
         return {name: value for name, value in self.normalised_to.items() if name not in form.not_normalised}
+
+    def has(self, *names: str) -> bool:
+        """Whether it has all these quantities."""
+        return set(names) <= {quantity.name for quantity in self.quantities}
 
     @property
     def frictional(self) -> bool:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from ..columns import Column
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import find
 from ..problem import ROUNDING, Problem
 from ..scenario.build import resolved, tables_of
 from ..store.provenance import provenance
@@ -12,15 +12,15 @@ from .events import event_columns
 
 if TYPE_CHECKING:
     from ..engine.status import Status
-    from .run import Run
+    from .run import Solution
 
 
-def groups(run: "Run") -> dict[str, dict[str, Column]]:
+def groups(run: "Solution") -> dict[str, dict[str, Column]]:
     """The groups of a store, of a run in memory: trajectory and events."""
     return {"trajectory": run.columns(), "events": event_columns(run.events)}
 
 
-def datasets(run: "Run") -> dict[str, Any]:
+def datasets(run: "Solution") -> dict[str, Any]:
     """The groups of the store as labelled Datasets, in memory."""
     import xarray as xr
 
@@ -68,8 +68,9 @@ def headline_of(attrs: dict[str, Any]) -> str:
     words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
     if "friction" in attrs:
         law, *numbers = attrs["friction"].items()
-        laws = SYSTEMS[attrs["system"]].laws
-        units = {name: p.unit.symbol for name, p in laws[law[1]].parameters.items()}
+        system = find(attrs["system"])
+        known = system.laws.get(law[1]) if system else None  # None: of a package that is not installed here
+        units = {name: known.parameters[name].unit.symbol if known else "" for name, _ in numbers}
         said = [f"{name} = {value:g} {units[name]}".removesuffix(" 1") for name, value in numbers]
         words.append(", ".join([f"{law[1]} friction", *said]) if numbers else "no friction")
     return " · ".join(words)

@@ -63,5 +63,5 @@ class Monitor:
         return {"drift": self.drift, "force": list(self.force), "steps": self.steps}
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Goes on from a checkpoint; the start is that of the problem."""
+        """Continues from a checkpoint; the start is that of the problem."""
         self.drift, self.force, self.steps = kept["drift"], Extremes(*kept["force"]), kept["steps"]

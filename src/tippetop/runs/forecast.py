@@ -1,13 +1,11 @@
-"""What can be said of a scenario before it is run: its invariants, its regime, its expected cost."""
+"""What is known of a scenario before it is run: its invariants, its regime, its expected cost."""
 
 from typing import Any
 
 from ..engine.observables import Observables
-from ..mechanics.systems.heavy_top import tip_inertia
-from ..mechanics.theory.heavy_top_motion import heavy_top_motion
+from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from . import outlook
 
 
 STEPS_PER_RADIAN = {"double": 0.9, "longdouble": 0.9, "quad": 0.85}  # measured: canonical inversion, 1337 steps in 8 s
@@ -17,40 +15,35 @@ MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # tw
 
 
 def assessment(problem: Problem) -> dict[str, Any]:
-    """Quantities at the start (SI), and what the run will take: steps, seconds, bytes."""
-    view = Observables(problem)
-    start = problem.start()[None, :]
-    values = view.evaluate(start)
-    quantities = {
-        f"{q.name} [{q.unit.symbol}]": float(values[q.name][0]) * float(problem.scales.of(q.unit))
-        for q in problem.system.quantities
-    }
-    expected = cost(problem)
-    said = _outlook(problem) | _regularisation(problem, expected) | _advice(problem)
-    return {"at_start": quantities, **said, "expected": expected}
+    """What is at the start (name -> value in SI, unit), what theory predicts of it, and what the run will take."""
+    start, expected = at_start(problem), cost(problem)
+    quantities = {q.name: {"value": start[q.name], "unit": q.unit.symbol} for q in problem.system.quantities}
+    predicted = _outlook(problem, start) | _regularisation(problem, expected) | _advice(problem)
+    return {"at_start": quantities, **predicted, "expected": expected}
+
+
+def at_start(problem: Problem) -> dict[str, float]:
+    """The quantities at the start by name, SI."""
+    values = Observables(problem).evaluate(problem.start()[None, :])
+    return {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
 
 
 def remarks(problem: Problem) -> dict[str, Any]:
-    """What a finished run deserves to have said of it: the name of a heavy top's motion, what eps decides."""
-    said = _regularisation(problem, cost(problem))
-    if problem.system.name == "heavy-top":
-        start, view = problem.start()[None, :], Observables(problem)
-        units = {q.name: q.unit for q in problem.system.quantities}
-        E, Lz, L3 = (
-            float(view.evaluate(start)[name][0]) * float(problem.scales.of(units[name]))
-            for name in ("energy", "Lz", "L3")
-        )
-        b = problem.body()
-        said["motion"] = heavy_top_motion(E, Lz, L3, tip_inertia(b), b.I3, b.m * b.g * -b.c)
-    return said
+    """What theory adds to the report of a finished run: the name of its motion, what eps decides."""
+    remarks = _regularisation(problem, cost(problem))
+    if problem.system.motion is not None:
+        remarks["motion"] = problem.system.motion(problem.body(), at_start(problem))
+    return remarks
 
 
-def _outlook(problem: Problem) -> dict[str, Any]:
-    """Thresholds, regime and predicted fate, as far as the theory goes."""
-    found = outlook.assessment(problem.system, problem.body(float), problem.initial)
-    limits = {f"{name} [{t.unit.symbol}]": t.value for name, t in found["thresholds"].items()}
-    said = {key: found[key] for key in ("regime", "fate") if found[key]}
-    return {**({"thresholds": limits} if limits else {}), **said}
+def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
+    """Thresholds, regime and predicted fate, as far as the theory of the system goes; nothing if it has none."""
+    if problem.system.outlook is None:
+        return {}
+    outlook = problem.system.outlook(problem.body(), start)
+    limits = {name: {"value": t.value, "unit": t.unit.symbol} for name, t in outlook.thresholds.items()}
+    sentences = {"regime": outlook.regime, "fate": outlook.fate}
+    return {**({"thresholds": limits} if limits else {}), **{key: text for key, text in sentences.items() if text}}
 
 
 def _advice(problem: Problem) -> dict[str, str]:
@@ -63,16 +56,20 @@ def _advice(problem: Problem) -> dict[str, str]:
 
 def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, Any]:
     """What eps decides: the time of inversion for half, whole and twice eps, where three short runs can tell."""
-    if problem.system.name != "tippe-top" or "eps" not in problem.friction._fields:
+    friction = problem.friction
+    if not problem.system.inverts or "eps" not in friction._fields or is_frictionless(friction):
         return {}
-    said: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
+    found: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
     if expected["seconds"] < AFFORDABLE:
         from .regularisation import inversion_sensitivity
 
-        found = inversion_sensitivity(problem)
-        times = {f"theta = pi/2 at [s], eps = {eps:g} m/s": t for eps, t in found["inversion_time"].items()}
-        said["inversion_by_eps"] = {**times, "d log t / d log eps": found["exponent"]}
-    return said
+        sensitivity = inversion_sensitivity(problem)
+        found["inversion_by_eps"] = {
+            "eps": {"value": list(sensitivity["inversion_time"]), "unit": "m s-1"},
+            "first_equator": {"value": list(sensitivity["inversion_time"].values()), "unit": "s"},
+            "exponent": {"value": sensitivity["exponent"], "unit": "1"},
+        }
+    return found
 
 
 def cost(problem: Problem) -> dict[str, float]:

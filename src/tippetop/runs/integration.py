@@ -26,8 +26,8 @@ from .sinks import Sink
 SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
 
 
-class Course:
-    """A run on its way: all that an interruption must not lose."""
+class Integration:
+    """A run between its start and its end: all that an interruption must not lose."""
 
     def __init__(self, problem: Problem):
         clock = time.perf_counter()
@@ -43,8 +43,8 @@ class Course:
         self.filled, self.t_end, self.fresh = 0, 0.0, True
         self.status: Status | None = None
 
-    def run(self, sink: Sink, progress: Callable[["Course"], None] | None = None) -> None:
-        """Goes on to the end. What the sink has taken after a slice is what a snapshot then stands for."""
+    def run(self, sink: Sink, progress: Callable[["Integration"], None] | None = None) -> None:
+        """Continues to the end. What the sink has taken after a slice is what a snapshot then stands for."""
         problem = self.problem
         end = problem.number(problem.until) / problem.number(self.second)
         if self.fresh and problem.output != "times":
@@ -117,12 +117,12 @@ class Course:
         return {"t_end": self.t_end, **self.monitor.report(), **self.log.report(), "theta_end": theta_end}
 
     def reason(self) -> str:
-        """The sentence that a person reads about the end."""
+        """The sentence that the user reads about the end."""
         t, status = self.t_end, self.status
         lifted = self.log.tally["lifted_at"] if terminal_kinds_of_model(self.problem) else None
         beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
         if status is None:
-            return f"on its way: t = {t:.6g} s of {self.problem.until:.6g} s"
+            return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"
         if status is Status.FINISHED:
             return f"finished at t = {t:.6g} s{beyond}"
         if status is Status.SETTLED:
@@ -139,9 +139,9 @@ class Course:
         return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
 
     def snapshot(self) -> dict[str, Any]:
-        """All that is needed to go on bit by bit, as plain JSON data."""
+        """All that is needed to continue bit by bit, as plain JSON data."""
         integrator = self.integrator
-        return hexfloat.packed(
+        return hexfloat.encode(
             {
                 "equations": fingerprint(integrator),
                 "state": integrator.state,
@@ -154,17 +154,17 @@ class Course:
         )
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Goes on from a snapshot. Raises ValueError if it was made of other equations."""
+        """Continues from a snapshot. Raises ValueError if it was made of other equations."""
         integrator, number = self.integrator, self.problem.number
         if kept["equations"] != fingerprint(integrator):
             raise ValueError("the equations must be those of the checkpoint, but this release has others")
-        integrator.state[:] = [hexfloat.number(text, number) for text in kept["state"]]
-        integrator.dtime = tuple(hexfloat.number(text, number) for text in kept["time"])
+        integrator.state[:] = [hexfloat.from_hex(text, number) for text in kept["state"]]
+        integrator.dtime = tuple(hexfloat.from_hex(text, number) for text in kept["time"])
         self.last = integrator.state.copy()[None, :]
-        self.filled, self.t_end = kept["filled"], hexfloat.unpacked(kept["t_end"])
-        self.monitor.restore(hexfloat.unpacked(kept["monitor"]))
+        self.filled, self.t_end = kept["filled"], hexfloat.decode(kept["t_end"])
+        self.monitor.restore(hexfloat.decode(kept["monitor"]))
         self.fresh = self.t_end == 0  # it was killed before its first slice
-        self.log.restore(hexfloat.unpacked(kept["log"]), fresh=self.fresh)
+        self.log.restore(hexfloat.decode(kept["log"]), fresh=self.fresh)
 
 
 def terminal_kinds_of_model(problem: Problem) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..problem import Problem
-from ..sampling import Given
+from ..sampling import ListedTimes
 from .run import solve
 
 
@@ -18,7 +18,7 @@ def inversion_sensitivity(problem: Problem, factor: float = 2.0) -> dict[str, An
         return {}
     times: dict[float, float | None] = {}
     for eps in (problem.friction.eps / factor, problem.friction.eps, problem.friction.eps * factor):
-        changed = replace(problem, friction=problem.friction._replace(eps=eps), times=Given(np.array([0.0])))
+        changed = replace(problem, friction=problem.friction._replace(eps=eps), times=ListedTimes(np.array([0.0])))
         times[eps] = solve(changed).report["inversion"]["first_equator"]
     low, _, high = times.values()
     exponent = math.log(high / low) / (2 * math.log(factor)) if low and high else None

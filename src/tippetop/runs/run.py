@@ -1,4 +1,4 @@
-"""A finished run in memory, and the call that makes one."""
+"""A problem integrated in memory: the solution as it comes from the integrator, and the call that makes it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,16 +9,17 @@ import numpy as np
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..problem import Problem
-from ..scenario.build import load
 from .events import EventTable
-from .integration import Course
+from .integration import Integration
 from .sinks import Memory, Nowhere
-from .summary import lines
 
 
 @dataclass
-class Run:
-    """A finished run in memory: rows and events, and what was measured on the way."""
+class Solution:
+    """A problem integrated to its end, in memory: rows and events, and what was measured on the way.
+
+    `library.run.Run` shows it to the user, with labels and in SI units.
+    """
 
     problem: Problem
     status: Status
@@ -34,36 +35,23 @@ class Run:
         """The rows as named SI columns."""
         return Observables(self.problem).columns(self.times, self.rows)
 
-    def __str__(self) -> str:
-        """The run in a few lines."""
-        said = lines({"reason": self.reason, **self.report}, self.seconds)
-        return "\n".join([self.problem.system.title, *(f"{name:16}{text}" for name, text in said)])
 
-
-def solve(problem: Problem, progress: Callable[[Course], None] | None = None, *, keep: bool = True) -> Run:
+def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:
     """Integrates a problem to its end, gathering rows and events in memory, unless not told to keep them.
 
     `progress` is called after every slice.
     """
-    course, memory = Course(problem), Memory() if keep else Nowhere()
-    course.run(memory, progress)
-    assert course.status is not None
-    return Run(
+    integration, memory = Integration(problem), Memory() if keep else Nowhere()
+    integration.run(memory, progress)
+    assert integration.status is not None
+    return Solution(
         problem,
-        course.status,
-        course.reason(),
+        integration.status,
+        integration.reason(),
         np.concatenate([np.zeros(0), *memory.times]),
-        np.concatenate([course.first[:0], *memory.states]),
+        np.concatenate([integration.first[:0], *memory.states]),
         memory.table(),
-        course.last[0],
-        course.report(),
-        course.seconds,
+        integration.last[0],
+        integration.report(),
+        integration.seconds,
     )
-
-
-def run(source: str, assignments: list[str] | None = None, *, until: float | None = None) -> Run:
-    """Integrates a TOML file or preset in memory; assignments are `table.key=value`, `until` is in seconds.
-
-    Raises InputError, which says all that is wrong.
-    """
-    return solve(load(source, assignments, until))

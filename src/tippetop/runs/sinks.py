@@ -10,7 +10,7 @@ from .events import EventTable
 
 
 if TYPE_CHECKING:
-    from .integration import Course
+    from .integration import Integration
 
 
 class Sink(Protocol):
@@ -22,7 +22,7 @@ class Sink(Protocol):
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes new rows of the event log, and indices of rows that are significant after all."""
 
-    def slice_done(self, course: "Course") -> None:
+    def slice_done(self, integration: "Integration") -> None:
         """Called after every slice: the moment to commit, and to raise if the run has to stop."""
 
 
@@ -45,7 +45,7 @@ class Memory:
         self.tables.append(table)
         self.marks += marks
 
-    def slice_done(self, course: "Course") -> None:
+    def slice_done(self, integration: "Integration") -> None:
         """Nothing to commit."""
 
     def table(self) -> EventTable:

@@ -1,22 +1,26 @@
-"""What a run reports, in words."""
+"""The summary of a run as lines of text."""
 
+from collections.abc import Mapping
 from typing import Any
 
+from ..mechanics.systems import find
 
-def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
+
+def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
     """Name and text of each line of a summary."""
     status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
     if seconds is not None:
         status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
     found = [("status", status)]
-    if any(info["inversion"].values()) or info.get("system", "tippe-top") == "tippe-top":
+    system = find(info["system"])
+    if any(info["inversion"].values()) or (system is not None and system.inverts):
         found.append(("inversion", _inversion(info)))
     else:
         found.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
     found.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
-        found.append(("other events", ", ".join(f"{n} {kind}" for kind, n in others.items())))
+        found.append(("other events", ", ".join(f"{kind} {_times(n)}" for kind, n in others.items())))
     if "normal_force" in info:
         force, weight = info["normal_force"], info["normal_force"]["weight"]
         low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
@@ -28,18 +32,30 @@ def lines(info: dict[str, Any], seconds: dict[str, float] | None = None) -> list
     if "motion" in info:
         found.append(("motion", info["motion"]))
     if "regularisation" in info:
-        by_eps = ", ".join(f"{name} = {_number(value)}" for name, value in info.get("inversion_by_eps", {}).items())
-        found.append(("regularisation", f"{info['regularisation']}: {by_eps}" if by_eps else info["regularisation"]))
+        found.append(("regularisation", regularisation(info)))
     if "certificate" in info:
         found.append(("certificate", _certificate(info["certificate"])))
     return found
 
 
-def _number(value: float | None) -> str:
-    return "never" if value is None else f"{value:.5g}"
+def _times(n: int) -> str:
+    return {1: "once", 2: "twice"}.get(n, f"{n} times")
 
 
-def _certificate(found: dict[str, Any]) -> str:
+def regularisation(info: Mapping[str, Any]) -> str:
+    """What the regularisation speed eps of a Coulomb law decides: the time of inversion for three values of it."""
+    if "inversion_by_eps" not in info:
+        return info["regularisation"]
+    by_eps = {name: entry["value"] for name, entry in info["inversion_by_eps"].items()}
+    times = ", ".join(
+        f"{'never' if t is None else f'{t:.5g} s'} ({'eps = ' if i == 0 else ''}{1e3 * eps:g} mm/s)"
+        for i, (eps, t) in enumerate(zip(by_eps["eps"], by_eps["first_equator"], strict=True))
+    )
+    exponent = "undefined" if by_eps["exponent"] is None else f"{by_eps['exponent']:.3g}"
+    return f"{info['regularisation']}; theta = pi/2 at: {times}; exponent d log t/d log eps {exponent}"
+
+
+def _certificate(found: Mapping[str, Any]) -> str:
     if found["against"] is None:
         return found["reason"]
     text = (
@@ -51,7 +67,7 @@ def _certificate(found: dict[str, Any]) -> str:
     return text
 
 
-def _inversion(info: dict[str, Any]) -> str:
+def _inversion(info: Mapping[str, Any]) -> str:
     inversion, end = info["inversion"], info["theta_end"]
     if inversion["inverted_at"] is not None:
         equator = f"theta = pi/2 at {inversion['first_equator']:.6f} s" if inversion["first_equator"] else "inverted"
@@ -63,7 +79,7 @@ def _inversion(info: dict[str, Any]) -> str:
     return f"none; theta ends at {end:.6g} rad"
 
 
-def _turnings(info: dict[str, Any]) -> str:
+def _turnings(info: Mapping[str, Any]) -> str:
     counts, band = info["event_counts"], info["nutational_band"]
     if not counts.get("turning"):
         return "none logged"

@@ -7,14 +7,14 @@ from typing import Any, get_args
 import numpy as np
 from pydantic import ValidationError
 
-from ..errors import InputError
+from ..errors import InputError, suggestion
 from ..mechanics.contact.gliding.catalogue import POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..problem import PRECISIONS, Problem
-from ..sampling import Given, Grid
+from ..sampling import EvenTimes, ListedTimes
 from .reading import override, read
 from .schema import RunTable, scenario_model
 from .sentences import scenario_sentence
@@ -26,17 +26,21 @@ MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
 # --- checking -------------------------------------------------------------------------------------------------------
 
 
-def problem(tables: dict[str, Any]) -> Problem:
-    """The checked Problem of a scenario's tables. Raises ScenarioError with every fault that was found."""
-    name = tables.get("system")
-    if not isinstance(name, str) or name not in SYSTEMS:
-        found = "is missing" if name is None else f"is {name!r}"
-        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}."])
-    system, shape = SYSTEMS[name], scenario_model(name)
+def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
+    """The checked Problem of a scenario's tables. Raises InputError with every fault that was found.
+
+    `known` is the record of the system, where it is not the registered one of that name."""
+    system = known or system_of(tables)
+    law = tables["friction"].get("law") if isinstance(tables.get("friction"), dict) else None
+    if isinstance(law, str) and law not in system.laws:
+        load_entry_points()
+    shape = scenario_model(system)
     try:
         scenario: Any = shape.model_validate(tables)
     except ValidationError as error:
-        raise InputError([scenario_sentence(e, tables, shape) for e in error.errors(include_url=False)]) from None
+        raise InputError(
+            [scenario_sentence(e, system, tables, shape) for e in error.errors(include_url=False)]
+        ) from None
     parameters = scenario.parameters.model_dump()
     initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
     run = scenario.run
@@ -67,8 +71,19 @@ def problem(tables: dict[str, Any]) -> Problem:
     return built
 
 
+def system_of(tables: dict[str, Any]) -> System:
+    """The registered system that a scenario names. Raises InputError."""
+    name = tables.get("system")
+    system = find(name) if isinstance(name, str) else None
+    if system is None:
+        found = "is missing" if name is None else f"is {name!r}"
+        near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
+        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}.{near}"])
+    return system
+
+
 def load(source: str, assignments: list[str] | None = None, until: float | None = None) -> Problem:
-    """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises ScenarioError."""
+    """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises InputError."""
     tables = override(read(source), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 
@@ -119,7 +134,7 @@ def _output(problem: Problem) -> dict[str, Any]:
     """The keys of [run] that say when rows are wanted."""
     if problem.output != "times":
         return {"output": problem.output}
-    if isinstance(problem.times, Grid):
+    if isinstance(problem.times, EvenTimes):
         return {"output_step": problem.times.step}
     return {"output_times": problem.times.times.tolist()}
 
@@ -140,17 +155,26 @@ def _run_faults(system: System, run: RunTable) -> list[str]:
     faults = []
     known = [event.name for event in system.events]
     faults += [
-        f"`run.events` must be of {', '.join(known)}, but has {e!r}." for e in run.events or [] if e not in known
+        f"`run.events` must be of {', '.join(known)}, but has {e!r}.{suggestion(e, known)}"
+        for e in run.events or []
+        if e not in known
     ]
     if run.output_step is not None and run.output_times is not None:
-        faults.append("`run.output_step` must stand alone, but `run.output_times` is given too.")
+        faults.append(
+            "`run.output_step` must stand alone, but `run.output_times` is given too: remove one "
+            "(--set run.output_step=)."
+        )
     if run.output_step is not None and not run.until / run.output_step <= MOST_ROWS:
         faults.append(
             f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {run.output_step:g} gives "
             f"{run.until / run.output_step:.3g}."
         )
     if run.output != "times" and (run.output_step is not None or run.output_times is not None):
-        faults.append('`run.output` must be "times" where `run.output_step` or `run.output_times` is given.')
+        given = "output_step" if run.output_step is not None else "output_times"
+        faults.append(
+            f'`run.output` must be "times" where `run.{given}` is given, but is "{run.output}": remove one '
+            f"(--set run.{given}=)."
+        )
     times = run.output_times or []
     if any(b <= a for a, b in itertools.pairwise(times)):
         faults.append("`run.output_times` must ascend strictly, but do not.")
@@ -159,11 +183,11 @@ def _run_faults(system: System, run: RunTable) -> list[str]:
     return faults
 
 
-def _times(run: RunTable) -> Grid | Given:
+def _times(run: RunTable) -> EvenTimes | ListedTimes:
     """Times of the rows [s]; a grid always ends with `until` itself."""
     if run.output_times is not None:
-        return Given(np.array(run.output_times, dtype=float))
-    return Grid(run.output_step or run.until / 1000, run.until)
+        return ListedTimes(np.array(run.output_times, dtype=float))
+    return EvenTimes(run.output_step or run.until / 1000, run.until)
 
 
 def _check_start(built: Problem) -> None:

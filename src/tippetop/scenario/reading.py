@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, suggestion
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
@@ -20,14 +20,17 @@ def presets() -> dict[str, str]:
 
 
 def read(source: str) -> dict[str, Any]:
-    """The tables of a TOML file or of a preset. Raises ScenarioError."""
+    """The tables of a TOML file or of a preset. Raises InputError."""
     path = Path(source)
     try:
         if path.suffix != ".toml" and not path.is_file():
             known = presets()
             if source not in known:
                 raise InputError(
-                    [f"`{source}` must be a TOML file or one of the presets {', '.join(known)}, but is neither."]
+                    [
+                        f"`{source}` is neither a TOML file nor a preset.{suggestion(source, known)} "
+                        f"The presets are {', '.join(known)}."
+                    ]
                 )
             return tomllib.loads(known[source])
         return tomllib.loads(path.read_text(encoding="utf-8"))
@@ -35,25 +38,42 @@ def read(source: str) -> dict[str, Any]:
         if isinstance(error, InputError):
             raise
         if isinstance(error, OSError):
-            raise InputError([f"`{source}` must be a readable file, but: {error.strerror or error}."]) from None
-        raise InputError([f"`{source}` must be TOML in UTF-8, but: {error}."]) from None
+            raise InputError([f"`{source}` cannot be read: {error.strerror or error}."]) from None
+        raise InputError([f"`{source}` is not valid TOML in UTF-8: {error}."]) from None
 
 
 def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
-    """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a string."""
+    """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a string.
+
+    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. Raises InputError.
+    """
     changed = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
     for assignment in assignments:
         key, equals, text = assignment.partition("=")
         parts = key.strip().split(".")
         if not equals or not all(re.fullmatch(r"\w[\w-]*", p) for p in parts) or len(parts) > 2:
             raise InputError([f"--set must be table.key=value, but is `{assignment}`."])
+        if not text.strip():
+            _remove(changed, key.strip(), parts)
+            continue
         word = re.fullmatch(r"[A-Za-z][\w-]*", text.strip()) and text.strip() not in ("true", "false", "nan", "inf")
         try:
             value = text.strip() if word else tomllib.loads(f"value = {text}")["value"]
         except ValueError:
-            raise InputError([f"--set {key} must be given a TOML value, but is `{text}`."]) from None
+            raise InputError(
+                [f'--set {key} must be given a TOML value (5, 0.3, true, "word", [1.0, 2.0]), but is `{text}`.']
+            ) from None
         table = changed.setdefault(parts[0], {}) if len(parts) == 2 else changed
         if not isinstance(table, dict):
-            raise InputError([f"--set {key} must name a key of a table, but `{parts[0]}` is none."])
+            raise InputError([f"--set {key} must name a key of a table, but `{parts[0]}` is not a table."])
         table[parts[-1]] = value
     return changed
+
+
+def _remove(tables: dict[str, Any], key: str, parts: list[str]) -> None:
+    """Removes a key of a table, or a table. Raises InputError where there is nothing to remove."""
+    table = tables.get(parts[0]) if len(parts) == 2 else tables
+    if not isinstance(table, dict) or parts[-1] not in table:
+        present = ", ".join(table) if isinstance(table, dict) and table else "none"
+        raise InputError([f"--set {key}= removes a key that is given, but `{key}` is not: the keys are {present}."])
+    del table[parts[-1]]

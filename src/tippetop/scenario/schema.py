@@ -5,8 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from ..mechanics.system import Parameter
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.system import Parameter, System
 
 
 # --- the shape of a scenario ----------------------------------------------------------------------------------------
@@ -36,30 +35,34 @@ def _number(parameter: Parameter) -> Any:
     return Annotated[float, Field(**{k: v for k, v in bounds.items() if v is not None})]
 
 
-def _table(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
+def table_model(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
     fields: dict[str, Any] = {
         n: (_number(p), ...) if required else (_number(p) | None, None) for n, p in parameters.items()
     }
     return create_model(name, __base__=Table, **extra, **fields)
 
 
-@lru_cache
-def scenario_model(name: str) -> type[BaseModel]:
+def scenario_model(system: System) -> type[BaseModel]:
     """The pydantic model of a scenario of one system, made from the system's own record."""
-    system = SYSTEMS[name]
+    return _model(system, tuple(system.laws))
+
+
+@lru_cache
+def _model(system: System, laws: tuple[str, ...]) -> type[BaseModel]:
+    """The model of a system as long as it has these friction laws: more may be registered."""
     fields: dict[str, Any] = {
-        "system": (Literal[name], ...),
+        "system": (Literal[system.name], ...),
         "form": (Literal[tuple(system.forms)], next(iter(system.forms))),
-        "parameters": (_table("Parameters", system.parameters, required=True), ...),
+        "parameters": (table_model("Parameters", system.parameters, required=True), ...),
         "run": (RunTable, ...),
     }
     flags = {"centre_at_rest": (bool, False)} if "nu_x" in system.initial else {}
-    initial = _table("Initial", system.initial, required=False, **flags)
+    initial = table_model("Initial", system.initial, required=False, **flags)
     fields["initial"] = (initial, initial())
     if system.frictional:
-        laws = [_table(n, law.parameters, required=True, law=(Literal[n], ...)) for n, law in system.laws.items()]
-        union: Any = laws[0]
-        for law in laws[1:]:
-            union = union | law
+        union: Any = None
+        for name in laws:
+            table = table_model(name, system.laws[name].parameters, required=True, law=(Literal[name], ...))
+            union = table if union is None else union | table
         fields["friction"] = (Annotated[union, Field(discriminator="law")], ...)
     return create_model("Scenario", __base__=Table, **fields)

@@ -4,29 +4,64 @@ from typing import Any, get_args
 
 from pydantic import BaseModel
 
-from ..mechanics.systems import SYSTEMS
+from ..errors import nearest, suggestion
+from ..mechanics.system import System
 
 
-def scenario_sentence(error: Any, tables: dict[str, Any], shape: type[BaseModel]) -> str:
+def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]) -> str:
     """One pydantic error of a scenario as `key` must ..., but is ...."""
-    laws = SYSTEMS[tables["system"]].laws
+    laws = system.laws
     place = [p for p in error["loc"] if not (p in laws and error["loc"][0] == "friction")]
     key, context, kind = ".".join(map(str, place)), error.get("ctx", {}), error["type"]
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         found = repr(context.get("tag")) if kind == "union_tag_invalid" else "missing"
-        return f"`{key}.law` must be one of {', '.join(laws)}, but is {found}."
-    return worded(error, key, _known(tables, shape, place) if kind == "extra_forbidden" else [])
+        near = suggestion(str(context.get("tag", "")), laws)
+        return f"`{key}.law` must be one of {', '.join(laws)}, but is {found}.{near}"
+    if kind != "extra_forbidden":
+        return worded(error, key, [])
+    if key == "friction":
+        return (
+            f"`friction` must not be given, because `{system.name}` takes no friction law: remove the table "
+            "(--set friction=)."
+        )
+    return unknown_key(key, _known(system, tables, shape, place), _all_keys(system, tables, shape))
 
 
-def _known(tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
+def _known(system: System, tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
     """The keys that a table of the scenario may have."""
     if place[0] == "friction" and len(place) > 1:
-        return ["law", *SYSTEMS[tables["system"]].laws[tables["friction"]["law"]].parameters]
+        return ["law", *system.laws[tables["friction"]["law"]].parameters]
     model: Any = shape
     for part in place[:-1]:
-        annotation = model.model_fields[part].annotation
-        model = next((a for a in get_args(annotation) if hasattr(a, "model_fields")), annotation)
+        model = _model(model, part)
     return list(model.model_fields)
+
+
+def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) -> list[str]:
+    """Every dotted key that a scenario of this system and friction law may have."""
+    found = [name for name in shape.model_fields if not _model(shape, name)]
+    for name in shape.model_fields:
+        model = _model(shape, name)
+        if model is not None:
+            found += [f"{name}.{key}" for key in model.model_fields]
+    friction = tables.get("friction")
+    law = system.laws.get(friction.get("law")) if isinstance(friction, dict) else None
+    return found + ([f"friction.{key}" for key in ("law", *law.parameters)] if law else [])
+
+
+def _model(shape: type[BaseModel], name: str) -> Any:
+    """The pydantic model of a table of the scenario, None where the key holds a plain value (or a choice of laws)."""
+    annotation: Any = shape.model_fields[name].annotation
+    return next((a for a in (annotation, *get_args(annotation)) if hasattr(a, "model_fields")), None)
+
+
+def unknown_key(key: str, known: list[str], everywhere: list[str]) -> str:
+    """The sentence on a key that does not exist. known: the keys of its table; everywhere: those of the scenario."""
+    table, _, name = key.rpartition(".")
+    dotted = {k.rpartition(".")[2]: k for k in everywhere} | {k: f"{table}.{k}" if table else k for k in known}
+    near = nearest(name, dotted)
+    meant = f"; did you mean `{dotted[near]}`?" if near else "."
+    return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
 
 
 def worded(error: Any, key: str, known: list[str]) -> str:
@@ -38,7 +73,7 @@ def worded(error: Any, key: str, known: list[str]) -> str:
     if kind == "missing":
         return f"`{key}` must be given, but is missing."
     if kind == "extra_forbidden":
-        return f"`{key}` must not be there: known keys are {', '.join(known)}."
+        return unknown_key(key, known, [])
     must = {
         "greater_than": f"must be greater than {context.get('gt')}",
         "greater_than_equal": f"must be at least {context.get('ge')}",

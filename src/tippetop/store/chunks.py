@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zarr
 
 from ..columns import Column
 from ..errors import StoreError
 from .files import synced
+from .tables import create_table, read_member
 
 
 class Appender:
@@ -19,8 +19,8 @@ class Appender:
     store do not depend on when it was flushed.
     """
 
-    def __init__(self, group: Any):
-        self.arrays = dict(group.arrays())
+    def __init__(self, arrays: dict[str, Any]):
+        self.arrays = arrays
         self.chunk = chunk = next(iter(self.arrays.values())).chunks[0]
         self.written, self.waiting = 0, 0  # rows in full chunks, rows in memory
         self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
@@ -30,19 +30,8 @@ class Appender:
     @classmethod
     def created(cls, root: Any, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
         """A new group whose arrays have the columns' names, types and attributes, and no rows."""
-        group = root.create_group(name)
-        for key, column in columns.items():
-            group.create_array(
-                key,
-                shape=(0, *column.values.shape[1:]),
-                dtype=column.values.dtype,
-                chunks=(chunk, *column.values.shape[1:]),
-                dimension_names=column.dims,
-                attributes=column.attrs,
-                fill_value=np.nan if column.values.dtype.kind == "f" else 0,
-                compressors=codecs(),
-            )
-        return cls(group)
+        rows = next(iter(columns.values())).dims[0]
+        return cls(create_table(root.create_group(name), columns, {rows: (0, chunk)}))
 
     @property
     def rows(self) -> int:
@@ -83,7 +72,8 @@ class Appender:
         for array in self.arrays.values():
             folder = array.store_path.store.root.joinpath(array.store_path.path)
             files = [folder / _chunk_file(array, start) for start in sorted(self.unsynced)]
-            for path in (*files, *{file.parent for file in files}, folder / "zarr.json", folder):
+            folders = {parent for file in files for parent in file.parents if parent.is_relative_to(folder)}
+            for path in (*files, *folders, folder / "zarr.json"):
                 synced(path)
         self.unsynced.clear()
 
@@ -113,17 +103,9 @@ class Appender:
         self.unflushed = True
 
 
-def codecs() -> list[Any]:
-    """How a chunk becomes bytes: lz4 and shuffle, smaller and faster than zstd here; a checksum makes damage an error
-    to read."""
-    from zarr.codecs import BloscCodec, Crc32cCodec
-
-    return [BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"), Crc32cCodec()]
-
-
-def verify(group: Any) -> None:
-    """Reads every chunk of a group. Raises StoreError, which names the array and the rows that cannot be read."""
-    for _, array in group.arrays():
+def verify(arrays: dict[str, Any]) -> None:
+    """Reads every chunk of some arrays. Raises StoreError, which names the array and the rows that cannot be read."""
+    for array in arrays.values():
         for start in range(0, array.shape[0], array.chunks[0]):
             readable(array, start)
 
@@ -146,7 +128,7 @@ def _chunk_file(array: Any, start: int) -> str:
 
 def pieces(path: str | Path, group: str, names: list[str], rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
     """The columns of a group, a stretch of rows at a time. Raises StoreError."""
-    arrays = {name: array for name, array in _arrays(path, group).items() if name in names}
+    arrays = {name: array for name, array in read_member(path, group).items() if name in names}
     total = min((array.shape[0] for array in arrays.values()), default=0)
     for start in range(0, total, rows):
         try:
@@ -158,7 +140,7 @@ def pieces(path: str | Path, group: str, names: list[str], rows: int = 1 << 18) 
 def digest(path: str | Path, group: str, key: str | None = None, most: int = 400_000) -> dict[str, Column]:
     """A group as columns of at most about `most` rows: all rows if there are no more; else of every bin of rows the one
     where `key` is least and the one where it is largest, so that no peak is lost (without key, the first)."""
-    arrays = _arrays(path, group)
+    arrays = read_member(path, group)
     total = min((array.shape[0] for array in arrays.values()), default=0)
     size = -(-total // (most // 2)) if total > most else 1
     kept: dict[str, list[np.ndarray]] = {name: [] for name in arrays}
@@ -185,10 +167,3 @@ def _picked(key: np.ndarray | None, count: int, size: int) -> np.ndarray:
         return np.union1d(first, [count - 1])
     filled = np.concatenate([np.nan_to_num(key), np.full(-count % size, key[-1])]).reshape(-1, size)
     return np.unique(np.minimum([*(first + filled.argmin(1)), *(first + filled.argmax(1)), count - 1], count - 1))
-
-
-def _arrays(path: str | Path, group: str) -> dict[str, Any]:
-    try:
-        return dict(zarr.open_group(store=str(path), mode="r", path=group).arrays())
-    except (OSError, ValueError, KeyError) as error:
-        raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None

@@ -1,7 +1,5 @@
 """A store in the formats of others: netCDF, CSV, Parquet; a stretch of rows at a time, whole or not at all."""
 
-import contextlib
-import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -9,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, StoreError
-from . import chunks, root
+from . import chunks, files, root, tables
 
 
 DIMENSIONS = {"trajectory": "time", "events": "event", "sweep": "top"}
@@ -18,7 +16,7 @@ DIMENSIONS = {"trajectory": "time", "events": "event", "sweep": "top"}
 def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
     """Writes a store as one file. netCDF takes all groups; CSV and Parquet take the one that is named, or the first.
 
-    Raises ScenarioError for an unknown format, StoreError for what cannot be read, written, or lacks its library.
+    Raises InputError for an unknown format, StoreError for what cannot be read, written, or lacks its library.
     """
     if to not in FORMATS:
         raise InputError([f"--to must be one of {', '.join(FORMATS)}, but is `{to}`."])
@@ -28,33 +26,22 @@ def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
         raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")
     if group not in (None, *groups):
         raise InputError([f"--group must be {' or '.join(groups)}, but is `{group}`."])
-    if out.exists():
-        raise StoreError(f"`{out}` must not exist yet, but does.")
-    scratch = out.with_name(f".{out.name}.part")
     try:
-        FORMATS[to](store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
-        os.replace(scratch, out)
+        with files.writing(out), files.replacing(out, overwrite=False) as scratch:
+            FORMATS[to](store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
     except ImportError as error:
         raise StoreError(
             f"the export to {to} must find its library, but: {error} (install tippetop[export])."
         ) from None
-    except OSError as error:
-        if isinstance(error, StoreError):
-            raise
-        raise StoreError(f"`{out}` must be writable, but: {error.strerror or error}.") from None
-    finally:
-        with contextlib.suppress(OSError):
-            scratch.unlink()
 
 
 def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
     import h5netcdf
-    import zarr
 
     with h5netcdf.File(path, "w") as file:
         file.attrs.update({name: _plain(value) for name, value in attrs.items() if value is not None})
         for name in groups:
-            arrays = dict(zarr.open_group(store=str(store), mode="r", path=name).arrays())
+            arrays = tables.read_member(store, name)
             group, dim = file.create_group(name), DIMENSIONS[name]
             group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
             for array in arrays.values():
@@ -100,9 +87,8 @@ def _parquet(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) 
 def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
     """The rows as pandas tables, vectors by their components, flags by their meanings; at least one table."""
     import pandas as pd
-    import zarr
 
-    arrays = dict(zarr.open_group(store=str(store), mode="r", path=group).arrays())
+    arrays = tables.read_member(store, group)
     named: Any = {name: array.metadata for name, array in arrays.items() if array.ndim == 2}
     components = {name: metadata.dimension_names[1] for name, metadata in named.items()}  # letters: xyz, wxyz
     meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}

@@ -1,39 +1,146 @@
-"""Files and folders that appear whole or not at all, and the lock of a store."""
+"""Files and folders that appear whole or not at all, and the lock of a store.
 
+No link is followed where something is written: scratch names cannot be guessed and are made exclusively, and what takes
+its place does so by a rename, which replaces a link rather than what it points to.
+"""
+
+import contextlib
 import errno
 import fcntl
 import os
+import shutil
+import uuid
+import weakref
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import StoreError
 
 
 LOCK = "run.lock"
+SCRATCH = ("*.partial", ".*.part", ".*.part-*")  # what a killed writer leaves: zarr's files, and ours
 
 
-def locked(folder: Path) -> int:
-    """Takes the lock of a store; the system frees it when the process ends, however it ends. Raises StoreError."""
-    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
+@contextlib.contextmanager
+def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
+    """A block in which what goes wrong with the disk becomes a StoreError about `path`, followed by the remedy."""
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
-        os.close(descriptor)
-        raise StoreError(f"`{folder}` must have one writer, but {holder} is writing it.") from None
-    os.ftruncate(descriptor, 0)
-    os.write(descriptor, f"process {os.getpid()} on {os.uname().nodename}".encode())
-    return descriptor
+        yield
+    except StoreError:
+        raise
+    except OSError as error:
+        sentence = f"`{path}` must be writable, but: {error.strerror or error}."
+        raise StoreError(f"{sentence} {remedy}".rstrip()) from error
+
+
+@contextlib.contextmanager
+def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
+    """Gives an empty scratch file beside `path`, which becomes `path` when the block ends well, on the disk itself, and
+    vanishes when not.
+
+    Raises
+    ------
+    StoreError
+        `path` exists, unless it may be overwritten.
+    OSError
+        The disk; see `writing`.
+    """
+    path = Path(path)
+    if not overwrite and os.path.lexists(path):
+        raise _exists(path)
+    scratch = scratch_name(path)
+    os.close(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
+    try:
+        yield scratch
+        synced(scratch)
+        if overwrite:
+            os.replace(scratch, path)
+        else:
+            _rename_new_file(scratch, path)
+        synced(path.parent)
+    finally:
+        with contextlib.suppress(OSError):
+            scratch.unlink()
+
+
+@contextlib.contextmanager
+def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Gives an empty scratch folder beside `path`, which becomes `path` when the block ends well and vanishes when not.
+
+    What is there already is a store whose lock is taken first: it is moved aside whole, and goes at last. Whatever
+    else has come to stand there meanwhile is never replaced.
+
+    Raises
+    ------
+    StoreError
+        `path` exists, unless it may be overwritten; it is a link; another process writes it.
+    OSError
+        The disk; see `writing`.
+    """
+    path = Path(path)
+    if path.is_symlink():
+        raise StoreError(f"`{path}` must be a folder of its own, but is a link.")
+    replaced = path.exists()
+    if replaced and not overwrite:
+        raise _exists(path)
+    scratch = scratch_name(path)
+    with contextlib.ExitStack() as stack:
+        lock = stack.enter_context(Lock(path)) if replaced else None
+        if lock is not None and lock.made:
+            stack.callback(lock.remove)  # a store that stays has no lock that it had not before
+        scratch.mkdir()
+        stack.callback(shutil.rmtree, scratch, ignore_errors=True)
+        yield scratch
+        if lock is not None:
+            lock.check()
+            old = scratch_name(path)
+            path.rename(old)
+            try:
+                rename_new(scratch, path)
+            except BaseException:
+                old.rename(path)
+                raise
+            shutil.rmtree(old)
+        else:
+            rename_new(scratch, path)
+
+
+def rename_new(scratch: Path, path: Path) -> None:
+    """Renames a folder that is not empty, where nothing stands: the system itself refuses to put a folder in the place
+    of a file, a link, or a folder that holds something. Raises StoreError, OSError."""
+    try:
+        scratch.rename(path)
+    except OSError as error:
+        if error.errno in (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR) and os.path.lexists(path):
+            raise _exists(path) from None
+        raise
+    synced(path.parent)
+
+
+def _rename_new_file(scratch: Path, path: Path) -> None:
+    try:
+        os.link(scratch, path)
+    except FileExistsError:
+        raise _exists(path) from None
+    except OSError:  # a file system without hard links
+        if os.path.lexists(path):
+            raise _exists(path) from None
+        os.rename(scratch, path)
+
+
+def _exists(path: Path) -> StoreError:
+    return StoreError(f"`{path}` must not exist yet, but does.")
+
+
+def scratch_name(path: Path) -> Path:
+    """A hidden name beside `path` that nobody can guess."""
+    return path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")
 
 
 def replace_text(path: Path, text: str) -> None:
-    """Writes a file whole or not at all, also if the machine loses power."""
-    scratch = path.with_name(f".{path.name}.part")
-    with open(scratch, "w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(scratch, path)
-    synced(path.parent)
+    """Writes a file whole or not at all, also if the machine loses power. Raises OSError."""
+    with replacing(path) as scratch:
+        scratch.write_text(text, encoding="utf-8")
 
 
 def synced(path: Path) -> None:
@@ -48,8 +155,86 @@ def synced(path: Path) -> None:
         os.close(descriptor)
 
 
-def sweep(folder: Path) -> None:
-    """Removes the scratch files that a killed writer leaves: zarr's and our own."""
-    for pattern in ("*.partial", ".*.part"):
+def remove_scratch(folder: Path) -> None:
+    """Removes what a killed writer leaves in a store."""
+    for pattern in SCRATCH:
         for path in folder.rglob(pattern):
-            path.unlink()
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
+
+
+class Lock:
+    """The lock of a store, from here on until it is released or the process ends, however it ends: the kernel keeps it.
+
+    The file names the holder, who is named to those that are refused. Not filelock: it empties the file of a lock that
+    it then fails to take, and the holder could not be named. A context that releases.
+
+    Raises
+    ------
+    StoreError
+        Another process holds it.
+    OSError
+        The disk; see `writing`.
+    """
+
+    def __init__(self, folder: str | Path):
+        self.folder = Path(folder)
+        while True:
+            self._open()
+            self._take()
+            if self._in_place():
+                break
+            self.release()  # its last holder removed the file while we waited: there is another one, or none
+        os.ftruncate(self.descriptor, 0)
+        os.write(self.descriptor, f"process {os.getpid()} on {os.uname().nodename}".encode())
+
+    def _open(self) -> None:
+        flags, place = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC, self.folder / LOCK
+        try:
+            self.descriptor = os.open(place, flags | os.O_CREAT | os.O_EXCL, 0o644)
+            self.made = True
+        except FileExistsError:
+            self.descriptor = os.open(place, flags | os.O_CREAT, 0o644)
+            self.made = False
+        self._close = weakref.finalize(
+            self, os.close, self.descriptor
+        )  # should an exception leave nobody to release it
+
+    def _take(self) -> None:
+        try:
+            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            holder = os.read(self.descriptor, 200).decode(errors="replace").strip() or "another process"
+            self.release()
+            raise StoreError(f"`{self.folder}` must have one writer, but {holder} is writing it.") from None
+
+    def _in_place(self) -> bool:
+        try:
+            return os.path.samestat(os.lstat(self.folder / LOCK), os.fstat(self.descriptor))
+        except FileNotFoundError:
+            return False
+
+    def check(self) -> None:
+        """Raises StoreError if the folder is no longer the one that was locked."""
+        if not self._in_place():
+            raise StoreError(
+                f"`{self.folder}` must stay in its place while it is written, but was moved, removed or replaced: "
+                "what was there is gone from here, and nothing more is written."
+            )
+
+    def remove(self) -> None:
+        """Takes the file away: what is finished has no writer. The lock is still to be released."""
+        if self._in_place():
+            (self.folder / LOCK).unlink()
+
+    def release(self) -> None:
+        """Lets others write."""
+        self._close()
+
+    def __enter__(self) -> "Lock":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()

@@ -5,18 +5,18 @@ from typing import Any
 import numpy as np
 
 
-def packed(value: Any) -> Any:
+def encode(value: Any) -> Any:
     """A tree of dicts, lists, numbers and arrays of any precision as plain JSON data."""
     if isinstance(value, dict):
-        return {key: packed(v) for key, v in value.items()}
+        return {key: encode(v) for key, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [packed(v) for v in value]
+        return [encode(v) for v in value]
     if value is None or isinstance(value, bool | int | str | np.integer):
         return int(value) if isinstance(value, np.integer) else value
-    return parts(value)
+    return to_hex(value)
 
 
-def parts(value: Any) -> str:
+def to_hex(value: Any) -> str:
     """A float of any precision as hexadecimal doubles that add up to it exactly."""
     high = float(value)
     if not np.isfinite(high):
@@ -28,8 +28,8 @@ def parts(value: Any) -> str:
     return " ".join(piece.hex() for piece in pieces)
 
 
-def number(text: str, kind: Any = float) -> Any:
-    """The float that `parts` wrote."""
+def from_hex(text: str, kind: Any = float) -> Any:
+    """The float that `to_hex` wrote."""
     pieces = [kind(float.fromhex(piece)) for piece in text.split()]
     total = pieces[0]
     for piece in pieces[1:]:
@@ -37,12 +37,12 @@ def number(text: str, kind: Any = float) -> Any:
     return total
 
 
-def unpacked(value: Any) -> Any:
-    """What `packed` made, with strings of hexadecimal doubles as floats again."""
+def decode(value: Any) -> Any:
+    """What `encode` made, with strings of hexadecimal doubles as floats again."""
     if isinstance(value, dict):
-        return {key: unpacked(v) for key, v in value.items()}
+        return {key: decode(v) for key, v in value.items()}
     if isinstance(value, list):
-        return [unpacked(v) for v in value]
+        return [decode(v) for v in value]
     if isinstance(value, str) and value.lstrip("-").startswith(("0x", "inf", "nan")):
-        return number(value)
+        return from_hex(value)
     return value

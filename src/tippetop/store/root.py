@@ -3,8 +3,6 @@
 import contextlib
 import json
 import math
-import shutil
-import uuid
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import StoreError
-from .files import replace_text
+from . import files
 from .provenance import FORMAT, FORMAT_VERSION
 
 
@@ -42,8 +40,7 @@ def attributes(path: str | Path) -> dict[str, Any]:
         if found["format"] != FORMAT:
             raise KeyError("format")
     except (OSError, ValueError, KeyError, TypeError) as error:
-        why = "does not exist" if not place.exists() else "is none" if not isinstance(error, OSError) else str(error)
-        raise StoreError(f"`{path}` must be a store of tippetop, but {why}.") from None
+        raise StoreError(f"`{path}` {_no_store(place, error)}.") from None
     if found.get("format_version") != FORMAT_VERSION:
         raise StoreError(
             f"`{path}` must have format version {FORMAT_VERSION}, but has {found.get('format_version')}: "
@@ -58,12 +55,24 @@ def attributes(path: str | Path) -> dict[str, Any]:
     return found
 
 
+def _no_store(place: Path, error: Exception) -> str:
+    """Why a path is not a store of ours."""
+    if not place.exists():
+        return "does not exist"
+    if not place.is_dir():
+        return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
+    if isinstance(error, OSError) and not isinstance(error, FileNotFoundError):
+        return f"must be a store of tippetop, but cannot be read: {error.strerror or error}"
+    return "must be a store of tippetop, but is another folder"
+
+
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
     """Adds root attributes to a finished store."""
     place = Path(path) / "zarr.json"
     content = json.loads(place.read_text(encoding="utf-8"))
     content["attributes"] |= finite(more)
-    replace_text(place, json.dumps(content, indent=2, allow_nan=False))
+    with files.writing(place):
+        files.replace_text(place, json.dumps(content, indent=2, allow_nan=False))
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":
@@ -81,36 +90,17 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
 def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Gives a scratch folder beside `target`, which becomes `target` when the block ends well and vanishes when not.
 
-    Raises StoreError at once if `target` exists (and is not ours to overwrite) or cannot be written.
+    Raises StoreError at once if `target` exists (and is not ours to overwrite, or is being written) or cannot be
+    written; at the end if something else has come to stand there.
     """
     target = Path(target)
-    _refuse_existing(target, overwrite)
-    scratch = target.with_name(f".{target.name}.part-{uuid.uuid4().hex[:8]}")
-    try:
-        scratch.mkdir()
-    except OSError as error:
-        raise StoreError(f"`{target}` must be writable, but: {error.strerror or error}.") from None
-    try:
+    if target.exists() and not target.is_symlink():
+        if not overwrite:
+            raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
+        try:
+            attributes(target)
+        except StoreError:
+            sentence = f"`{target}` must be a store of tippetop to be overwritten, but is something else."
+            raise StoreError(sentence) from None
+    with files.writing(target), files.replacing_folder(target, overwrite=overwrite) as scratch:
         yield scratch
-        if target.exists():
-            old = scratch.with_suffix(".old")
-            target.rename(old)
-            scratch.rename(target)
-            shutil.rmtree(old)
-        else:
-            scratch.rename(target)
-    except OSError as error:
-        raise StoreError(f"`{target}` must be written whole, but: {error.strerror or error}.") from error
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
-
-
-def _refuse_existing(target: Path, overwrite: bool) -> None:
-    if not target.exists():
-        return
-    if not overwrite:
-        raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
-    try:
-        attributes(target)
-    except StoreError:
-        raise StoreError(f"`{target}` must be a store of tippetop to be overwritten, but is something else.") from None

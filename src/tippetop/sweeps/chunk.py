@@ -1,4 +1,4 @@
-"""The lines of some tops of a sweep: what a worker is sent, and what it gives back. Numbers travel, no integrators."""
+"""A chunk of a sweep: what a worker is sent, and the rows that it gives back. Numbers travel, no integrators."""
 
 from typing import Any, NamedTuple
 
@@ -29,7 +29,7 @@ class OtherVersions(Exception):
     """A worker has other releases than the sweep was begun with: its bits could differ."""
 
 
-def lines(task: Task, threads: int = 1) -> dict[str, np.ndarray]:
+def compute_chunk(task: Task, threads: int = 1) -> dict[str, np.ndarray]:
     """The columns of a chunk, by name. What it computes depends on the task alone."""
     if provenance.versions() != task.versions:
         differ = [name for name, found in provenance.versions().items() if found != task.versions.get(name)]
@@ -41,10 +41,10 @@ def lines(task: Task, threads: int = 1) -> dict[str, np.ndarray]:
 def columns(
     base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
 ) -> dict[str, Column]:
-    """The lines of tops as labelled columns; `status` is among them whatever is kept."""
+    """The rows of tops as labelled columns; `status` is among them whatever is kept."""
     tops, _ = ensemble.varied(base, numbers)
     measured = ensemble.measure(tops, threads=threads)
-    with np.errstate(all="ignore"):  # of tops that cannot be
+    with np.errstate(all="ignore"):  # of invalid tops
         found = {**outcomes.table(measured), **_final_states(measured)}
     return {name: column for name, column in found.items() if name == "status" or keep is None or _kept(name, keep)}
 
@@ -64,15 +64,15 @@ def _final_states(measured: outcomes.Measured) -> dict[str, Column]:
     }
 
 
-def empty(base: Problem, keep: list[str] | None) -> dict[str, Column]:
-    """Labelled columns without a line."""
-    found = columns(base, {"run.until": np.array([np.nan])}, keep)  # a top that cannot be is not run
+def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
+    """Labelled columns without a row."""
+    found = columns(base, {"run.until": np.array([np.nan])}, keep)  # an invalid top is not run
     return {name: Column(c.dims, c.values[:0], c.attrs) for name, c in found.items()}
 
 
-def words(base: Problem) -> list[str]:
+def column_names(base: Problem) -> list[str]:
     """What `keep` may name: columns, and the groups of columns `final_state` and `drift`."""
-    return [name for name in empty(base, None) if name != "status"] + [FINAL, DRIFT]
+    return [name for name in column_schema(base, None) if name != "status"] + [FINAL, DRIFT]
 
 
 def _kept(name: str, keep: list[str]) -> bool:

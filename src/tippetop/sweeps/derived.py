@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..ensembles.tops import Tops
+from ..mechanics.systems import SYSTEMS
 from ..mechanics.theory import thresholds
 from ..mechanics.units import JELLETT
 from ..problem import Problem
@@ -15,13 +16,13 @@ Numbers = dict[str, np.ndarray]
 
 
 class Derived(NamedTuple):
-    """What it means, the keys that it sets, what it sets them to, and the parameters or system without which not."""
+    """What it means, the keys that it sets, what it sets them to, and the parameters that it needs."""
 
     long_name: str
     sets: tuple[str, ...]
     numbers: Callable[[Problem, Numbers, np.ndarray], Numbers]
     needs: tuple[str, ...]
-    systems: tuple[str, ...] = ()  # empty: every system that has the parameters
+    inverts: bool = False  # only of systems that can invert, which have a lambda_s
 
 
 def body(base: Problem, columns: Numbers) -> Any:
@@ -66,7 +67,7 @@ DERIVED = {
     ),
     "gamma": Derived("gamma = I1/I3, set by I1", ("parameters.I1",), _by_gamma, ("R", "I1", "I3")),
     "lambda": Derived(
-        "lambda of the start over lambda_s, set by omega3", ("initial.omega3",), _by_lambda, (), ("tippe-top",)
+        "lambda of the start over lambda_s, set by omega3", ("initial.omega3",), _by_lambda, (), inverts=True
     ),
 }
 """In the order in which they are applied: each takes what those before it have set."""
@@ -75,7 +76,7 @@ DERIVED = {
 def resolved(base: Problem, numbers: Numbers) -> Numbers:
     """The numbers of tops under keys of a scenario only: what is derived replaced by what it sets."""
     columns = {key: values for key, values in numbers.items() if key not in DERIVED}
-    with np.errstate(all="ignore"):  # what cannot be becomes a number that the door refuses
+    with np.errstate(all="ignore"):  # what cannot be becomes a number that validation refuses
         for name, rule in DERIVED.items():
             if name in numbers:
                 columns |= rule.numbers(base, columns, numbers[name])
@@ -88,10 +89,9 @@ def faults(base: Problem, keys: list[str]) -> list[str]:
     for name, rule in DERIVED.items():
         if name not in keys:
             continue
-        if rule.systems and base.system.name not in rule.systems:
-            found.append(
-                f"`{name}` must be an axis of {', '.join(rule.systems)}, but the system is {base.system.name}."
-            )
+        if rule.inverts and not base.system.inverts:
+            known = ", ".join(system.name for system in SYSTEMS.values() if system.inverts)
+            found.append(f"`{name}` must be an axis of {known}, but the system is {base.system.name}.")
         missing = [p for p in rule.needs if p not in base.parameters]
         if missing:
             found.append(f"`{name}` must have {', '.join(rule.needs)}, but {base.system.name} has no {missing[0]}.")

@@ -1,4 +1,4 @@
-"""Maps of a sweep: what became of its tops over one or two of its axes, and the borders that theory draws there."""
+"""Maps of a sweep: the fate of its tops over one or two of its axes, and the borders that theory draws there."""
 
 import math
 from dataclasses import dataclass
@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..columns import greek, units_text
 from ..ensembles.outcomes import CLASSES, STATUSES
 from ..errors import InputError
-from ..mechanics.theory import thresholds, tumbling
-from . import derived, plan
+from . import derived
 from .design import Axis
 from .plan import Plan
 from .summary import open_sweep
@@ -28,7 +28,7 @@ NEEDED = {
 
 
 @dataclass(frozen=True)
-class Shown:
+class MapAxis:
     """An axis of a map: its key, label, and the edges of its cells, ascending."""
 
     key: str
@@ -52,44 +52,40 @@ class Shown:
 @dataclass(frozen=True)
 class Map:
     """Fields over cells, (x,) or (x, y): names -> array, NaN where there is nothing; borders: label -> function over
-    the `span`s of the axes, zero at the border; `notes` say what is shown of what the axes do not show."""
+    the `span`s of the axes, zero at the border; `notes` say what is mapped of what the axes do not show."""
 
     kind: str
     title: str
-    axes: tuple[Shown, ...]
+    axes: tuple[MapAxis, ...]
     fields: dict[str, np.ndarray]
     borders: dict[str, np.ndarray]
     notes: list[str]
+    classes: tuple[str, ...] = CLASSES  # the names of the field `class`
 
 
-def mapped(path: Path, kind: str) -> Map:
-    """A map of a stored sweep. Raises ScenarioError: no such kind, or its column was not kept; StoreError."""
+def make_map(path: Path, kind: str) -> Map:
+    """A map of a stored sweep. Raises InputError: no such kind, or its column was not kept; StoreError."""
     if kind not in NEEDED:
         raise InputError([f"the kind of figure must be one of {', '.join(NEEDED)} of a sweep, but is `{kind}`."])
     table = open_sweep(path)
-    made = plan.of(table.attrs["plan"])
+    made = Plan.from_tables(table.attrs["plan"])
     varying = [axis for axis in made.design.axes if axis.sampled or len(set(axis.values)) > 1] or [made.design.axes[0]]
     wanted = NEEDED[kind][:1] if len(varying) > 1 else NEEDED[kind]
     missing = [name for name in wanted if name not in table]
     if missing:
         raise InputError([f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."])
-    axes = tuple(_shown(made, axis, table) for axis in varying[:2])
+    axes = tuple(_map_axis(made, axis, table[axis.key].attrs) for axis in varying[:2])
     numbers = made.design.numbers(np.arange(made.n))
-    here, notes = _slice(made, varying[2:], numbers)
-    here &= table["status"].values != STATUSES.index("todo")
-    cells = np.zeros(made.n, int)
+    chosen, notes = _slice(made, varying[2:], numbers)
+    chosen &= table["status"].values != STATUSES.index("todo")
     for axis in axes:
-        at = numbers[axis.key]
-        here &= np.isfinite(at)
-        cells = cells * (len(axis.edges) - 1) + np.searchsorted(axis.edges[1:-1], at, side="right")
-    shape = tuple(len(axis.edges) - 1 for axis in axes)
-    several = np.bincount(cells[here], minlength=math.prod(shape)).max() > 1 if here.any() else False
-    weight = _weight(made, numbers)
+        chosen &= np.isfinite(numbers[axis.key])
+    cells, shape = _cells(axes, numbers)[chosen], tuple(len(axis.edges) - 1 for axis in axes)
     fields = {}
     for name in wanted:
-        values = table[name].values / weight if kind == "normal-force" else table[name].values
-        fields[name] = _gathered(name, cells[here], values[here], math.prod(shape)).reshape(shape)
-    if several:
+        values = table[name].values / _weight(made, numbers) if kind == "normal-force" else table[name].values
+        fields[name] = _gathered(name, cells, values[chosen], math.prod(shape)).reshape(shape)
+    if len(cells) and np.bincount(cells).max() > 1:
         how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
         notes.append(f"{how} of the tops in a cell")
     if table.attrs["status"] != "finished":
@@ -98,47 +94,54 @@ def mapped(path: Path, kind: str) -> Map:
     return Map(kind, title, axes, fields, _borders(made, axes, varying[2:]), notes)
 
 
-def _shown(made: Plan, axis: Axis, table: Any) -> Shown:
+def _map_axis(made: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
-    attrs = table[axis.key].attrs
-    unit = attrs["units"].replace("-1", "⁻¹").replace("-2", "⁻²").replace("m2", "m²").replace("m3", "m³")
-    words = (
-        attrs["long_name"]
-        .replace("omega_3", "ω₃")
-        .replace("lambda_s", "λₛ")
-        .replace("lambda", "λ")
-        .replace("gamma", "γ")
-        .replace("sigma", "σ")
-    )
-    label = words + (f" ({unit})" if unit != "1" else "")
+    label = greek(attrs["long_name"]) + (f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else "")
     values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
     if not len(values):
         raise InputError([f"the figure must have numbers on `{axis.key}`, but there are none."])
     log = axis.log and values[0] > 0
     scaled = np.log(values) if log else values
-    if axis.sampled or len(values) > MOST_CELLS:
+    if axis.sampled:
         drawn = sum(a.sampled for a in made.design.axes)
-        bins = (made.n / TOPS_PER_CELL) ** (1 / min(drawn, 2)) if axis.sampled else MOST_CELLS
-        edges = np.linspace(scaled[0], scaled[-1], int(np.clip(bins, 4, MOST_CELLS)) + 1)
+        edges = _bins(scaled, (made.n / TOPS_PER_CELL) ** (1 / min(drawn, 2)))
     else:
-        middles = (scaled[1:] + scaled[:-1]) / 2
-        first, last = (middles[0], middles[-1]) if len(middles) else (scaled[0] - 0.5, scaled[0] + 0.5)
-        ends = (2 * scaled[0] - first, 2 * scaled[-1] - last) if len(middles) else (first, last)
-        edges = np.concatenate([ends[:1], middles, ends[1:]])
-    return Shown(axis.key, label, np.exp(edges) if log else edges, log)
+        edges = _bins(scaled, MOST_CELLS) if len(values) > MOST_CELLS else _around(scaled)
+    return MapAxis(axis.key, label, np.exp(edges) if log else edges, log)
+
+
+def _bins(values: np.ndarray, count: float) -> np.ndarray:
+    """Edges of about so many even bins from the first value to the last."""
+    return np.linspace(values[0], values[-1], int(np.clip(count, 4, MOST_CELLS)) + 1)
+
+
+def _around(values: np.ndarray) -> np.ndarray:
+    """Edges of cells with one of the values in each."""
+    if len(values) == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
+
+
+def _cells(axes: tuple[MapAxis, ...], numbers: dict[str, np.ndarray]) -> np.ndarray:
+    """The cell of every top, the last axis fastest."""
+    cells = np.zeros(1, int)
+    for axis in axes:
+        cells = cells * (len(axis.edges) - 1) + np.searchsorted(axis.edges[1:-1], numbers[axis.key], side="right")
+    return cells
 
 
 def _slice(made: Plan, others: list[Axis], numbers: dict[str, np.ndarray]) -> tuple[np.ndarray, list[str]]:
-    """Which tops are shown, and what that means: of further axes of the grid the middle number."""
-    here, notes = np.ones(made.n, bool), []
+    """Which tops are mapped, and what that means: of further axes of the grid the middle number."""
+    chosen, notes = np.ones(made.n, bool), []
     for axis in others:
         if axis.sampled:
             notes.append(f"all {axis.key}")
             continue
         middle = axis.values[len(axis.values) // 2]
-        here &= numbers[axis.key] == middle
+        chosen &= numbers[axis.key] == middle
         notes.append(f"{axis.key} = {middle:.4g} (one of {len(axis.values)})")
-    return here, notes
+    return chosen, notes
 
 
 def _gathered(name: str, cells: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
@@ -163,9 +166,10 @@ def _weight(made: Plan, numbers: dict[str, np.ndarray]) -> Any:
     return b.m * b.g
 
 
-def _borders(made: Plan, axes: tuple[Shown, ...], others: list[Axis]) -> dict[str, np.ndarray]:
-    """log(|lambda|/threshold) over the axes, by what the threshold means; none where theory is silent."""
-    if made.base.system.name != "tippe-top" or any(axis.sampled for axis in others):
+def _borders(made: Plan, axes: tuple[MapAxis, ...], others: list[Axis]) -> dict[str, np.ndarray]:
+    """log(|lambda|/threshold) over the axes, by what the threshold means; none where theory has none."""
+    borders = made.base.system.borders
+    if borders is None or any(axis.sampled for axis in others):
         return {}
     grids = np.meshgrid(*(axis.span for axis in axes), indexing="ij")
     shape = grids[0].shape
@@ -175,13 +179,6 @@ def _borders(made: Plan, axes: tuple[Shown, ...], others: list[Axis]) -> dict[st
     with np.errstate(all="ignore"):
         columns = derived.resolved(made.base, numbers)
         lam, b = np.abs(derived.jellett(made.base, columns)), derived.body(made.base, columns)
-        limits = {
-            "λ = λ_u: upright spin stable below": thresholds.lambda_u(b),
-            "λ = λ_s: inverted spin stable above": thresholds.lambda_s(b),
-            "λ = λ_de: inverted spin has less energy above": thresholds.lambda_de(b),
-            "λ = λ_t: tumbling possible above": tumbling.lambda_t(b),
-        }
+        limits = borders(b)
         found = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
-        upright, *_, folded = found.values()
-        folded[np.abs(folded - upright) < 1e-3] = np.nan  # no fold: tumbling begins where the upright spin ends
         return {label: values for label, values in found.items() if (values < 0).any() and (values > 0).any()}

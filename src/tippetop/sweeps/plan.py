@@ -28,7 +28,7 @@ CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; and w
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
-AnyNumber = Annotated[  # an absurd top is marked, and its neighbours run
+AnyNumber = Annotated[  # an invalid top is marked, and its neighbours run
     float, Field(allow_inf_nan=True), BeforeValidator(lambda v: float(v) if v in NOT_FINITE else v)
 ]
 Count = Annotated[int, Field(ge=1)]
@@ -62,11 +62,46 @@ class _Plan(Table):
 
 @dataclass(frozen=True)
 class Plan:
-    """A checked sweep. `document` says all of it in plain data: `of(document)` is the same plan."""
+    """A checked sweep. `document` says all of it in plain data: `from_tables(document)` is the same plan."""
 
     base: Problem
     design: Design
     document: dict[str, Any]
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> "Plan":
+        """The plan of a TOML file. Raises InputError with every fault that was found."""
+        return cls.from_tables(reading.read(str(path)), Path(path).parent)
+
+    @classmethod
+    def from_tables(cls, document: dict[str, Any], folder: Path = Path()) -> "Plan":
+        """The plan of plain data; files are named relative to `folder`. Raises InputError."""
+        try:
+            shape = _Plan.model_validate(document)
+        except ValidationError as error:
+            raise InputError([scenario_sentence(e) for e in error.errors(include_url=False)]) from None
+        sentences = [s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)]
+        sentences += _design_faults(shape)
+        base = None
+        try:
+            base = build.problem(_base(shape, folder))
+        except InputError as error:
+            sentences += error.sentences
+        if base is not None:
+            sentences += _key_faults(base, [axis.of for axis in shape.axis])
+        if sentences or base is None:
+            raise InputError(sentences)
+        sample = Sample(**shape.sample.model_dump()) if shape.sample else None
+        design = Design(tuple(_axis(axis) for axis in shape.axis), sample)
+        plain = shape.model_dump(exclude_none=True, exclude={"set"}) | {"scenario": build.resolved(base)}
+        for axis in plain["axis"]:
+            if "values" in axis:
+                axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
+        made = cls(base, design, {"keep": None, "chunk": None, **plain})
+        sentences = _whole_faults(made)
+        if sentences:
+            raise InputError(sentences)
+        return made
 
     @property
     def n(self) -> int:
@@ -107,7 +142,7 @@ class Plan:
         return derived.resolved(self.base, self.design.numbers(tops))
 
     def problem(self, top: int) -> Problem:
-        """The problem of one top, to run alone. Raises ScenarioError."""
+        """The problem of one top, to run alone. Raises InputError."""
         tables = build.resolved(self.base)
         rivals = {"initial.omega3": "psi_dot", "initial.psi_dot": "omega3"}
         for key, values in self.columns(np.array([top])).items():
@@ -130,44 +165,9 @@ class Plan:
         return max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6
 
 
-def read(path: str | Path) -> Plan:
-    """The plan of a TOML file. Raises ScenarioError with every fault that was found."""
-    return of(reading.read(str(path)), Path(path).parent)
-
-
 def is_plan(tables: dict[str, Any]) -> bool:
     """Whether a TOML file is meant as a plan rather than as a scenario."""
     return "axis" in tables or "sample" in tables
-
-
-def of(document: dict[str, Any], folder: Path = Path()) -> Plan:
-    """The plan of plain data; files are named relative to `folder`. Raises ScenarioError."""
-    try:
-        shape = _Plan.model_validate(document)
-    except ValidationError as error:
-        raise InputError([scenario_sentence(e) for e in error.errors(include_url=False)]) from None
-    sentences = [s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)]
-    sentences += _design_faults(shape)
-    base = None
-    try:
-        base = build.problem(_base(shape, folder))
-    except InputError as error:
-        sentences += error.sentences
-    if base is not None:
-        sentences += _key_faults(base, [axis.of for axis in shape.axis])
-    if sentences or base is None:
-        raise InputError(sentences)
-    sample = Sample(**shape.sample.model_dump()) if shape.sample else None
-    design = Design(tuple(_axis(axis) for axis in shape.axis), sample)
-    plain = shape.model_dump(exclude_none=True, exclude={"set"}) | {"scenario": build.resolved(base)}
-    for axis in plain["axis"]:
-        if "values" in axis:
-            axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
-    made = Plan(base, design, {"keep": None, "chunk": None, **plain})
-    sentences = _whole_faults(made)
-    if sentences:
-        raise InputError(sentences)
-    return made
 
 
 def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
@@ -253,9 +253,9 @@ def _whole_faults(made: Plan) -> list[str]:
         except InputError as error:
             found += [f"`runs` must name tops that can be, but top {top}: {s}" for s in error.sentences]
     if made.keep is not None:
-        from .chunk import words
+        from .chunk import column_names
 
-        known = words(made.base)
+        known = column_names(made.base)
         found += [f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in made.keep if name not in known]
     return found
 

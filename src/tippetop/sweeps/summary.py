@@ -7,12 +7,12 @@ import numpy as np
 
 from ..ensembles import ensemble, outcomes
 from ..errors import StoreError
-from ..store import root
-from . import plan
+from ..store import root, tables
+from .plan import Plan
 from .store import CHUNK_STATUSES, GROUP, RUNS, failures
 
 
-FAULTS = 5  # tops that cannot be of which it is said why
+FAULTS = 5  # invalid tops of which it is said why
 
 
 def open_sweep(path: str | Path) -> Any:
@@ -26,7 +26,7 @@ def gridded(table: Any) -> Any:
     import xarray as xr
 
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
-    axes = plan.of(table.attrs["plan"]).design.grid
+    axes = Plan.from_tables(table.attrs["plan"]).design.grid
     found = xr.Dataset(attrs=table.attrs)
     for name, values in table.variables.items():
         if name not in names:
@@ -62,26 +62,26 @@ def report(path: str | Path) -> dict[str, Any]:
 
 
 def lines(found: dict[str, Any]) -> list[tuple[str, str]]:
-    """Name and text of each line of a summary."""
+    """Name and text of each line of a report."""
     chunks, sizes = found["chunks"], dict(zip(found["dimensions"], found["shape"], strict=True))
     drawn = ", ".join(axis["of"] for axis in found["plan"]["axis"] if "between" in axis)
-    said = [
+    result = [
         ("status", f"{found['status']}: {found['tops_done']} of {found['tops']} tops; {_text(chunks)} chunks"),
         ("axes", " x ".join(f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes.items())),
     ]
-    said += [(name, _text(counts)) for name, counts in found["counts"].items()]
+    result += [(name, _text(counts)) for name, counts in found["counts"].items()]
     if found["drift"]:
         worst = (f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})" for k, v in found["drift"].items() if v)
-        said.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
+        result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
     if found["runs"]:
-        said.append(("runs", ", ".join(f"{RUNS}/{top}" for top in found["runs"])))
-    said += [("fault", fault) for fault in found["faults"]]
-    said += [("failed", f"chunk {k}: {sentence}") for k, sentence in found["failed"].items()]
+        result.append(("runs", ", ".join(f"{RUNS}/{top}" for top in found["runs"])))
+    result += [("fault", fault) for fault in found["faults"]]
+    result += [("failed", f"chunk {k}: {sentence}") for k, sentence in found["failed"].items()]
     base = found["plan"]["scenario"]
     for name in ("parameters", "friction", "initial", "run"):
         if name in base:
-            said.append((name, ", ".join(f"{k} = {v}" for k, v in base[name].items())))
-    return [*said, ("versions", ", ".join(f"{k} = {v}" for k, v in found["versions"].items()))]
+            result.append((name, ", ".join(f"{k} = {v}" for k, v in base[name].items())))
+    return [*result, ("versions", ", ".join(f"{k} = {v}" for k, v in found["versions"].items()))]
 
 
 def _text(counts: dict[str, int]) -> str:
@@ -96,9 +96,7 @@ def column(path: str | Path, table: Any, name: str) -> np.ndarray:
 
 
 def _chunks(path: str | Path) -> np.ndarray:
-    import zarr
-
-    return np.asarray(zarr.open_group(store=str(path), mode="r")["chunk_status"])
+    return np.asarray(tables.read_member(path, "chunk_status"))
 
 
 def _counts(values: np.ndarray, attrs: dict[str, Any]) -> dict[str, int]:
@@ -114,9 +112,9 @@ def _worst(values: np.ndarray) -> dict[str, Any] | None:
 
 
 def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
-    """Why the first tops that cannot be cannot be."""
+    """Why the first invalid tops are invalid."""
     if not len(invalid):
         return []
-    made, some = plan.of(document), invalid[:FAULTS]
+    made, some = Plan.from_tables(document), invalid[:FAULTS]
     _, faults = ensemble.varied(made.base, made.columns(some))
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

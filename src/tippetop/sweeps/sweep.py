@@ -2,21 +2,22 @@
 
 import contextlib
 import os
+import threading
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError, Unfinished
-from ..progress import shown
+from ..errors import InputError, Interrupted, Unfinished
+from ..progress import reporting
 from ..runs import recording
 from ..scenario import build
 from ..store import provenance, root
 from .chunk import Task
-from .plan import Plan, read
+from .plan import Plan
 from .store import RUNS, SweepStore, opened
 from .summary import open_sweep
-from .workers import Outcome, SchedulerLost, connected, here, on, own
+from .workers import Outcome, SchedulerLost, connect, in_process, local_cluster, on_client
 
 
 if TYPE_CHECKING:
@@ -33,33 +34,70 @@ def sweep(
     workers: int | None = None,
     scheduler: str | None = None,
     progress: Callable[[int, int], None] | bool = False,
+    stop: threading.Event | None = None,
 ) -> "xr.Dataset":
-    """Runs every top of a plan into the store `out`, or goes on with it, and opens it: a line per top.
+    """Runs every top of a plan into the store `out`, or continues it, and opens it: a row per top. In any thread.
 
-    `workers` processes on this machine compute (one: this process itself; by default as many as usable cores, or
-    threads of this process where little is to be done), or the workers of a dask scheduler at an address.
-    `progress(done, of)` counts tops; True draws a bar. Raises ScenarioError, StoreError, Unfinished.
+    Parameters
+    ----------
+    plan
+        A TOML file, or a checked plan.
+    out
+        The store to make or to continue.
+    workers
+        Processes on this machine that compute. One: this process itself; by default as many as usable cores, or threads
+        of this process where little is to be done.
+    scheduler
+        Address of a dask scheduler whose workers compute instead.
+    progress
+        Called as progress(done, of), which count tops; True draws a bar.
+    stop
+        Set it, from a signal handler or another thread, and the sweep stops after a chunk. An exception such as
+        KeyboardInterrupt ends it at once and costs the chunks that are being computed. Either way the same call
+        continues it.
+
+    Returns
+    -------
+    xarray.Dataset
+        The table of the sweep, dimension `top`, SI units, read when needed.
+
+    Raises
+    ------
+    InputError
+        What is wrong with the plan or an argument.
+    StoreError
+        The store is another one's, or cannot be read or written.
+    Unfinished
+        Some chunks failed.
+    Interrupted
+        `stop` was set.
     """
-    made = plan if isinstance(plan, Plan) else read(plan)
+    checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
     if workers is not None and workers < 1:
         raise InputError([f"--workers must be at least 1, but is {workers}."])
     if scheduler is not None and not find_spec("distributed"):
         raise InputError(["--scheduler must find dask, but it is not installed: install tippetop[sweep]."])
     with (
-        shown(progress, "tops") as tell,
-        contextlib.nullcontext() if scheduler is None else connected(scheduler) as client,
-        opened(out, made) as store,
+        reporting(progress, "tops") as report,
+        contextlib.nullcontext() if scheduler is None else connect(scheduler) as client,
+        opened(out, checked) as store,
     ):
-        sentences = _fill(store, workers, client, tell)
+        sentences = _fill(store, workers, client, report, stop)
         if not sentences:
-            _run_alone(store)
+            _run_alone(store, stop)
             store.finish()
     if sentences:
         raise Unfinished(sentences)
     return open_sweep(out)
 
 
-def _fill(store: SweepStore, workers: int | None, client: Any, progress: Callable[[int, int], None]) -> list[str]:
+def _fill(
+    store: SweepStore,
+    workers: int | None,
+    client: Any,
+    progress: Callable[[int, int], None],
+    stop: threading.Event | None,
+) -> list[str]:
     """Computes and writes what is not done; gives a sentence for each chunk that failed."""
     plan, todo = store.plan, store.todo()
     done = plan.n - sum(len(plan.tops(chunk)) for chunk in todo)
@@ -69,37 +107,39 @@ def _fill(store: SweepStore, workers: int | None, client: Any, progress: Callabl
     tasks = (Task(chunk, tables, plan.columns(plan.tops(chunk)), plan.keep, versions) for chunk in todo)
     small = workers is None and len(todo) * plan.chunk * plan.seconds_per_top < SMALL
     try:
-        for task, found in _computed(tasks, workers, client, small) if todo else ():
+        for task, result in _computed(tasks, workers, client, small) if todo else ():
             tops = plan.tops(task.chunk)
-            if isinstance(found, str):
-                sentences.append(f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {found}.")
-                store.fail(task.chunk, found)
-                continue
-            store.write(task.chunk, found)
-            done += len(tops)
-            progress(done, plan.n)
+            if isinstance(result, str):
+                sentences.append(f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {result}.")
+                store.fail(task.chunk, result)
+            else:
+                store.write(task.chunk, result)
+                done += len(tops)
+                progress(done, plan.n)
+            if stop is not None and stop.is_set():
+                raise Interrupted
     except SchedulerLost:
         sentences.append("the scheduler went away; what it gave back is stored.")
     return sentences
 
 
 def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bool) -> Iterator[Outcome]:
-    """The chunks as they are computed: by the workers of a client, here, or by processes of our own."""
+    """The chunks as they are computed: by the workers of a client, by this process, or by processes of our own."""
     threads = workers or len(os.sched_getaffinity(0))
     if client is not None:
-        yield from on(client, tasks)
+        yield from on_client(client, tasks)
     elif small or threads == 1 or not find_spec("distributed"):
-        yield from here(tasks, threads)
+        yield from in_process(tasks, threads)
     else:
-        with own(threads) as mine:
-            yield from on(mine, tasks)
+        with local_cluster(threads) as ours:
+            yield from on_client(ours, tasks)
 
 
-def _run_alone(store: SweepStore) -> None:
+def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
     """Runs the tops that the plan wants whole, each into a store of its own."""
     for top in store.plan.runs:
         place = store.folder / RUNS / str(top)
         if not place.exists():
-            recording.record(store.plan.problem(top), place)
+            recording.record(store.plan.problem(top), place, stop=stop)
         elif root.attributes(place)["status"] == "running":
-            recording.resume(place)
+            recording.resume(place, stop=stop)

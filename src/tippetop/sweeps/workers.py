@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..engine import taylor
 from ..errors import InputError
 from . import chunk
 from .chunk import Task
@@ -26,18 +27,18 @@ class SchedulerLost(Exception):
     """The scheduler went away while chunks were in flight."""
 
 
-def here(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
+def in_process(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
     """Computes in this process."""
     for task in tasks:
         try:
-            yield task, chunk.lines(task, threads)
-        except Exception as error:  # whatever it is, the other chunks go on
-            yield task, _said(error)
+            yield task, chunk.compute_chunk(task, threads)
+        except Exception as error:  # whatever it is, the other chunks are computed
+            yield task, _sentence(error)
 
 
 @contextlib.contextmanager
-def connected(scheduler: str) -> Iterator[Any]:
-    """A client of the dask scheduler at an address. Raises ScenarioError if there is none."""
+def connect(scheduler: str) -> Iterator[Any]:
+    """A client of the dask scheduler at an address. Raises InputError if there is none."""
     from distributed import Client
     from distributed.comm.addressing import get_address_host_port
 
@@ -53,14 +54,19 @@ def connected(scheduler: str) -> Iterator[Any]:
 
 
 @contextlib.contextmanager
-def own(workers: int) -> Iterator[Any]:
-    """A client of processes on this machine, one thread each, that nobody else can reach; Ctrl-C is not for them."""
+def local_cluster(workers: int) -> Iterator[Any]:
+    """A client of processes of our own on this machine, one thread each."""
     import dask
     from distributed import Client, LocalCluster, WorkerPlugin
 
-    class Deaf(WorkerPlugin):
+    class Quiet(WorkerPlugin):
+        """In those processes, which are ours alone: Ctrl-C is for the one that waits for them, and so is what they have
+        to say: it comes back as the sentence of a chunk."""
+
         def setup(self, worker: Any) -> None:
             signal.signal(signal.SIGINT, signal.SIG_IGN)
+            logging.disable(logging.ERROR)
+            taylor.silence()
 
     with (
         dask.config.set({"distributed.worker.profile.enabled": False}),  # it looks at every thread each 10 ms
@@ -72,15 +78,14 @@ def own(workers: int) -> Iterator[Any]:
             dashboard_address="127.0.0.1:0",  # None would still open port 8787
             scheduler_kwargs={"dashboard": False},
             memory_limit=0,
-            silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
-        client.register_plugin(Deaf())
+        client.register_plugin(Quiet())
         yield client
 
 
-def on(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
+def on_client(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
     """Computes on the workers of a dask client. Raises SchedulerLost.
 
     dask gives the chunk of a dead worker to another, but blames all chunks that the worker held: those that it gives up
@@ -88,7 +93,6 @@ def on(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
     """
     from distributed import CancelledError
 
-    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what goes wrong is said here
     blamed = []
     try:
         for task, found, killed in _flow(client, tasks):
@@ -116,7 +120,7 @@ def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]
             task = next(tasks, None)
             if task is None:
                 return
-            future = client.submit(chunk.lines, task, pure=False)
+            future = client.submit(chunk.compute_chunk, task, pure=False)
             flying[future] = task
             completed.add(future)
 
@@ -132,13 +136,13 @@ def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]
             found = future.result()
         except (CancelledError, CommClosedError):
             raise
-        except Exception as error:  # whatever it is, the other chunks go on
-            found, killed = _said(error), isinstance(error, KilledWorker)
+        except Exception as error:  # whatever it is, the other chunks are computed
+            found, killed = _sentence(error), isinstance(error, KilledWorker)
         yield task, found, killed
         send()
 
 
-def _said(error: BaseException) -> str:
+def _sentence(error: BaseException) -> str:
     """What happened to a chunk, in a sentence."""
     if type(error).__name__ == "KilledWorker":
         return "every worker that tried it died"

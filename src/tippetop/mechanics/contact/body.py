@@ -109,6 +109,12 @@ def arm2(z, b):
 
 
 @formula
+def tip_inertia(b):
+    """I1* = I1 + m l^2, transverse moment of inertia of a heavy top (R = 0, c = -l) about its tip [kg m^2]."""
+    return b.I1 + b.m * b.c**2
+
+
+@formula
 def arm_speed2(s, b):
     """|omega x a|^2 [m^2/s^2]: the speed that the centre of mass would have if the body rolled. [section 3.3]"""
     w3, q = s.L3 / b.I3, b.c - b.R * s.z

@@ -1,5 +1,16 @@
-"""The registry: one line per system."""
+"""The registry of systems: one line per system of the package; others come by `add` or by entry points.
 
+Entry points are looked for when a name is asked for that is not known (a scan takes 10 to 70 ms): the group
+`tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the entry point's name.
+"""
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any
+
+from .. import friction
 from ..system import System
 from .cylinder import GLIDING_CYLINDER
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
@@ -13,3 +24,32 @@ SYSTEMS: dict[str, System] = {
     system.name: system
     for system in (TIPPE_TOP, ROLLING_TIPPE_TOP, GLIDING_HEAVY_TOP, HEAVY_TOP, GLIDING_CYLINDER, ROLLING_CYLINDER)
 }
+
+
+def add(system: System) -> None:
+    """Registers a system under its name, which must be new."""
+    if SYSTEMS.get(system.name, system) is not system:
+        raise ValueError(f"the name of a system must be new, but `{system.name}` is known.")
+    SYSTEMS[system.name] = system
+
+
+def find(name: str) -> System | None:
+    """The system of a name, of the package, registered, or of an entry point; None if there is none."""
+    if name not in SYSTEMS:
+        load_entry_points()
+    return SYSTEMS.get(name)
+
+
+@cache
+def load_entry_points() -> None:
+    """Registers, once a process, what installed packages offer; one that fails is left out with a warning."""
+    groups: dict[str, Callable[[str, Any], None]] = {
+        "tippetop.friction": friction.add,
+        "tippetop.systems": lambda _, system: add(system),
+    }
+    for group, register in groups.items():
+        for entry in entry_points(group=group):
+            try:
+                register(entry.name, entry.load())
+            except Exception as error:  # any package may have installed it, and broken it
+                warnings.warn(f"`{entry.name}` of {group} is left out: {error}", stacklevel=2)

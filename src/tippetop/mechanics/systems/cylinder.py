@@ -4,6 +4,7 @@ It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so the
 The state has sin(theta), cos(theta), and theta is an integral: a count of turns does not cost digits.
 """
 
+from collections import ChainMap
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
@@ -11,7 +12,7 @@ from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
-from ..friction import LAWS, SLIP, Law, slip_coefficient
+from ..friction import LAWS, Law, slip_coefficient
 from ..operand import Operand, formula, select
 from ..system import Event, Form, Parameter, Quantity, of_one_phase
 from ..units import (
@@ -29,7 +30,7 @@ from ..units import (
     WATT,
     Unit,
 )
-from . import tippe_top
+from . import outlook, tippe_top
 
 
 PARAMETERS = {
@@ -162,7 +163,7 @@ def modified_force(c, b, law):
     return b.m * share * rolling_x - law.mu * c.nu_x, b.m * (b.g + b.c * (turn * c.s + c.axis_speed2 * c.z))
 
 
-contact_force = select({**dict.fromkeys(SLIP, standard_force), Modified: modified_force})
+contact_force = select({Modified: modified_force}, standard_force)
 """contact_force(scalars, b, law): F_x and F_z, for any law of the cylinder."""
 
 
@@ -178,7 +179,7 @@ def modified_mobility(c, b, law):
     return 1.0
 
 
-mobility_by_law = select({**dict.fromkeys(SLIP, standard_mobility), Modified: modified_mobility})
+mobility_by_law = select({Modified: modified_mobility}, standard_mobility)
 
 
 @formula
@@ -291,6 +292,7 @@ COMMON: dict[str, Any] = {
     "long_names": LONG_NAMES,
     "potential": contact.height_energy,
     "theta_inertia": tippe_top.theta_inertia,
+    "outlook": outlook.cylinder,
 }
 
 GLIDING_CYLINDER = of_one_phase(
@@ -309,6 +311,6 @@ GLIDING_CYLINDER = of_one_phase(
     ),
     integrals=(),
     events=(TURNING, LIFTOFF, gliding.EQUATOR, Event("settled", "|v_A|^2 falls below 1e-12 of its unit", sliding, -1)),
-    laws={**LAWS, "modified": MODIFIED},
+    laws=ChainMap({"modified": MODIFIED}, LAWS),  # it sees what is added to LAWS later
     **COMMON,
 )

@@ -18,7 +18,7 @@ from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
 from ..system import Form, of_one_phase
 from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
-from . import heavy_top
+from . import heavy_top, outlook
 
 
 @formula
@@ -153,5 +153,6 @@ GLIDING_HEAVY_TOP = of_one_phase(
     undefined_at_poles=gliding.UNDEFINED_AT_POLES,
     long_names=gliding.LONG_NAMES,
     laws=LAWS,
+    outlook=outlook.gliding_heavy_top,
     **heavy_top.COMMON,
 )

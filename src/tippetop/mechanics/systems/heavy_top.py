@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Body
+from ..contact.body import Body, tip_inertia
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
@@ -22,8 +22,9 @@ from ..contact.rolling import chart as rolling_chart
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
-from ..operand import Operand, cos, cross, formula, plus, sin, times
-from ..system import Form, Parameter, Quantity, of_one_phase
+from ..operand import Operand, cos, cross, formula, plus, sin, sqrt, times
+from ..potential import PotentialCoefficients
+from ..system import Form, Landscape, Momentum, Parameter, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -32,9 +33,11 @@ from ..units import (
     METRE_PER_SECOND2,
     NEWTON_SECOND,
     ONE,
+    PER_SECOND,
     RADIAN,
     RADIAN_PER_SECOND,
 )
+from . import outlook
 
 
 class HeavyTop(NamedTuple):
@@ -66,15 +69,45 @@ def body(parameters, friction) -> Body:
 
 
 @formula
-def tip_inertia(b):
-    """I1* = I1 + m l^2, transverse moment of inertia about the tip [kg m^2]."""
-    return b.I1 + b.m * b.c**2
-
-
-@formula
 def potential(z, Lz, L3, b):
     """Effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip. [T 2.38, 5.26]"""
     return L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * tip_inertia(b) * ((1 - z) * (1 + z))) - b.m * b.g * b.c * z
+
+
+def coefficients(b) -> PotentialCoefficients:
+    """V of both heavy tops as the landscape takes it, seen upside down: q = cot(theta/2)^2, momenta (L3, Lz)."""
+    zero, one, per = 0 * b.m, 1 + 0 * b.m, 2 * sqrt(2 * tip_inertia(b))
+    return PotentialCoefficients(
+        height_energy=b.m * b.g * b.c,
+        height_gain=-2 * b.m * b.g * b.c,
+        gamma=one,
+        root_gamma=one,
+        sigma=zero,
+        sigma_over_gamma=zero,
+        root_gamma_gain=sqrt(-2 * b.m * b.g * b.c),
+        alpha_minus_1=zero,
+        alpha_plus_1=zero,
+        sqrt_d0=one,
+        sqrt_d1=one,
+        K=zero,
+        a1=1 / per,
+        a2=1 / per,
+        b1=-1 / per,
+        b2=1 / per,
+        k=zero,
+        spin1=1 / sqrt(2 * b.I3),
+        spin2=zero,
+    )
+
+
+LANDSCAPE = Landscape(
+    momenta=(
+        Momentum("L3", ANGULAR_MOMENTUM, "angular momentum L_3 about the axis", PER_SECOND, "L3"),
+        Momentum("Lz", ANGULAR_MOMENTUM, "angular momentum L_z about the vertical, at the tip", PER_SECOND, "Lz"),
+    ),
+    coefficients=coefficients,
+    upright=-1,
+)
 
 
 @formula
@@ -280,6 +313,8 @@ COMMON: dict[str, Any] = {
     "potential": potential,
     "theta_inertia": theta_inertia,
     "momenta": ("Lz", "L3"),
+    "landscape": LANDSCAPE,
+    "classes": ("tumbling", "upright", "inverted"),
 }
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
 
@@ -305,5 +340,7 @@ HEAVY_TOP = of_one_phase(
     ),
     undefined_at_poles=rolling.UNDEFINED_AT_POLES,
     long_names={**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
+    outlook=outlook.heavy_top,
+    motion=outlook.heavy_top_motion,
     **COMMON,
 )

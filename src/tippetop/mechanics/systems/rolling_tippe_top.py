@@ -6,7 +6,7 @@ from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import euler as rolling_euler
 from ..system import Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM
-from . import tippe_top
+from . import outlook, tippe_top
 from .tippe_top_reduced import REDUCED
 
 
@@ -39,4 +39,7 @@ ROLLING_TIPPE_TOP = of_one_phase(
     potential=tippe_top.potential,
     theta_inertia=tippe_top.theta_inertia,
     momenta=("routh", "jellett"),
+    landscape=tippe_top.LANDSCAPE,
+    outlook=outlook.rolling_tippe_top,
+    classes=tippe_top.TIPPE_TOP.classes,
 )

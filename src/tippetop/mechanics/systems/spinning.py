@@ -5,13 +5,8 @@ In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.2
 
 from ..contact.body import height_energy
 from ..operand import formula, sqrt
+from ..theory.thresholds import spin
 from . import tippe_top
-
-
-@formula
-def spin(z, lam, b):
-    """omega_3 of the spinning state with Jellett's integral lambda [rad/s]. [T 4.23]"""
-    return lam / (b.I3 * (b.R * z - b.c))
 
 
 @formula
@@ -36,8 +31,8 @@ def energy(z, lam, b):
 def end_slope(z, lam, b):
     """dV/dz [J] at the end of the potential where it is finite, on the marked line. [section 5]"""
     lever = b.R - b.c * z
-    lean_rate = z * lam * b.I1 / b.I3 * (1 + b.m * b.R * lever / b.I3) / (lever / b.R * sqrt(tippe_top.d(z, b)))
-    return -b.m * b.g * b.c - z * b.I3 * (lean_rate / b.I1 / b.R) ** 2 / 4
+    X_rate = z * lam * b.I1 / b.I3 * (1 + b.m * b.R * lever / b.I3) / (lever / b.R * sqrt(tippe_top.d(z, b)))
+    return -b.m * b.g * b.c - z * b.I3 * (X_rate / b.I1 / b.R) ** 2 / 4
 
 
 @formula
@@ -48,17 +43,8 @@ def lambda_pi(b):
 
 
 @formula
-def two_minima(b):
-    """Negative iff V can have a second minimum, near theta = pi: gamma > gamma*. [section 5, item 4]"""
-    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
-    far = sigma * (1 + alpha)
-    chi = (1 - gamma) * (1 + sigma) - sigma * alpha**2
-    return (gamma + far * (1 + alpha)) * (1 + far) + 2 * far * chi
-
-
-@formula
 def critical(z, D, lam, b):
     """N(z) [section 5], of the sign of dV/dz in (-1, 1), regular on [-1, 1], where N(-1) <= 0 <= N(1)."""
-    X, w = tippe_top.lean(z, D, lam, b), (1 - z) * (1 + z)
+    X, w = tippe_top.X(z, D, lam, b), (1 - z) * (1 + z)
     X_rate = lam * (-b.m * b.R * (b.c - b.R * z) / b.I3 - b.m * b.R**2 * b.I1 / b.I3**2 * z) / sqrt(tippe_top.d(z, b))
     return X * ((X_rate - b.R * D) * w + z * X) - b.c * b.m * b.g * b.I1**2 / b.I3 * (b.R * w) ** 2

@@ -8,8 +8,20 @@ from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import euler as gliding_euler
 from ..friction import LAWS
 from ..operand import Operand, formula, sqrt
-from ..system import Parameter, Quantity, of_one_phase
-from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
+from ..potential import PotentialCoefficients
+from ..system import Landscape, Momentum, Parameter, Quantity, of_one_phase
+from ..units import (
+    ANGULAR_MOMENTUM,
+    INERTIA,
+    JELLETT,
+    KILOGRAM,
+    METRE,
+    METRE_PER_SECOND2,
+    ONE,
+    PER_METRE_SECOND,
+    PER_SECOND,
+)
+from . import outlook
 
 
 class TippeTop(NamedTuple):
@@ -72,7 +84,7 @@ def theta_inertia(z, b):
 
 
 @formula
-def lean(z, D, lam, b):
+def X(z, D, lam, b):
     """X(z) = lambda sqrt(d(z)) + R(alpha - z) D, which carries phi' sin(theta)^2 = X/(R I1 sqrt(d)). [T 4.9]"""
     return lam * sqrt(d(z, b)) + (b.c - b.R * z) * D
 
@@ -83,11 +95,59 @@ def potential(z, D, lam, b):
     w = (1 - z) * (1 + z)
     return (
         contact.height_energy(z, b)
-        + b.I3 / (2 * (b.I1 * b.R) ** 2) * lean(z, D, lam, b) ** 2 / w
+        + b.I3 / (2 * (b.I1 * b.R) ** 2) * X(z, D, lam, b) ** 2 / w
         + D**2 / (2 * b.I1)
         - b.m * lam**2 / (2 * b.I1 * b.I3)
     )
 
+
+def coefficients(b) -> PotentialCoefficients:
+    """V as the landscape takes it, q = tan(theta/2)^2; feed a body of decimals, and no digit is lost (the marked lines
+    cancel). [section 5]"""
+    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
+    d0, d1 = sqrt(d(1, b)), sqrt(d(-1, b))
+    per = 2 * b.R * sqrt(2 * b.I1)
+    return PotentialCoefficients(
+        height_energy=contact.height_energy(1, b),
+        height_gain=2 * b.m * b.g * b.c,
+        gamma=gamma,
+        root_gamma=sqrt(gamma),
+        sigma=sigma,
+        sigma_over_gamma=sigma / gamma,
+        root_gamma_gain=sqrt(2 * gamma * b.m * b.g * b.c),
+        alpha_minus_1=alpha - 1,
+        alpha_plus_1=alpha + 1,
+        sqrt_d0=d0,
+        sqrt_d1=d1,
+        K=(gamma - sigma * (1 - alpha) * (1 + alpha) - d0 * d1) / 2 + sigma * gamma,
+        a1=(b.c - b.R) / per,
+        a2=d0 / per,
+        b1=(b.c + b.R) / per,
+        b2=d1 / per,
+        k=1 / per,
+        spin1=1 / sqrt(2 * b.I3),
+        spin2=sqrt(sigma / (2 * b.I3)) / b.R,
+    )
+
+
+@formula
+def two_minima(b):
+    """Negative iff V can have a second minimum, near theta = pi: gamma > gamma*. [section 5, item 4]"""
+    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
+    far = sigma * (1 + alpha)
+    chi = (1 - gamma) * (1 + sigma) - sigma * alpha**2
+    return (gamma + far * (1 + alpha)) * (1 + far) + 2 * far * chi
+
+
+LANDSCAPE = Landscape(
+    momenta=(
+        Momentum("D", ANGULAR_MOMENTUM, "Routh's function D", PER_SECOND, "routh"),
+        Momentum("lambda", JELLETT, "Jellett's integral lambda", PER_METRE_SECOND, "jellett"),
+    ),
+    coefficients=coefficients,
+    upright=1,
+    two_wells=two_minima,
+)
 
 QUANTITIES = (
     gliding.JELLETT_QUANTITY,
@@ -120,4 +180,9 @@ TIPPE_TOP = of_one_phase(
     potential=potential,
     theta_inertia=theta_inertia,
     momenta=("routh", "jellett"),
+    landscape=LANDSCAPE,
+    outlook=outlook.tippe_top,
+    borders=outlook.tippe_top_borders,
+    inverts=True,
+    classes=("tumbling", "upright", "inverted"),
 )

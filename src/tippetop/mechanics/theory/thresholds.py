@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.body import Body
+from ..contact.body import Body, tip_inertia
+from ..operand import formula
 from ..units import JELLETT, ONE, RADIAN_PER_SECOND, Unit
 
 
@@ -72,13 +73,25 @@ def gamma_plus(alpha: float) -> float:
     return (1 - alpha) * (7 + alpha + math.sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
+@formula
+def spin(z, lam, b):
+    """omega_3 of the spinning state z = cos(theta) = +1 or -1 with Jellett's integral lambda [rad/s]. [T 4.23]"""
+    return lam / (b.I3 * (b.R * z - b.c))
+
+
 def spin_of(lam: float, b: Body, *, inverted: bool = False) -> float:
     """omega_3 of the upright (or inverted) spin with Jellett's integral lam [rad/s]."""
-    return -lam / ((b.R + b.c) * b.I3) if inverted else lam / ((b.R - b.c) * b.I3)
+    return spin(-1 if inverted else 1, lam, b)
 
 
 def thresholds(b: Body) -> dict[str, Threshold]:
-    """Every threshold of a tippe top."""
+    """Every threshold of a tippe top: name -> value (SI), unit and meaning.
+
+    Parameters
+    ----------
+    b
+        The body, SI, floats; its friction law plays no part.
+    """
     alpha, gamma = b.c / b.R, b.I1 / b.I3
     return {
         "lambda_u": Threshold(lambda_u(b), JELLETT, "upright spin stable below"),
@@ -99,4 +112,4 @@ def thresholds(b: Body) -> dict[str, Threshold]:
 
 def sleeping_spin(b: Body) -> float:
     """|omega_3| above which the upright heavy top with a fixed tip is stable, 2 sqrt(m g l I1*)/I3 [rad/s]. [T 5.54]"""
-    return 2 * math.sqrt(b.m * b.g * -b.c * (b.I1 + b.m * b.c**2)) / b.I3
+    return 2 * math.sqrt(b.m * b.g * -b.c * tip_inertia(b)) / b.I3

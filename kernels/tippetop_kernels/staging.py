@@ -1,10 +1,13 @@
-"""Records of doubles kept as columns, so that loops over neighbouring points fill the lanes of one instruction.
+"""Long formulas worked in stages: 45 ns a point of the minimal surface instead of 58 to 67.
 
-A record is a number, or a (named) tuple of records. Its leaf number i of point j lies at table[i*BLOCK + j]: distances
-known to the compiler, which need not test at run time whether columns overlap.
+Measured on 1000 x 1000 points, with one core of an AMD EPYC; the price is some 10 s more of compilation.
 
-A long formula is worked in stages, each a loop of its own: in a long chain of dependent operations the processor waits,
-as it sees only some 200 operations ahead; of a short one it has several turns in flight.
+A record is a number, or a (named) tuple of records. Its leaf number i of point j lies at table[i*BLOCK + j]: so a loop
+over neighbouring points fills the SIMD lanes of one instruction, and as the distances are known to the compiler, the
+code need not test at run time whether columns overlap.
+
+A stage is a loop of its own. In one long chain of dependent operations the processor waits, as it sees only some 200
+operations ahead; of a short one it has several turns in flight.
 """
 
 from typing import Any

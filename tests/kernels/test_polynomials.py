@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tippetop_kernels.crossings import crossings, extremes, jet, ranges, value
+from tippetop_kernels.polynomials import crossings, extremes, jet, ranges, value
 
 
 def found(p: np.ndarray, positive: bool) -> tuple[np.ndarray, bool]:

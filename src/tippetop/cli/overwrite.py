@@ -1,0 +1,23 @@
+"""`--overwrite`: a store that exists gives way, unless somebody writes it or it is not ours."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+
+def remove_store(path: Path) -> None:
+    """Removes a store, if there is one. Raises StoreError: no store of tippetop, being written, not writable."""
+    from ..errors import StoreError
+    from ..store import files, root
+
+    if path.is_symlink():
+        raise StoreError(f"`{path}` is a link: it is not overwritten; name the store itself.")
+    if not path.exists():
+        return
+    root.attributes(path)
+    with files.writing(path), files.Lock(path):  # raises StoreError, naming the writer
+        old = files.scratch_name(path)
+        os.rename(path, old)  # gone at once: what is killed from here on leaves no half store under its name
+        shutil.rmtree(old)

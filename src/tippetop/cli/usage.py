@@ -1,0 +1,84 @@
+"""Errors in the words of a command line become sentences: what is wrong, and what to write instead."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cyclopts import CoercionError, CycloptsError, MissingArgumentError, UnknownOptionError, UnusedCliTokensError
+from cyclopts.exceptions import UnknownCommandError
+
+from ..errors import nearest, suggestion
+
+
+RUN = ["until", "output_step", "output_times", "output", "stop_when", "events", "on_liftoff", "precision", "tolerance"]
+NUMBERS = {float: "a number", int: "a whole number"}
+
+
+def sentence(error: CycloptsError, commands: list[str]) -> str:
+    """The sentence on an error that cyclopts found."""
+    command = " ".join(error.command_chain or ())
+    help_ = f"see tippetop {command} --help" if command else "see tippetop --help"
+    if isinstance(error, UnknownCommandError):
+        word = next((w for w in error.unused_tokens or [] if w not in commands), "")
+        return f"unknown command `{word}`.{suggestion(word, commands)} The commands are {', '.join(commands)}."
+    if isinstance(error, UnknownOptionError):
+        return _unknown_option(error, command, help_)
+    if isinstance(error, UnusedCliTokensError):
+        words = " ".join(error.unused_tokens or [])
+        settable = " (values are changed with --set table.key=value)" if command in ("run", "check") else ""
+        return f"unexpected argument `{words}`{settable}; {help_}."
+    if isinstance(error, MissingArgumentError) and error.argument is not None:
+        return _missing(error, command, help_)
+    if isinstance(error, CoercionError) and error.token is not None:
+        name = error.token.keyword or _name_of(error.argument)
+        return f"{name} must be {NUMBERS.get(error.target_type or str, 'valid')}, but is `{error.token.value}`."
+    return f"{error}; {help_}."
+
+
+def _missing(error: MissingArgumentError, command: str, help_: str) -> str:
+    """An argument that is not given at all, or an option without its value."""
+    name, words, argument = _name_of(error.argument), error.root_input_tokens or [], error.argument
+    given = next((n for n in argument.names if n in words), None) if argument is not None else None
+    if given is not None:
+        return f"{given} must be followed by a value; {help_}."
+    example = " ".join(["tippetop", *words, name, *(["..."] if name.startswith("-") else [])])
+    return f"{name} is missing: write {example}; {help_}."
+
+
+def _name_of(argument: Any) -> str:
+    """--out for an option, SCENARIO for what is given by its place."""
+    if argument is None:
+        return "the argument"
+    return argument.name if argument.index is None else argument.name.lstrip("-").upper()
+
+
+def _unknown_option(error: UnknownOptionError, command: str, help_: str) -> str:
+    """An option that does not exist: a key of the scenario is changed with --set."""
+    option, equals, value = (error.token.keyword or error.token.value).partition("=")
+    known = [name for argument in error.argument_collection if argument.parse for name in argument.names]
+    key = scenario_key(option.lstrip("-").replace("-", "_")) if "--set" in known else None
+    if key is not None:
+        words = error.root_input_tokens or []
+        after = words[words.index(option) + 1 :] if option in words else []
+        joined = next((w for w in words if w.startswith(f"{option}=")), "")
+        value = value if equals else joined.partition("=")[2] or (after[0] if after else "")
+        given = value if value and not value.startswith("--") else "VALUE"
+        return f"unknown option {option}: write --set {key}={given}."
+    near = nearest(option, known) if option.startswith("--") else None
+    return f"unknown option {option}{f'; did you mean {near}?' if near else ';'} {help_}."
+
+
+def scenario_key(word: str) -> str | None:
+    """The dotted key of a scenario that a word stands for: theta -> initial.theta; None if there is none."""
+    from ..mechanics.systems import SYSTEMS
+
+    tables: dict[str, Any] = {}
+    for system in SYSTEMS.values():
+        for table, names in (("parameters", system.parameters), ("initial", system.initial)):
+            tables |= {name: f"{table}.{name}" for name in names if name not in tables}
+        for law in system.laws.values():
+            tables |= {name: f"friction.{name}" for name in law.parameters if name not in tables}
+    tables |= {name: f"run.{name}" for name in RUN}
+    tables |= {"centre_at_rest": "initial.centre_at_rest", "law": "friction.law", "friction": "friction.law"}
+    tables |= {"system": "system", "form": "form"}
+    return tables.get(word) or tables.get(word.rpartition(".")[2])

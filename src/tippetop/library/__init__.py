@@ -1,0 +1,1 @@
+"""What `import tippetop` offers: bodies, laws and runs as objects, and the calls that take them."""

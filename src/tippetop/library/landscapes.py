@@ -1,0 +1,246 @@
+"""Potential and minimal surface of a top, said in Python: the body first, the momenta by their letters."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
+from ..landscape import marked_lines as lines_of
+from ..landscape import potential as potential_of
+from ..landscape import surface, turning
+from ..mechanics.systems import find
+from .bodies import Top
+from .run import Run
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Body = Top | Run | Mapping[str, float]
+
+
+def minimal_surface(
+    top: Body,
+    first: Any = None,
+    second: Any = None,
+    system: str | None = None,
+    *,
+    D: Any = None,
+    lam: Any = None,
+    L3: Any = None,
+    Lz: Any = None,
+    gradient: bool = True,
+    threads: int | None = None,
+) -> "xr.Dataset":
+    """The minimal surface F = inf V over a grid of the two momenta, with where and how it is taken.
+
+    Parameters
+    ----------
+    top : TippeTop, HeavyTop, Run or mapping
+        The body; a mapping of parameters in SI units is that of `system`.
+    D, lam : float or array, ascending
+        Of a tippe top: Routh's function D [kg m^2/s] and Jellett's integral lambda [kg m^3/s].
+    L3, Lz : float or array, ascending
+        Of a heavy top: the angular momenta [kg m^2/s] about the axis and, at the tip, about the vertical.
+    first, second
+        The two by position.
+    gradient : bool
+        Whether dF/dD and dF/dlambda come along.
+    threads : int, optional
+        How many threads compute.
+
+    Returns
+    -------
+    xarray.Dataset
+        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)]; each (first, second).
+
+    Raises
+    ------
+    ValueError
+        If an axis is empty or does not ascend; InputError if a momentum is missing.
+
+    Notes
+    -----
+    F is good to 4 units of rounding. Rutstam (2010), eq. 4.13. `status`: attained; at_lower_end, at_upper_end (an
+    infimum that is approached at a pole); lower_of_two; unsettled; undefined.
+    """
+    parameters, name = _body(top, system)
+    x, y = _momenta(name, first, second, D, lam, L3, Lz)
+    return surface.minimal_surface(parameters, x, y, name, gradient=gradient, threads=threads)
+
+
+def potential(
+    top: Body,
+    z: Any,
+    first: Any = None,
+    second: Any = None,
+    system: str | None = None,
+    *,
+    D: Any = None,
+    lam: Any = None,
+    L3: Any = None,
+    Lz: Any = None,
+) -> "xr.Dataset":
+    """The effective potential V(z) [J] and its derivatives by z, over a grid.
+
+    Parameters
+    ----------
+    top : TippeTop, HeavyTop, Run or mapping
+        The body; a mapping of parameters in SI units is that of `system`.
+    z : float or array, ascending
+        cos(theta), in (-1, 1).
+    D, lam, L3, Lz, first, second
+        As for `minimal_surface`.
+
+    Returns
+    -------
+    xarray.Dataset
+        V, V_z, V_zz [J], each (z, first, second); dimensions of length one are dropped. NaN outside (-1, 1).
+
+    Raises
+    ------
+    ValueError
+        If an axis is empty or does not ascend; InputError if a momentum is missing.
+
+    Notes
+    -----
+    Rutstam (2010), eqs. 4.12, 2.38, 5.26. No digits are lost near the poles.
+    """
+    parameters, name = _body(top, system)
+    x, y = _momenta(name, first, second, D, lam, L3, Lz)
+    return potential_of.potential(parameters, z, x, y, name)
+
+
+def turning_angles(
+    top: Body,
+    first: Any = None,
+    second: Any = None,
+    energy: Any = None,
+    system: str | None = None,
+    *,
+    D: Any = None,
+    lam: Any = None,
+    L3: Any = None,
+    Lz: Any = None,
+) -> "xr.Dataset":
+    """The two angles where V = E~, the period of nutation between them, and that of small nutations.
+
+    Parameters
+    ----------
+    top : TippeTop, HeavyTop, Run or mapping
+        The body; a mapping of parameters in SI units is that of `system`.
+    D, lam, L3, Lz, first, second
+        As for `minimal_surface`, but of any shape: they are broadcast against one another and against the energy.
+    energy : float or array
+        The modified energy E~ [J].
+
+    Returns
+    -------
+    xarray.Dataset
+        theta_min <= theta_star <= theta_max [rad], F [J], period and small_period [s], level (above, touching, below,
+        undefined), of the broadcast shape.
+
+    Raises
+    ------
+    InputError
+        If a momentum or the energy is missing.
+
+    Notes
+    -----
+    Rutstam (2010), eqs. 4.12 and 4.21.
+    """
+    parameters, name = _body(top, system)
+    x, y = _momenta(name, first, second, D, lam, L3, Lz)
+    if energy is None:
+        raise InputError(["`energy` must be given, but is missing."])
+    return turning.turning_angles(parameters, x, y, energy, name)
+
+
+def band(
+    run: Run | Mapping[str, float], trajectory: "xr.Dataset | None" = None, system: str | None = None
+) -> "xr.Dataset":
+    """The nutational band along a run, as the main equation predicts it from D(t), lambda and E~(t).
+
+    Parameters
+    ----------
+    run : Run
+        Of a tippe top or heavy top. (Or parameters, then its trajectory, and the name of the system.)
+
+    Returns
+    -------
+    xarray.Dataset
+        Along `time`: theta_min, theta_max, theta_star, theta [rad], F [J], period, small_period [s].
+
+    Raises
+    ------
+    ValueError
+        If the system has no such landscape.
+
+    Notes
+    -----
+    Rutstam (2010), eqs. 4.21 and 5.26.
+    """
+    parameters, name = _body(run, system)
+    if trajectory is None:
+        if not isinstance(run, Run):
+            raise InputError(["`trajectory` must be given where the first argument is no Run, but is missing."])
+        trajectory = run.trajectory
+    return turning.band(parameters, trajectory, name)
+
+
+def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
+    """The spinning states theta = 0, pi of a tippe top, as lines on the minimal surface.
+
+    Parameters
+    ----------
+    top : TippeTop, Run or mapping
+        The body.
+    lam : float or array, ascending
+        Jellett's integral [kg m^3/s].
+
+    Returns
+    -------
+    xarray.Dataset
+        D [kg m^2/s], E [J], omega3 [rad/s] and whether the state lies on the surface, each (end, lambda).
+
+    Raises
+    ------
+    ValueError
+        If the axis is empty or does not ascend.
+
+    Notes
+    -----
+    Rutstam (2010), eqs. 4.23-4.28.
+    """
+    return lines_of.marked_lines(_body(top, None)[0], lam)
+
+
+def _body(top: Body, system: str | None) -> tuple[Mapping[str, float], str]:
+    """Parameters and name of the system."""
+    if isinstance(top, Top):
+        return top.numbers(), system or top.gliding
+    if isinstance(top, Run):
+        return top.attributes["parameters"], system or top.attributes["system"]
+    if isinstance(top, Mapping):
+        return top, system or "tippe-top"
+    raise InputError(
+        [f"the body must be a TippeTop, a HeavyTop, a Run or a mapping of parameters, but is {top!r:.60}."]
+    )
+
+
+def _momenta(system: str, first: Any, second: Any, D: Any, lam: Any, L3: Any, Lz: Any) -> tuple[Any, Any]:
+    """The two momenta, given by their letters or by position."""
+    tippe_tops, heavy_tops = {"D": D, "lam": lam}, {"L3": L3, "Lz": Lz}
+    record = find(system)
+    heavy = record is not None and record.landscape is not None and "L3" in record.landscape.symbols
+    letters, others = (heavy_tops, tippe_tops) if heavy else (tippe_tops, heavy_tops)
+    known = " and ".join(letters)
+    sentences = [f"`{name}` is no momentum of {system}: it has {known}." for name, v in others.items() if v is not None]
+    found = []
+    for (name, by_letter), by_place in zip(letters.items(), (first, second), strict=True):
+        if (by_letter is None) == (by_place is None):
+            how = "missing" if by_letter is None else "given twice"
+            sentences.append(f"`{name}` must be given once, but is {how}.")
+        found.append(by_place if by_letter is None else by_letter)
+    if sentences:
+        raise InputError(sentences)
+    return found[0], found[1]

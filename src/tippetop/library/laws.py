@@ -1,0 +1,229 @@
+"""Friction laws as checked frozen records: F_h = -k g_n v_A, with v_A the velocity of the contact point."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+from ..errors import InputError
+from ..mechanics.friction import Law
+from ..mechanics.system import System
+from ..mechanics.systems import SYSTEMS, load_entry_points
+from ..scenario.numbers import checked
+
+
+@dataclass(frozen=True)
+class Friction:
+    """A friction law with its numbers, checked when it is made; `law` is its name in `[friction] law`."""
+
+    law: ClassVar[str]
+    known_to: ClassVar[str] = "gliding-cylinder"  # it takes every law
+
+    def __post_init__(self) -> None:
+        given = {f.name: getattr(self, f.name) for f in fields(self)}
+        for name, value in checked("friction", self._law().parameters, given).items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def _law(cls) -> Law:
+        return SYSTEMS[cls.known_to].laws[cls.law]
+
+    def numbers(self) -> dict[str, float]:
+        """The numbers by name, in SI units."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def record(self) -> Any:
+        """The record that formulas take."""
+        return self._law().record(**self.numbers())
+
+
+@dataclass(frozen=True)
+class Viscous(Friction):
+    """Viscous friction, F = -mu g_n v_A: the law of the source.
+
+    Parameters
+    ----------
+    mu : float
+        Friction coefficient [s/m], at least 0.
+
+    Raises
+    ------
+    InputError
+        If mu is not a number that is at least 0.
+
+    Notes
+    -----
+    Rutstam (2010), eq. 3.1.
+    """
+
+    mu: float
+
+    law: ClassVar[str] = "viscous"
+
+
+@dataclass(frozen=True)
+class Coulomb(Friction):
+    """Dry friction, F = -mu g_n v_A/sqrt(|v_A|^2 + eps^2).
+
+    Parameters
+    ----------
+    mu : float
+        Friction coefficient, without unit, at least 0.
+    eps : float
+        Regularisation speed [m/s], positive; it decides when a top inverts.
+
+    Raises
+    ------
+    InputError
+        With one sentence for every number that is wrong.
+    """
+
+    mu: float
+    eps: float
+
+    law: ClassVar[str] = "coulomb"
+
+
+@dataclass(frozen=True)
+class Mixed(Friction):
+    """Viscous and dry friction together, F = -[mu + mu_coulomb/sqrt(|v_A|^2 + eps^2)] g_n v_A.
+
+    Parameters
+    ----------
+    mu : float
+        Viscous friction coefficient [s/m], at least 0.
+    mu_coulomb : float
+        Dry friction coefficient, without unit, at least 0.
+    eps : float
+        Regularisation speed [m/s], positive.
+
+    Raises
+    ------
+    InputError
+        With one sentence for every number that is wrong.
+
+    Notes
+    -----
+    Or, A. C.: The dynamics of a tippe top. SIAM J. Appl. Math. 54 (1994).
+    """
+
+    mu: float
+    mu_coulomb: float
+    eps: float
+
+    law: ClassVar[str] = "mixed"
+
+
+@dataclass(frozen=True)
+class Stribeck(Friction):
+    """Dry friction that weakens with speed: mu_static at rest falls to mu over the speed v_s.
+
+    Parameters
+    ----------
+    mu, mu_static : float
+        Friction coefficient at high speed and at rest, without unit, at least 0.
+    v_s : float
+        Stribeck speed [m/s], positive.
+    eps : float
+        Regularisation speed [m/s], positive.
+
+    Raises
+    ------
+    InputError
+        With one sentence for every number that is wrong.
+
+    Notes
+    -----
+    Stribeck, R. (1902).
+    """
+
+    mu: float
+    mu_static: float
+    v_s: float
+    eps: float
+
+    law: ClassVar[str] = "stribeck"
+
+
+@dataclass(frozen=True)
+class Latitude(Friction):
+    """Viscous friction of a body of two materials, linear in cos(theta) between them.
+
+    Parameters
+    ----------
+    mu : float
+        Coefficient on the heavy cap [s/m] (contact at cos(theta) = 1), at least 0.
+    mu_stem : float
+        Coefficient on the side of the stem [s/m] (contact at cos(theta) = -1), at least 0.
+
+    Raises
+    ------
+    InputError
+        With one sentence for every number that is wrong.
+    """
+
+    mu: float
+    mu_stem: float
+
+    law: ClassVar[str] = "latitude"
+
+
+@dataclass(frozen=True)
+class Modified(Friction):
+    """The modified reaction of a cylinder: F = m (1 - kappa) s_z'' zhat + m kappa s''_rolling + m g zhat - mu v_A.
+
+    Parameters
+    ----------
+    mu : float
+        Friction coefficient [kg/s], at least 0.
+    v_k : float
+        Speed [m/s], positive, at which kappa = 1/(1 + v_A^2/v_k^2) is one half.
+
+    Raises
+    ------
+    InputError
+        With one sentence for every number that is wrong.
+
+    Notes
+    -----
+    Rutstam (2010), eq. 6.18; the family kappa is ours, the source leaves it open.
+    """
+
+    mu: float
+    v_k: float
+
+    law: ClassVar[str] = "modified"
+
+
+@dataclass(frozen=True)
+class Frictionless(Friction):
+    """No friction: the plane pushes vertically only. `[friction] law = "none"`.
+
+    Notes
+    -----
+    Not to be confused with pure rolling, where the contact point is at rest: that is another system.
+    """
+
+    law: ClassVar[str] = "none"
+
+
+def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
+    """The table [friction] of a law: one of these records, or a record of a law that is registered among `laws`.
+
+    Raises InputError."""
+    if isinstance(law, Friction):
+        return {"law": law.law, **law.numbers()}
+    load_entry_points()
+    for name, known in laws.items():
+        if isinstance(law, tuple) and type(law) is known.record:
+            return {"law": name, **dict(zip(known.parameters, law, strict=True))}
+    kind = type(law).__name__
+    raise InputError([f"the friction law {kind} must be registered: tippetop.register(Law({kind}, ...))."])
+
+
+def record_of(law: Any, system: System) -> Any:
+    """The record that formulas take, of a law as `table_of` takes it."""
+    if isinstance(law, Friction):
+        return law.record()
+    numbers = table_of(law, system.laws)
+    known = system.laws[numbers.pop("law")]
+    return known.record(**checked("friction", known.parameters, numbers))

@@ -1,0 +1,74 @@
+"""Many tops of one scenario, said in Python."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..ensembles import ensemble as ensembles
+from ..errors import InputError
+from ..mechanics.system import System
+from ..problem import Problem
+from .bodies import Top
+from .scenarios import problem_of
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def ensemble(
+    source: Top | str | Path | System | Mapping[str, Any] | Problem,
+    variations: Mapping[str, Any],
+    friction: Any = None,
+    *,
+    until: float | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | bool = False,
+    **scenario: Any,
+) -> "xr.Dataset":
+    """Integrates many tops at once, which differ in numbers only: a row of results per top.
+
+    Parameters
+    ----------
+    source, friction, until
+        What they have in common, as for `run`.
+    variations : mapping of str to array, (n,) each
+        What varies, in SI units: `dict(omega3=..., mu=...)`. A name that stands in several tables is written with its
+        table, `"friction.mu"`; `"until"` varies the end of the run.
+    threads : int, optional
+        How many threads compute; by default one per usable core.
+    progress : callable or bool
+        `progress(done, of)` counts tops; True draws a bar.
+    **scenario
+        Further arguments of `run` that say what the tops have in common: start, parameters, system, ...
+
+    Returns
+    -------
+    xarray.Dataset
+        Along `top`, (n,): status, class, t_end [s], times of passages [s], theta_min, theta_max [rad],
+        normal_force_min, normal_force_max [N], drift of the invariants; what varies is its coordinates. Invalid tops
+        have the status `invalid`; what is wrong with the first of them stands in the attributes.
+
+    Raises
+    ------
+    InputError
+        If the scenario, or a name or shape of what varies, is wrong.
+
+    Examples
+    --------
+    >>> import numpy as np, tippetop as tt
+    >>> tt.ensemble("inverting", {"omega3": np.linspace(100, 200, 64)}, until=8.0)
+    """
+    base = source if isinstance(source, Problem) else problem_of(source, friction, until=until, **scenario)
+    if not isinstance(variations, Mapping):
+        raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])
+    dotted, sentences = {}, []
+    known = list(ensembles.known(base))
+    for name, values in variations.items():
+        fits = [key for key in known if key == name or key.partition(".")[2] == name]
+        if len(fits) > 1:
+            sentences.append(f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables.")
+        dotted[fits[0] if fits else name] = values
+    if sentences:
+        raise InputError(sentences)
+    return ensembles.of_problem(base, dotted, threads=threads, progress=progress)

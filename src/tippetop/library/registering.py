@@ -1,0 +1,41 @@
+"""Systems and friction laws of one's own, known by name from then on."""
+
+from typing import Any
+
+from ..mechanics import friction, systems
+from ..mechanics.friction import Law
+from ..mechanics.system import System
+
+
+def register(record: System | Law, name: str | None = None) -> Any:
+    """Makes a system or a friction law of your own known by name: to TOML, presets, `check`, `run` and sweeps.
+
+    Parameters
+    ----------
+    record : System or Law
+        The record.
+    name : str, optional
+        The name of a law, `[friction] law = "..."`; by default that of its record in lower case. A system has its own.
+
+    Returns
+    -------
+    System or Law
+        The record.
+
+    Raises
+    ------
+    ValueError
+        If the name is taken, or a law has no coefficient.
+
+    Notes
+    -----
+    A package does the same for the command line with entry points: the group `tippetop.systems` names System records,
+    `tippetop.friction` names laws.
+    """
+    if isinstance(record, System):
+        systems.add(record)
+    elif isinstance(record, Law):
+        friction.add(name or record.record.__name__.lower(), record)
+    else:
+        raise ValueError(f"Argument `record` must be a System or a Law, but is {record!r:.60}.")
+    return record

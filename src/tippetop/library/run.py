@@ -1,0 +1,272 @@
+"""A finished run as the user holds it, in memory or in a store: tables, summary, figures, representations."""
+
+import html
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
+from ..mechanics.systems import find
+from ..problem import Problem
+from ..runs import attributes, results
+from ..runs.certificate import certificate
+from ..runs.results import Record, Summary
+from ..runs.run import Solution
+from ..runs.summary import lines
+from ..scenario import build
+from ..store import chunks, root
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from ..mechanics.system import System
+
+
+class Run:
+    """A finished run. `tippetop.run` makes one, `tippetop.open` opens one that was stored.
+
+    Attributes
+    ----------
+    trajectory : xarray.Dataset
+        The rows along `time` [s]: angles, quantities, vectors; SI units.
+    events : xarray.Dataset
+        The event log along `event`: time [s], kind, theta [rad], amplitude [rad], whether it is significant.
+    summary : Summary
+        What the run amounts to, as `tippetop info --json` prints it.
+    drift : Record
+        Of each invariant, the largest relative deviation from its start.
+    final : xarray.Dataset
+        The integrated variables at the end, SI units.
+    problem : Problem
+        What was integrated.
+    attributes : dict
+        The root attributes of its store.
+    solution : Solution
+        The rows and events as the integrator gave them, in internal units.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> run = tt.run("inverting", until=8.0)
+    >>> run.trajectory.theta.plot()
+    >>> run.save("inverting.zarr")
+    """
+
+    def __init__(self, solution: Solution):
+        self.solution = solution
+
+    @property
+    def problem(self) -> Problem:
+        """What was integrated."""
+        return self.solution.problem
+
+    @cached_property
+    def attributes(self) -> dict[str, Any]:
+        """The root attributes of its store: scenario, what was measured, provenance."""
+        s = self.solution
+        return root.finite(attributes.attributes(s.problem, s.status, s.reason, s.final, s.report))
+
+    @cached_property
+    def _datasets(self) -> "dict[str, xr.Dataset]":
+        return {name: made.assign_attrs(self.attributes) for name, made in attributes.datasets(self.solution).items()}
+
+    @property
+    def trajectory(self) -> "xr.Dataset":
+        """The rows along `time` [s], in SI units."""
+        return self._datasets["trajectory"]
+
+    @property
+    def events(self) -> "xr.Dataset":
+        """The event log along `event`, in SI units."""
+        return self._datasets["events"]
+
+    @cached_property
+    def summary(self) -> Summary:
+        """What the run amounts to, as `tippetop info --json` prints it."""
+        return results.summary_of(self.attributes, self._problem())
+
+    def _problem(self) -> Problem | None:
+        """The problem, where it is at hand without being built again."""
+        return self.solution.problem
+
+    @property
+    def drift(self) -> Record:
+        """Of each invariant, the largest relative deviation from its start."""
+        return Record(self.attributes["report"]["drift"])
+
+    @cached_property
+    def final(self) -> "xr.Dataset":
+        """The integrated variables at the end, in SI units; they are without dimension in the sense of xarray."""
+        import xarray as xr
+
+        system = self._system()
+        units = system.forms[self.attributes["form"]].units._asdict() if system else {}
+        return xr.Dataset(
+            {
+                name: ((), value, {"units": units[name].symbol} if name in units else {})
+                for name, value in self.attributes["final_state"].items()
+            },
+            {"time": ((), self.attributes["report"]["t_end"], {"units": "s", "long_name": "time"})},
+        )
+
+    def _system(self) -> "System | None":
+        return self.problem.system
+
+    def to_datatree(self) -> "xr.DataTree":
+        """Trajectory and events as the groups of one tree.
+
+        Returns
+        -------
+        xarray.DataTree
+            With the children `trajectory` and `events`, and the root attributes of the store.
+        """
+        import xarray as xr
+
+        tables = {"trajectory": self.trajectory, "events": self.events}
+        return xr.DataTree.from_dict(
+            {"/": xr.Dataset(attrs=self.attributes), **{name: t.drop_attrs(deep=False) for name, t in tables.items()}}
+        )
+
+    def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Writes the run as a store: the files that `tippetop run --out` would have written.
+
+        Parameters
+        ----------
+        path : path-like
+            Where the store shall be; usually it ends with `.zarr`.
+        overwrite : bool
+            Whether a store of tippetop that is there is replaced.
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        StoreError
+            If something is there already, or cannot be written.
+        """
+        from ..runs import saving
+
+        saving.save(self.solution, self.attributes, path, overwrite=overwrite)
+        return Path(path)
+
+    def plot(self, kind: str = "theta", path: str | Path | None = None) -> "Figure":
+        """Draws the run.
+
+        Parameters
+        ----------
+        kind : str
+            theta, normal-force, drift, growth, sphere, energy, phase, band, surface, potential or inversion.
+        path : path-like, optional
+            A file to write as well; its ending (.png, .svg, .pdf) names the format.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If there is no such figure, or the run has not what it shows.
+        StoreError
+            If the file cannot be written.
+        """
+        from ..figures import catalogue
+
+        catalogue.check_kind(kind)
+        figure = catalogue.drawn(kind, self._for_figures(), self.attributes)
+        if path is not None:
+            catalogue.written(figure, Path(path))
+        return figure
+
+    def _for_figures(self) -> dict[str, Any]:
+        return {"trajectory": self.trajectory, "events": self.events}
+
+    def certify(self, window: float | None = None) -> Record:
+        """Repeats the run in this and in wider numbers, and compares the two.
+
+        Parameters
+        ----------
+        window : float, optional
+            Compare the first so many seconds only.
+
+        Returns
+        -------
+        Record
+            `against` (the wider precision), `window` [s], the largest difference of `theta` [rad] and of its end,
+            whether both end the same way, and of the times of shared turnings [s]. It joins the summary.
+        """
+        found = root.finite(certificate(self.problem, window))
+        self.attributes["certificate"] = found
+        self.__dict__.pop("summary", None)
+        return Record(found)
+
+    def __repr__(self) -> str:
+        attrs = self.attributes
+        return f"<Run of {attrs['system']}: {attrs['reason']}, {attrs['report']['steps']} steps>"
+
+    @property
+    def _headline(self) -> str:
+        return attributes.headline_of(self.attributes)
+
+    def _lines(self) -> list[tuple[str, str]]:
+        return lines(self.summary, self.solution.seconds)
+
+    def __str__(self) -> str:
+        return "\n".join([self._headline, *(f"{name:16}{text}" for name, text in self._lines())])
+
+    def _repr_html_(self) -> str:
+        """The run as a table, for notebooks."""
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
+            for name, text in self._lines()
+        )
+        return f"<b>{html.escape(self._headline)}</b><table>{rows}</table>"
+
+
+class StoredRun(Run):
+    """A run in a store, finished or not: a `Run` whose tables are read when needed."""
+
+    def __init__(self, path: str | Path):
+        self.path = Path(path)
+        self.attributes  # noqa: B018 - raises StoreError if there is none
+
+    @property
+    def solution(self) -> Solution:  # type: ignore[override]
+        """Not kept in a store."""
+        raise AttributeError("a stored run has labelled tables only: see trajectory and events")
+
+    @cached_property
+    def problem(self) -> Problem:
+        """What was integrated, built again from the store. Raises InputError if this process does not know it."""
+        return build.problem(build.tables_of(self.attributes))
+
+    @cached_property
+    def attributes(self) -> dict[str, Any]:
+        """The root attributes of the store."""
+        return root.attributes(self.path)
+
+    @cached_property
+    def _datasets(self) -> "dict[str, xr.Dataset]":
+        return {name: root.open_group(self.path, name).set_coords("time") for name in ("trajectory", "events")}
+
+    def _problem(self) -> Problem | None:
+        return None
+
+    def _system(self) -> "System | None":
+        return find(self.attributes["system"])
+
+    def _for_figures(self) -> dict[str, Any]:
+        return {name: chunks.digest(self.path, name, "theta") for name in ("trajectory", "events")}
+
+    def _lines(self) -> list[tuple[str, str]]:
+        return lines(self.summary)
+
+    def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """A stored run is saved already. Raises InputError."""
+        raise InputError([f"the run is in the store `{self.path}` already: copy that."])

@@ -1,0 +1,244 @@
+"""The calls that make a run, and the one that opens what was stored."""
+
+import contextlib
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from ..mechanics.system import Event, Quantity, System
+from ..problem import Problem
+from ..progress import Bar
+from ..runs.run import solve
+from ..store import root
+from .bodies import Top
+from .laws import Friction
+from .run import Run, StoredRun
+from .scenarios import problem_of
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def run(
+    source: Top | str | Path | System | Mapping[str, Any] | Problem,
+    friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
+    *,
+    start: Mapping[str, Any] | None = None,
+    initial: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    system: str | System | None = None,
+    form: str | None = None,
+    until: float | None = None,
+    output_step: float | None = None,
+    output_times: Sequence[float] | np.ndarray | None = None,
+    output: Literal["times", "events", "steps"] | None = None,
+    events: Iterable[str | Event] | None = None,
+    columns: Iterable[Quantity] = (),
+    precision: Literal["double", "longdouble", "quad"] | None = None,
+    tolerance: float | None = None,
+    on_liftoff: Literal["stop", "continue"] | None = None,
+    stop_when: Literal["until", "settled"] | None = None,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    progress: bool = False,
+    stop: threading.Event | None = None,
+) -> Run:
+    """Integrates one top.
+
+    Parameters
+    ----------
+    source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
+        A body; or the name of a preset, or a TOML file; or a System with `parameters`; or the tables of a scenario.
+        A body with a friction law glides. Without one, a HeavyTop has its tip fixed and a Cylinder rolls; a TippeTop
+        must have one, unless `system="rolling-tippe-top"`.
+    friction : law, mapping or list of str, optional
+        A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace those of the
+        source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command line's `--set` takes them.
+    start, initial : mapping, optional
+        The start, over that of the source: theta, phi [rad], theta_dot, phi_dot, omega3, psi_dot [rad/s],
+        nu_x, nu_y [m/s], x, y [m], centre_at_rest; what is not named is zero. The two are the same.
+    parameters : mapping, optional
+        Numbers of the body that replace those of the source, SI units.
+    system : str or System, optional
+        Another system than that of the source.
+    form : str, optional
+        The form of the equations: vector (the default), euler, reduced, ...
+    until : float
+        End of the run [s]; a preset has one.
+    output_step, output_times, output
+        When rows are wanted: every so many seconds; at these times [s], (n,), ascending; or at the "events", or the
+        ends of the "steps". By default 1001 rows.
+    events : iterable of str or Event, optional
+        Names of the kinds that are logged, by default all; an Event is one of your own, and is added to the system.
+    columns : iterable of Quantity
+        Columns of your own, functions of the scalars of a state.
+    precision : str, optional
+        double, longdouble (80 bits) or quad (113 bits).
+    tolerance : float, optional
+        Of the integrator, relative; by default the rounding unit.
+    on_liftoff : str, optional
+        Whether the run stops where the normal force falls to zero ("stop"), or continues.
+    stop_when : str, optional
+        "settled" ends a run when sliding has died.
+    out : path, optional
+        A store that is written as the run goes: for runs that exceed memory. The result is then a StoredRun.
+    overwrite : bool
+        Whether a store that is at `out` is replaced.
+    progress : bool
+        Whether a bar is drawn in a terminal.
+    stop : threading.Event, optional
+        With `out`: set it, in a signal handler or another thread, and the run stops so that `resume` continues it.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    InputError
+        With one sentence for everything that is wrong.
+    StoreError
+        If `out` cannot be written.
+    Interrupted
+        If `stop` was set.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
+    >>> tt.run(top, tt.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
+    >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
+    """
+    problem = (
+        source
+        if isinstance(source, Problem)
+        else problem_of(
+            source,
+            friction,
+            start=start,
+            initial=initial,
+            parameters=parameters,
+            system=system,
+            form=form,
+            events=events,
+            columns=columns,
+            until=until,
+            output_step=output_step,
+            output_times=output_times,
+            output=output,
+            precision=precision,
+            tolerance=tolerance,
+            on_liftoff=on_liftoff,
+            stop_when=stop_when,
+        )
+    )
+    if out is None:
+        return integrate(problem, progress=progress)
+    from ..runs.recording import record
+
+    with _following(progress) as follow:
+        record(problem, Path(out), overwrite=overwrite, progress=follow, stop=stop)
+    return StoredRun(out)
+
+
+def integrate(problem: Problem, *, progress: bool = False) -> Run:
+    """Integrates a checked Problem in memory.
+
+    Parameters
+    ----------
+    problem : Problem
+        As `load` gives it.
+    progress : bool
+        Whether a bar is drawn in a terminal.
+
+    Returns
+    -------
+    Run
+    """
+    with _following(progress) as follow:
+        return Run(solve(problem, follow))
+
+
+@contextlib.contextmanager
+def _following(progress: bool) -> Iterator[Callable[[Any], None] | None]:
+    """What is called after every slice: it moves a bar, if one is wanted."""
+    if not progress:
+        yield None
+        return
+    with Bar("s", "t = {done:.4g} s") as bar:
+        yield lambda integration: bar.update(integration.t_end, integration.problem.until)
+
+
+def open(path: str | Path) -> "Run | xr.Dataset":
+    """Opens a store of any kind; nothing is read before it is needed.
+
+    Parameters
+    ----------
+    path : path-like
+        The store of a run, a sweep, a minimal surface or a potential.
+
+    Returns
+    -------
+    StoredRun or xarray.Dataset
+        A run as a StoredRun; a sweep as a Dataset with a row per top (`gridded` gives it the axes of the plan), a
+        surface or potential as a Dataset over its axes.
+
+    Raises
+    ------
+    StoreError
+        If there is no store of tippetop.
+    """
+    content = root.attributes(path).get("content")
+    if content is None:
+        return StoredRun(path)
+    if content == "sweep":
+        from ..sweeps.summary import open_sweep
+
+        return open_sweep(path)
+    return root.open_group(path, content)
+
+
+def resume(path: str | Path, *, stop: threading.Event | None = None) -> StoredRun:
+    """Continues an interrupted run of a store to its end: bit by bit as if it had not been interrupted.
+
+    Parameters
+    ----------
+    path : path-like
+        The store.
+    stop : threading.Event, optional
+        As for `run`.
+
+    Returns
+    -------
+    StoredRun
+
+    Raises
+    ------
+    StoreError
+        If the run is finished, or another process writes it.
+    Interrupted
+        If `stop` was set.
+    """
+    from ..runs import recording
+
+    recording.resume(Path(path), stop=stop)
+    return StoredRun(path)
+
+
+def datasets(run: Run) -> "dict[str, xr.Dataset]":
+    """The tables of a run by name.
+
+    Parameters
+    ----------
+    run : Run
+
+    Returns
+    -------
+    dict of xarray.Dataset
+        `trajectory` and `events`.
+    """
+    return {"trajectory": run.trajectory, "events": run.events}

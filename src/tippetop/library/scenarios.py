@@ -1,0 +1,194 @@
+"""What is said in Python becomes the tables of a scenario, and a checked Problem."""
+
+import os
+import re
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import Any
+
+from ..errors import InputError
+from ..mechanics.system import Event, Quantity, System
+from ..problem import Problem
+from ..scenario import build, reading
+from ..scenario.numbers import plain
+from .bodies import Top
+from .laws import table_of
+
+
+OUTPUT = ("output", "output_step", "output_times")  # one of them says when rows are wanted
+
+
+def problem_of(
+    source: Any,
+    friction: Any = None,
+    *,
+    start: Mapping[str, Any] | None = None,
+    initial: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    system: str | System | None = None,
+    form: str | None = None,
+    events: Iterable[str | Event] | None = None,
+    columns: Iterable[Quantity] = (),
+    until: Any = None,
+    **run: Any,
+) -> Problem:
+    """The checked Problem of what `run` takes. Raises InputError."""
+    named, own = _events(events)
+    try:
+        tables, record = _tables(source, system, friction)
+        chosen = record or build.system_of(tables)
+        if isinstance(friction, list | tuple) and not hasattr(friction, "_fields"):
+            tables = _assigned(tables, friction)
+        elif isinstance(friction, Mapping):
+            _merge_dotted(tables, plain(friction))
+        elif friction is not None:
+            tables["friction"] = plain(table_of(friction, chosen.laws))
+        _merge(tables, "parameters", parameters)
+        for name, given in (("start", start), ("initial", initial)):
+            if given is not None and not isinstance(given, Mapping):
+                raise InputError([f"`{name}` must be a mapping such as dict(theta=0.1), but is {given!r}."])
+            _start(tables, given or {})
+        if form is not None:
+            tables["form"] = form
+        if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
+            raise InputError([_needs_law(source)])
+        _options(tables, until, {**run, **({"events": named} if named else {})})
+        chosen = extended(chosen, own, tuple(columns))
+        if own and not named and "events" in tables.get("run", {}):
+            tables["run"]["events"] = [*tables["run"]["events"], *(event.name for event in own)]
+        return build.problem(tables, chosen)
+    except InputError as error:
+        raise InputError([_in_python(sentence) for sentence in error.sentences]) from None
+
+
+@lru_cache(maxsize=64)
+def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
+    """The system with more events and columns; the same record for the same ones, so that it is compiled once."""
+    if not events and not columns:
+        return system
+    known = {
+        *(event.name for event in system.events),
+        *(quantity.name for quantity in system.quantities),
+        *system.angles._fields,
+        *system.vectors,
+        "time",
+    }
+    names = [*(event.name for event in events), *(quantity.name for quantity in columns)]
+    faults = [f"`{name}` must be a new name, but `{system.name}` has it." for name in names if name in known]
+    if faults:
+        raise InputError(faults)
+    return system.replace(events=(*system.events, *events), quantities=(*system.quantities, *columns))
+
+
+def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[dict[str, Any], System | None]:
+    """The tables that the source gives, and the record of its system where that need not be the registered one."""
+    record = system if isinstance(system, System) else None
+    if isinstance(source, Top):
+        own = source.system(gliding=friction is not None or source.gliding == "tippe-top")
+        tables: dict[str, Any] = {"system": own.name, "parameters": source.numbers()}
+    elif isinstance(source, System):
+        record, tables = record or source, {"system": source.name}
+    elif isinstance(source, Mapping):
+        tables = plain(source)
+    elif isinstance(source, str | os.PathLike):
+        tables = reading.override(reading.read(os.fspath(source)), [])
+    else:
+        raise InputError(
+            [
+                "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a preset, a TOML file, "
+                f"the tables of a scenario or a System, but is {source!r:.60}."
+            ]
+        )
+    if system is not None and not isinstance(source, System):
+        tables["system"] = record.name if record else system
+        chosen = record or build.system_of(tables)
+        if not chosen.frictional:
+            tables.pop("friction", None)  # of the base: what is given beside it, is added later
+        if tables.get("form") not in chosen.forms:
+            tables.pop("form", None)
+    return tables, record
+
+
+def _events(events: Iterable[str | Event] | None) -> tuple[list[str], tuple[Event, ...]]:
+    """Names of the kinds to be logged, and events of one's own; if any is named, the own ones are logged too."""
+    given: list[Any] = [events] if isinstance(events, str | Event) else list(events or ())
+    own = tuple(event for event in given if isinstance(event, Event))
+    names: list[Any] = [event.name if isinstance(event, Event) else event for event in given]
+    return (names if len(own) < len(given) else []), own
+
+
+def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:
+    """The tables with `table.key=value` texts applied."""
+    for assignment in assignments:
+        if not isinstance(assignment, str):
+            raise InputError([f"the assignments must be texts `table.key=value`, but have {assignment!r:.60}."])
+    try:
+        return reading.override(tables, list(assignments))
+    except InputError as error:
+        words = (s.replace("--set must", "an assignment must").replace("--set ", "") for s in error.sentences)
+        raise InputError(list(words)) from None
+
+
+def _merge_dotted(tables: dict[str, Any], given: dict[str, Any]) -> None:
+    """Applies numbers of the friction law; keys with a dot name other tables."""
+    own = {key: value for key, value in given.items() if "." not in key}
+    for key in given.keys() - own.keys():
+        table, _, name = key.partition(".")
+        tables[table] = {**tables.get(table, {}), name: given[key]}
+    base = tables.get("friction", {})
+    keep = isinstance(base, dict) and own.get("law", base.get("law")) == base.get("law")
+    if own:
+        tables["friction"] = {**base, **own} if keep else own
+
+
+def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
+    if given is None:
+        return
+    if isinstance(given, Top):
+        given = given.numbers()
+    if not isinstance(given, Mapping):
+        raise InputError([f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}."])
+    tables[name] = {**tables.get(name, {}), **plain(given)}
+
+
+def _start(tables: dict[str, Any], given: Mapping[str, Any]) -> None:
+    """Applies initial data; what stands for another in the base goes."""
+    base = tables.get("initial", {})
+    if not isinstance(base, dict):  # the check of the scenario says so
+        return
+    base = dict(base)
+    for one, other in (("omega3", "psi_dot"), ("psi_dot", "omega3")):
+        if one in given and other not in given:
+            base.pop(other, None)
+    if given or base:
+        tables["initial"] = {**base, **plain(given)}
+
+
+def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
+    """Applies options of the run; those that are None are not given."""
+    given = {key: plain(value) for key, value in run.items() if value is not None}
+    base = tables.get("run", {})
+    if not isinstance(base, dict):  # the check of the scenario says so
+        return
+    if given.keys() & set(OUTPUT):
+        base = {key: value for key, value in base.items() if key not in OUTPUT}
+    tables["run"] = {**base, **given}
+    if until is not None:
+        until = plain(until)
+        times = base.get("output_times")
+        tables["run"]["until"] = until
+        if isinstance(times, list) and isinstance(until, int | float):
+            tables["run"]["output_times"] = [t for t in times if isinstance(t, int | float) and t <= until]
+
+
+def _needs_law(top: Top) -> str:
+    kind = type(top).__name__
+    return (
+        f"a {kind} that glides must have a friction law, such as Viscous(mu=0.3), but has none; "
+        f'system="{top.resting}" needs none.'
+    )
+
+
+def _in_python(sentence: str) -> str:
+    """A sentence about a scenario in the words of the call: options of the run are arguments."""
+    return re.sub(r"`run\.(\w+)", r"`\1", sentence.replace("run.until =", "until ="))

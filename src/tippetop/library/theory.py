@@ -1,0 +1,228 @@
+"""What theory says of a top: thresholds, regimes, modes, nutation, and the main equation solved along a run."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..engine.observables import Observables
+from ..errors import InputError
+from ..mechanics.theory import main_equation, modes, regimes
+from ..mechanics.theory import nutation as one_dimensional
+from ..mechanics.theory import thresholds as limits
+from ..mechanics.theory.nutation import Nutation
+from ..mechanics.theory.regimes import Regime
+from ..mechanics.theory.thresholds import Threshold
+from ..mechanics.units import RADIAN_PER_SECOND, SECOND
+from .bodies import HeavyTop, TippeTop, Top
+from .laws import record_of
+from .run import Run
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def thresholds(top: TippeTop | HeavyTop) -> dict[str, Threshold]:
+    """The numbers that separate the regimes of a top.
+
+    Parameters
+    ----------
+    top : TippeTop or HeavyTop
+
+    Returns
+    -------
+    dict of Threshold
+        By name, each with value, unit and long_name. Of a tippe top: lambda_u, lambda_s, lambda_de [kg m^3/s],
+        spin_upright, spin_inverted, spin_full [rad/s], gamma, gamma_c, gamma_plus. Of a heavy top: spin_sleeping
+        [rad/s].
+
+    Raises
+    ------
+    InputError
+        If the body is another one.
+
+    Notes
+    -----
+    Rutstam (2010), theorem 3.3.2, eqs. 4.29, 4.30, 5.54.
+    """
+    if isinstance(top, HeavyTop):
+        sleeping = limits.sleeping_spin(top.body())
+        return {"spin_sleeping": Threshold(sleeping, RADIAN_PER_SECOND, "upright spin of a fixed tip stable above")}
+    return limits.thresholds(_tippe_top(top))
+
+
+def regime(top: TippeTop, lam: float) -> Regime:
+    """Which asymptotic states of a gliding tippe top are stable for a value of Jellett's integral.
+
+    Parameters
+    ----------
+    top : TippeTop
+    lam : float
+        Jellett's integral lambda [kg m^3/s].
+
+    Returns
+    -------
+    Regime
+        upright, inverted: whether that spin is stable; tumbling, unstable: theta [rad] of the stable and unstable
+        tumbling states. `sentence()` says it in words.
+
+    Raises
+    ------
+    InputError
+        If the body is another one.
+
+    Notes
+    -----
+    Rutstam (2010), section 3.3.
+    """
+    return regimes.regime(float(lam), _tippe_top(top))
+
+
+def linear_modes(top: Top, law: Any = None, *, omega3: float, inverted: bool = False) -> np.ndarray:
+    """The rates p of u_x + i u_y ~ exp(p t) near a spinning state.
+
+    Parameters
+    ----------
+    top : TippeTop or HeavyTop
+    law : friction law, optional
+        With one, the contact glides; without, it is at rest (pure rolling, or a fixed tip).
+    omega3 : float
+        Spin about the axis [rad/s].
+    inverted : bool
+        Whether the state is theta = pi.
+
+    Returns
+    -------
+    ndarray of complex
+        Rates [1/s], fastest growth first: three of a gliding top, two of one whose contact is at rest.
+
+    Raises
+    ------
+    InputError
+        If the body spins in no such state, or the law is not known.
+    """
+    if not isinstance(top, TippeTop | HeavyTop):
+        raise InputError([f"the body must be a TippeTop or a HeavyTop, but is {top!r:.60}."])
+    if law is None:
+        return modes.rolling_modes(float(omega3), top.body(), inverted=inverted)
+    return modes.linear_modes(float(omega3), top.body(record_of(law, top.system())), inverted=inverted)
+
+
+def nutation(
+    top: TippeTop | HeavyTop,
+    *,
+    energy: float,
+    theta: float,
+    D: float | None = None,
+    lam: float | None = None,
+    L3: float | None = None,
+    Lz: float | None = None,
+) -> Nutation:
+    """The nutation between two turning angles, by quadrature in 80 bits.
+
+    Parameters
+    ----------
+    top : TippeTop or HeavyTop
+    energy : float
+        The modified energy E~ [J].
+    theta : float
+        An angle that the motion passes, or starts at [rad].
+    D, lam : float
+        Of a tippe top: Routh's function [kg m^2/s] and Jellett's integral [kg m^3/s].
+    L3, Lz : float
+        Of a heavy top: angular momenta [kg m^2/s].
+
+    Returns
+    -------
+    Nutation
+        theta_min, theta_max [rad] and period [s]; about 14 digits.
+
+    Raises
+    ------
+    InputError
+        If a momentum is missing.
+
+    Notes
+    -----
+    One point; `turning_angles` takes whole arrays. Rutstam (2010), eqs. 4.21, 2.38.
+    """
+    if not isinstance(top, TippeTop | HeavyTop):
+        raise InputError([f"the body must be a TippeTop or a HeavyTop, but is {top!r:.60}."])
+    given = (("D", D), ("lam", lam)) if isinstance(top, TippeTop) else (("Lz", Lz), ("L3", L3))
+    missing = [f"`{name}` must be given, but is missing." for name, value in given if value is None]
+    if missing:
+        raise InputError(missing)
+    system, b = top.system(), top.body()
+    momenta = [value for _, value in given]
+    assert system.potential is not None
+    assert system.theta_inertia is not None
+    inertia, potential = system.theta_inertia, system.potential
+    return one_dimensional.nutation(lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, float(theta))
+
+
+def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
+    """theta(t) of a run from D(t) and E~(t) alone: the main equation as an equation of motion.
+
+    Parameters
+    ----------
+    run : Run
+        Of a tippe top or heavy top that starts at a turning angle, with some hundred rows per nutation.
+    period : float, optional
+        A guess of the period of nutation [s]; by default twice the first turning time of the run.
+
+    Returns
+    -------
+    xarray.Dataset
+        `theta` [rad] along `time`, NaN after the last whole swing; `turning` [s], the times of the turnings; the
+        attribute `mismatch`, the worst disagreement of cos(theta) where pieces meet.
+
+    Raises
+    ------
+    InputError
+        If the system has no such equation, or the run no turnings.
+
+    Notes
+    -----
+    Rutstam (2010), eqs. 4.40 and 5.26.
+    """
+    import xarray as xr
+
+    problem, rows = run.problem, run.trajectory
+    system = problem.system
+    if len(system.momenta) != 2:
+        raise InputError([f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."])
+    log = run.events
+    turning = (log["kind"].values == 0) & log["significant"].values.astype(bool)
+    if period is None and not turning.any():
+        raise InputError(["`period` must be given where the run has no turnings, but is missing."])
+    guess = 2 * float(log["time"].values[turning][0]) if period is None else float(period)
+    units = {quantity.name: quantity.unit for quantity in system.quantities}
+    second = float(problem.scales.of(SECOND))
+    energy, *momenta = (
+        rows[name].values / float(problem.scales.of(units[name])) for name in ("modified_energy", *system.momenta)
+    )
+    found = main_equation.reconstruct(
+        system,
+        Observables(problem).body,
+        rows["time"].values / second,
+        momenta,
+        energy,
+        math.cos(float(rows["theta"][0])),
+        guess / second,
+    )
+    theta = {"units": "rad", "long_name": "theta by the main equation"}
+    return xr.Dataset(
+        {"theta": ("time", np.arccos(found.z), theta)},
+        {
+            "time": rows["time"],
+            "turning": ("turning", found.turnings * second, {"units": "s", "long_name": "times of the turnings"}),
+        },
+        {"mismatch": found.mismatch},
+    )
+
+
+def _tippe_top(top: Any) -> Any:
+    if not isinstance(top, TippeTop):
+        raise InputError([f"the body must be a TippeTop, but is {top!r:.60}."])
+    return top.body()

@@ -1,0 +1,40 @@
+"""What the effective potential of a top is made of, in a variable that keeps its digits at both poles. [section 5, 8]
+
+The systems say what these numbers are for their bodies; `landscape.formulas` evaluates V from them.
+"""
+
+from typing import Any, NamedTuple
+
+from .doubledouble import DoubleDouble, doubledouble
+from .operand import Operand
+
+
+class PotentialCoefficients(NamedTuple):
+    """The numbers of one body; first and second momentum are (D, lambda), or (L3, Lz)."""
+
+    height_energy: DoubleDouble  # energy of weight at q = 0 [J]
+    height_gain: DoubleDouble  # what it gains up to q = oo [J]
+    gamma: DoubleDouble
+    root_gamma: DoubleDouble
+    sigma: DoubleDouble
+    sigma_over_gamma: DoubleDouble
+    root_gamma_gain: Operand  # sqrt(gamma height_gain) [sqrt(J)]
+    alpha_minus_1: DoubleDouble
+    alpha_plus_1: DoubleDouble
+    sqrt_d0: DoubleDouble  # sqrt(d) at q = 0
+    sqrt_d1: DoubleDouble  # sqrt(d) at q = oo
+    K: DoubleDouble
+    a1: DoubleDouble  # a = a1 first + a2 second [sqrt(J)]
+    a2: DoubleDouble
+    b1: DoubleDouble
+    b2: DoubleDouble
+    k: DoubleDouble  # k second, times psi, is what X has besides a and b [sqrt(J)]
+    spin1: DoubleDouble  # (spin1 first)^2 - (spin2 second)^2 is gamma times what V has besides weight and X^2 [J]
+    spin2: DoubleDouble
+
+
+def rounded(c: PotentialCoefficients) -> PotentialCoefficients:
+    """Coefficients of decimals as doubles or double-doubles, as the fields say."""
+    of = PotentialCoefficients.__annotations__
+    parts: Any = (doubledouble(x) if of[name] is DoubleDouble else float(x) for name, x in c._asdict().items())
+    return PotentialCoefficients(*parts)

@@ -1,0 +1,97 @@
+"""What theory predicts of a start, system by system: thresholds, the regime in a sentence, the fate.
+
+Each takes the body in SI and the quantities of the start by name.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..contact.body import Body, tip_inertia
+from ..friction import is_frictionless
+from ..system import Outlook
+from ..theory import heavy_top_motion as motions
+from ..theory.modes import linear_modes
+from ..theory.regimes import regime
+from ..theory.thresholds import Threshold, lambda_de, lambda_s, lambda_u, sleeping_spin, thresholds
+from ..theory.tumbling import lambda_t
+from ..units import RADIAN_PER_SECOND
+
+
+Start = Mapping[str, float]
+GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
+
+
+def tippe_top(b: Body, start: Start) -> Outlook:
+    """A gliding tippe top: lambda is conserved, so it decides which states are stable. [T Theorem 3.3.2, corrected]"""
+    now = regime(start["jellett"], b)
+    if is_frictionless(b.friction):
+        fate = "no friction: no inversion, theta nutates for ever"
+    elif len(now.attractors) == 1:
+        fate = f"ends in {now.attractors[0]}"
+    else:
+        fate = "depends on the start: " + ", or ".join(now.attractors)
+    return Outlook(now.sentence(), fate, thresholds(b))
+
+
+def tippe_top_borders(b: Body) -> dict[str, Any]:
+    """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too. NaN: no border."""
+    upright, tumbling = lambda_u(b), lambda_t(b)
+    folded = np.abs(np.log(tumbling / upright)) >= 1e-3  # else tumbling begins where the upright spin ends
+    return {
+        "λ = λ_u: upright spin stable below": upright,
+        "λ = λ_s: inverted spin stable above": lambda_s(b),
+        "λ = λ_de: inverted spin has less energy above": lambda_de(b),
+        "λ = λ_t: tumbling possible above": np.where(folded, tumbling, np.nan),
+    }
+
+
+def rolling_tippe_top(b: Body, start: Start) -> Outlook:
+    """A rolling tippe top: one degree of freedom. [T ch. 4]"""
+    sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
+    return Outlook(sentence, "nutation between two angles", {"gamma": thresholds(b)["gamma"]})
+
+
+def heavy_top(b: Body, start: Start) -> Outlook:
+    """A heavy top whose tip is fixed. [T ch. 2]"""
+    upright = "stable" if _sleeps(b, start) else "unstable"
+    return Outlook(f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b))
+
+
+def heavy_top_motion(b: Body, start: Start) -> str:
+    """The name of the motion of a heavy top whose tip is fixed."""
+    conserved = start["energy"], start["Lz"], start["L3"]
+    return motions.heavy_top_motion(*conserved, tip_inertia(b), b.I3, b.m * b.g * -b.c)
+
+
+def gliding_heavy_top(b: Body, start: Start) -> Outlook:
+    """A heavy top whose tip glides: upright it is unstable at every speed, against [T 5.54]. [section 6]"""
+    growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
+    if is_frictionless(b.friction):
+        return Outlook(f"without friction the upright spin is {'un' if growth > GROWS else ''}stable", "", _sleeping(b))
+    how = "spirals out slowly" if _sleeps(b, start) else "topples"
+    return Outlook(
+        f"upright spin unstable at every speed (growth rate {growth:.3g} per second): the top {how}",
+        "falls to the plane in the end, unless it lifts off",
+        _sleeping(b),
+    )
+
+
+def cylinder(b: Body, start: Start) -> Outlook:
+    """An eccentric cylinder, gliding or rolling. [T ch. 6]"""
+    if b.c == 0:
+        return Outlook("a round cylinder: gliding decays exponentially to rolling")
+    omega = math.sqrt(b.m * b.g * b.c / (b.I1 + b.m * (b.R - b.c) ** 2))
+    return Outlook(f"small oscillations in rolling have angular frequency {omega:.6g} rad/s")
+
+
+def _sleeps(b: Body, start: Start) -> bool:
+    """Whether the spin is above that of the sleeping top."""
+    return abs(start["L3"]) / b.I3 > sleeping_spin(b)
+
+
+def _sleeping(b: Body) -> dict[str, Threshold]:
+    limit = Threshold(sleeping_spin(b), RADIAN_PER_SECOND, "upright spin of a fixed tip stable above")
+    return {"spin_sleeping": limit}

@@ -1,0 +1,119 @@
+"""What a run amounts to, as a record: what `tippetop info --json` prints."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..errors import InputError
+from ..problem import Problem
+from ..scenario import build
+from ..store.root import finite
+from . import attributes, forecast
+
+
+class Record(Mapping[str, Any]):
+    """A read-only record whose names are attributes and keys alike; tables in it are records too."""
+
+    def __init__(self, values: Mapping[str, Any]):
+        self._values = {key: Record(value) if isinstance(value, Mapping) else value for key, value in values.items()}
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self.__dict__["_values"][name]
+        except KeyError:
+            raise AttributeError(
+                f"there is no `{name}`: known are {', '.join(self.__dict__.get('_values', ()))}"
+            ) from None
+
+    def __getitem__(self, name: str) -> Any:
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(name for name in self._values if name.isidentifier())]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self._values.items())})"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The record as plain dicts, ready for JSON."""
+        return {key: value.to_dict() if isinstance(value, Record) else value for key, value in self._values.items()}
+
+
+class Summary(Record):
+    """What a run amounts to. Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
+
+    Attributes
+    ----------
+    status : str
+        How the run ended: finished, liftoff, fallen, settled, stalled, non-finite; running if it has not ended.
+    reason : str
+        The same in a sentence.
+    t_end : float
+        Time of the end [s].
+    steps : int
+        Steps of the integrator.
+    drift : Record
+        Of each invariant, the largest relative deviation from its start.
+    normal_force : Record
+        `min`, `max` [N], when (`t_min`, `t_max` [s]), and the `weight` m g [N]; only where there is such a force.
+    event_counts : Record
+        How many events of each kind were logged, and of the turnings how many are more than rounding.
+    inversion : Record
+        `first_equator`, `last_equator`, `inverted_at` [s]: passages of theta = pi/2 and pi - 0.1, None for none.
+    nutational_band : Record
+        `theta_min`, `theta_max` [rad] of all significant turnings.
+    theta_end : float
+        Inclination at the end [rad].
+    system, form, parameters, friction, initial, run
+        The scenario as it was understood, in SI units; `friction` only where there is a law.
+    certificate : Record
+        The comparison with a run in wider numbers, if there was one.
+    tolerance, precision
+        Of the integrator.
+    final_state : Record
+        The integrated variables at the end, in SI units.
+    versions, cpu
+        What computed it.
+    motion, regularisation, inversion_by_eps
+        The name of a heavy top's motion; what eps decides. Only where they apply.
+    """
+
+    status: str
+    reason: str
+    t_end: float
+    steps: int
+    drift: Record
+    normal_force: Record
+    event_counts: Record
+    inversion: Record
+    nutational_band: Record
+    theta_end: float
+    system: str
+    form: str
+    parameters: Record
+    friction: Record
+    initial: Record
+    run: Record
+    certificate: Record
+    tolerance: float
+    precision: str
+    final_state: Record
+    versions: Record
+    cpu: str
+    motion: str
+    regularisation: str
+    inversion_by_eps: Record
+
+
+def summary_of(attrs: Mapping[str, Any], problem: Problem | None = None) -> Summary:
+    """The summary of a run, from the root attributes of its store and, where it is at hand, its problem."""
+    try:
+        remarks = forecast.remarks(problem or build.problem(build.tables_of(dict(attrs))))
+    except InputError:  # of a system, law or event that this process does not know
+        remarks = {}
+    return Summary(attributes.info(dict(attrs)) | finite(remarks))

@@ -1,0 +1,38 @@
+"""The numbers of one table, checked by themselves: what a body or a friction law made in Python goes through."""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from ..errors import InputError
+from ..mechanics.system import Parameter
+from .schema import table_model
+from .sentences import worded
+
+
+def plain(value: Any) -> Any:
+    """The value as TOML would give it: numpy's numbers and arrays, and tuples, become Python's numbers and lists."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def checked(table: str, parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> dict[str, float]:
+    """The numbers of a table as floats. Raises InputError, which names every one that is wrong, as for TOML."""
+    try:
+        return _model(table, tuple(parameters.items())).model_validate(plain(values)).model_dump()
+    except ValidationError as error:
+        names = list(parameters)
+        raise InputError(
+            [worded(e, f"{table}.{'.'.join(map(str, e['loc']))}", names) for e in error.errors(include_url=False)]
+        ) from None
+
+
+@lru_cache
+def _model(table: str, parameters: tuple[tuple[str, Parameter], ...]) -> type[BaseModel]:
+    return table_model(table.title(), dict(parameters), required=True)

@@ -1,0 +1,200 @@
+"""What people stumbled over: each wrong word on the command line gets a sentence that says what to write instead."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tippetop.cli import app, outcome
+from tippetop.figures import catalogue
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.runs.summary import lines
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 0) -> tuple[str, str]:
+    assert outcome(arguments) == code
+    return capsys.readouterr()
+
+
+def help_of(capsys: pytest.CaptureFixture[str], command: str) -> str:
+    app([command, "--help"] if command else ["--help"], result_action="return_value")
+    return " ".join(capsys.readouterr().out.replace("│", " ").split())
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("stores")
+    for name, preset in (("gliding", "gliding-heavy-top"), ("cylinder", "rolling-cylinder"), ("tippe", "inverting")):
+        assert outcome(["run", preset, "--until", "0.1", "--out", str(folder / f"{name}.zarr"), "--json"]) == 0
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["check", "inverting", "0.4"], "unexpected argument `0.4` (values are changed with --set table.key=value)"),
+        (["run"], "SCENARIO is missing: write tippetop run SCENARIO;"),
+        (["run", "inverting", "--theta", "0.2"], "unknown option --theta: write --set initial.theta=0.2."),
+        (["run", "inverting", "--theta=0.2"], "write --set initial.theta=0.2."),
+        (["check", "inverting", "--mu", "0.2"], "write --set friction.mu=0.2."),
+        (["check", "inverting", "--until", "3"], "write --set run.until=3."),
+        (["run", "inverting", "--figur", "x.png"], "unknown option --figur; did you mean --figure?"),
+        (["plot", "a.zarr"], "--out is missing: write tippetop plot a.zarr --out ...;"),
+        (["plot", "a.zarr", "--out", "f.jpg"], "--out must end with .png, .svg or .pdf, but is `f.jpg`."),
+        (["run", "inverting", "--figure", "f.jpg"], "--figure must end with .png, .svg or .pdf, but is `f.jpg`."),
+        (["run", "inverting", "--set"], "--set must be followed by a value;"),
+        (["run", "inverting", "--until", "soon"], "--until must be a number, but is `soon`."),
+        (["rum", "inverting"], "unknown command `rum`. Did you mean `run`?"),
+        (["run", "invertin"], "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?"),
+        (
+            ["potential", "rolling-cylinder", "--D", "1", "--lambda", "2"],
+            "tippe tops only; this is a rolling cylinder.",
+        ),
+        (["surface", "inverting"], "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
+    ],
+)
+def test_wrong_words_get_the_right_ones(
+    arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, err = printed(capsys, *arguments, code=2)
+    assert sentence in err
+    assert err.count("\n") == 1
+    assert out == ""
+
+
+def test_a_file_is_no_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "x.csv").write_text("a,b\n")
+    assert "x.csv` is a file, not a store" in printed(capsys, "info", str(tmp_path / "x.csv"), code=5)[1]
+    assert "nowhere` does not exist" in printed(capsys, "info", str(tmp_path / "nowhere"), code=5)[1]
+
+
+def test_a_figure_says_for_which_systems_it_is(stores: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw = ["--out", str(stores / "f.png")]
+    err = printed(capsys, "plot", str(stores / "gliding.zarr"), "surface", *draw, code=2)[1]
+    assert "tippe" in err
+    assert err.endswith("only; this is a gliding heavy top.\n")
+    err = printed(capsys, "plot", str(stores / "cylinder.zarr"), "sphere", *draw, code=2)[1]
+    assert "`sphere` is drawn for tops only; this is a rolling cylinder." in err
+    err = printed(capsys, "plot", str(stores / "tippe.zarr"), "spere", *draw, code=2)[1]
+    assert "Did you mean `sphere`?" in err
+
+
+def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    from tippetop.sweeps.maps import NEEDED
+
+    text = help_of(capsys, "plot")
+    for name, kind in catalogue.FIGURES.items():
+        assert f"{name}: " in text
+        assert callable(catalogue._function(kind.draw))
+        assert kind.prepare is None or callable(catalogue._function(kind.prepare))
+    assert set(catalogue.SWEEP_KINDS) == set(NEEDED)
+    assert all(f"{name}: {shows}" in text for name, shows in catalogue.SWEEP_KINDS.items())
+
+
+def test_every_argument_and_option_has_help(capsys: pytest.CaptureFixture[str]) -> None:
+    for command in ("run", "resume", "info", "check", "surface", "potential", "sweep", "plot", "export", "systems"):
+        collection = app[command].assemble_argument_collection(parse_docstring=True)
+        for argument in collection:
+            assert argument.parameter.help, (command, argument.name)
+
+
+def test_help_points_to_the_manual(capsys: pytest.CaptureFixture[str]) -> None:
+    text = help_of(capsys, "")
+    assert "tippetop presets" in text
+    assert "docs/" in text
+
+
+def test_systems_lists_what_its_help_promises(capsys: pytest.CaptureFixture[str]) -> None:
+    text, found = " ".join(printed(capsys, "systems")[0].split()), json.loads(printed(capsys, "systems", "--json")[0])
+    for name, system in SYSTEMS.items():
+        assert f"{name}: {system.title}" in text
+        assert found[name]["events"] == [e.name for e in system.events]
+        assert list(found[name]["friction"]) == list(system.laws)
+    assert "g [m s-2]" in text
+    assert "omega3 [rad s-1]" in text
+    assert "coulomb (mu, eps [m s-1])" in text
+    assert "turning, liftoff, equator, inverted, settled" in text
+
+
+def test_json_keys_are_names_and_units_are_values(capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(printed(capsys, "check", "inverting", "--json")[0])
+    assert found["at_start"]["jellett"]["unit"] == "kg m3 s-1"
+    assert found["at_start"]["jellett"]["value"] == pytest.approx(6.8944413e-06)
+    assert found["thresholds"]["lambda_s"]["unit"] == "kg m3 s-1"
+    by_eps = json.loads(printed(capsys, "check", "leine-glocker", "--json")[0])["inversion_by_eps"]
+    assert by_eps["eps"] == {"value": [0.005, 0.01, 0.02], "unit": "m s-1"}
+    assert by_eps["first_equator"]["unit"] == "s"
+    assert by_eps["exponent"]["value"] < 0
+
+    def keys(value: object) -> list[str]:
+        return [*value, *(k for v in value.values() for k in keys(v))] if isinstance(value, dict) else []
+
+    for command in (["check", "inverting"], ["check", "leine-glocker"], ["systems"], ["presets"]):
+        assert all(" " not in key for key in keys(json.loads(printed(capsys, *command, "--json")[0])))
+
+
+def test_what_eps_decides_is_a_sentence_with_times(capsys: pytest.CaptureFixture[str]) -> None:
+    sets = ["--set", "friction.eps=1e-3", "--until", "3", "--json"]
+    info = json.loads(printed(capsys, "run", "leine-glocker", *sets)[0])
+    text = dict(lines(info))["regularisation"]
+    assert "theta = pi/2 at: never (eps = 0.5 mm/s), 2.7094 s (1 mm/s), 1.799 s (2 mm/s)" in text
+    assert text.endswith("undefined")
+
+
+def test_an_empty_value_removes_a_key_or_a_table(capsys: pytest.CaptureFixture[str]) -> None:
+    rolling = ["check", "inverting", "--set", "system=rolling-tippe-top"]
+    assert "remove the table (--set friction=)" in printed(capsys, *rolling, code=2)[1]
+    assert "friction" not in json.loads(printed(capsys, *rolling, "--set", "friction=", "--json")[0])
+    events = ["check", "inverting", "--set", "run.output=events"]
+    assert "--set run.output_step=" in printed(capsys, *events, code=2)[1]
+    found = json.loads(printed(capsys, *events, "--set", "run.output_step=", "--json")[0])
+    assert found["run"]["output"] == "events"
+    err = printed(capsys, "check", "inverting", "--set", "initial.thta=", code=2)[1]
+    assert "`initial.thta` is not: the keys are theta, omega3." in err
+
+
+def test_negative_ranges_work_as_typed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    grid = ["--D", "-1e-4:1e-4:3", "--lambda", "-1e-6:1e-6:3"]
+    printed(capsys, "surface", "inverting", *grid, "--out", str(tmp_path / "s.zarr"))
+    assert "F = " in printed(capsys, "potential", "inverting", "--D", "-1e-4", "--lambda", "-4e-6")[0]
+
+
+def made_again(store: Path, command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """A finished store stays as it is, with exit 0; --overwrite makes it anew and leaves nothing else behind."""
+    again = [*command, "--out", str(store)]
+    assert "finished" not in printed(capsys, *again)[1]
+    (store / "mark").touch()
+    assert "finished" in printed(capsys, *again)[1]
+    assert (store / "mark").exists()
+    printed(capsys, *again, "--overwrite")
+    assert not (store / "mark").exists()
+
+
+def test_a_finished_surface_has_nothing_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    store, command = tmp_path / "s.zarr", ["surface", "inverting", "--lambda", "0:1e-6:3", "--D"]
+    made_again(store, [*command, "0:1e-4:3"], capsys)
+    err = printed(capsys, *command, "0:1e-4:4", "--out", str(store), code=5)[1]
+    assert "of another body or of other axes" in err
+    (tmp_path / "mine").mkdir()
+    err = printed(capsys, *command, "0:1e-4:3", "--out", str(tmp_path / "mine"), "--overwrite", code=5)[1]
+    assert "must be a store of tippetop" in err
+    assert {p.name for p in tmp_path.iterdir()} == {"s.zarr", "mine"}
+
+
+def test_a_finished_sweep_has_nothing_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text('scenario = "inverting"\nset.run.until = 0.1\n[[axis]]\nof = "friction.mu"\nvalues = [0.1]\n')
+    made_again(tmp_path / "s.zarr", ["sweep", str(plan), "--workers", "1"], capsys)
+    assert {p.name for p in tmp_path.iterdir()} == {"plan.toml", "s.zarr"}
+
+
+def test_warnings_are_lines_of_ours_on_stderr() -> None:
+    code = (
+        "import sys, warnings; from tippetop import cli\n"
+        "cli.outcome = lambda _: warnings.warn('two\\nlines', stacklevel=1) or 0\ncli.main([])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout == ""
+    assert found.stderr == "tippetop: warning: two lines\n"

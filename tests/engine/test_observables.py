@@ -1,0 +1,156 @@
+"""What integrated states mean: the columns of any rows are the system's formulas in SI units, row by row."""
+
+import dataclasses
+
+import examples
+import numpy as np
+import pytest
+
+from tippetop.engine import observables
+from tippetop.engine.observables import Observables
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.problem import Problem
+from tippetop.scenario import build
+
+
+STARTS = {
+    "tippe-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0, "nu_x": 0.1, "nu_y": -0.2},
+    "rolling-tippe-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0},
+    "gliding-heavy-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0, "nu_x": 0.1, "nu_y": -0.2},
+    "heavy-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0},
+    "gliding-cylinder": {"theta": 0.4, "theta_dot": 1.0, "nu_x": 0.1},
+    "rolling-cylinder": {"theta": 0.4, "theta_dot": 1.0},
+}
+CYLINDER = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 3e-6, "g": 9.82}
+EVERY_FORM = [(name, form) for name in STARTS for form in SYSTEMS[name].forms]
+
+
+def made(system: str, form: str, theta: float | None = None, **options: object) -> Problem:
+    used = SYSTEMS[system]
+    given = {**CYLINDER, **examples.HEAVY, **examples.CANONICAL}
+    start = {**STARTS[system], **({} if theta is None else {"theta": theta})}
+    law = ("viscous", {"mu": 0.3}) if used.frictional else ("none", {})
+    return examples.problem(
+        system, {name: given[name] for name in used.parameters}, start, 1.0, law, form=form, **options
+    )
+
+
+def rows_of(problem: Problem, rng: np.random.Generator, n: int = 7) -> np.ndarray:
+    """Rows near the start; theta and its likes stay away from the poles."""
+    start = np.array(problem.start(), dtype=float)
+    return start * (1 + 0.01 * rng.uniform(-1, 1, (n, len(start))))
+
+
+@pytest.mark.parametrize(("system", "form"), EVERY_FORM)
+def test_the_start_reads_as_it_was_given(system: str, form: str) -> None:
+    problem = made(system, form)
+    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    for name, value in problem.initial.items():
+        assert columns[name].values[0] == pytest.approx(value, rel=1e-12), name
+    assert columns["time"].values.tolist() == [0.0]
+    for name, column in columns.items():
+        assert column.attrs["units"] is not None, name
+        assert column.attrs["long_name"], name
+        assert np.all(np.isfinite(column.values)), name
+
+
+@pytest.mark.parametrize(("system", "form"), EVERY_FORM)
+def test_columns_are_the_formulas_of_the_system_in_si_units(system: str, form: str, rng: np.random.Generator) -> None:
+    """Compiled over internal units, against numpy's formulas, scaled."""
+    problem = made(system, form)
+    view, rows = Observables(problem), rows_of(made(system, form), rng)
+    columns, scalars = view.columns(np.arange(7.0), rows), view.scalars(rows)
+    assert {quantity.name for quantity in problem.system.quantities} <= set(columns)
+    for quantity in problem.system.quantities:
+        exact = np.broadcast_to(quantity.formula(scalars, view.body), 7) * float(problem.scales.of(quantity.unit))
+        found = columns[quantity.name].values
+        np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-13 * np.abs(exact).max(), err_msg=quantity.name)
+        assert columns[quantity.name].attrs["units"] == quantity.unit.symbol
+
+
+@pytest.mark.parametrize("system", [name for name in STARTS if len(SYSTEMS[name].forms) > 1])
+def test_every_form_gives_the_same_columns(system: str) -> None:
+    """Of the same start; the names, their order and their attributes too."""
+    found = []
+    for form in SYSTEMS[system].forms:
+        problem = made(system, form)
+        found.append(Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :]))
+    for other in found[1:]:
+        assert list(other) == list(found[0])
+        for name, column in found[0].items():
+            assert other[name].dims == column.dims
+            assert other[name].attrs == column.attrs
+            size = np.abs(column.values).max() + 1e-9
+            np.testing.assert_allclose(other[name].values, column.values, rtol=0, atol=1e-12 * size, err_msg=name)
+
+
+def test_the_bits_of_a_row_do_not_depend_on_its_neighbours(rng: np.random.Generator) -> None:
+    """Neither on how many there are, in one block or several."""
+    problem = made("tippe-top", "vector")
+    rows = rows_of(problem, rng, observables.BLOCK + 13)
+    view = Observables(problem)
+    whole = view.evaluate(rows)
+    for part in (slice(0, 1), slice(5, 8), slice(observables.BLOCK - 2, None)):
+        for name, values in view.evaluate(rows[part]).items():
+            assert values.tobytes() == whole[name][part].tobytes(), name
+
+
+def test_axis_and_angular_momentum_are_vectors_in_the_space_frame() -> None:
+    problem = made("tippe-top", "euler", theta=0.7)
+    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    axis, L = columns["axis"].values[0], columns["L"].values[0]
+    assert columns["axis"].dims == ("time", "xyz")
+    np.testing.assert_allclose(np.linalg.norm(axis), 1, rtol=1e-15)
+    np.testing.assert_allclose(axis[2], np.cos(0.7), rtol=1e-14)
+    p, start = examples.CANONICAL, STARTS["tippe-top"]
+    assert axis @ L == pytest.approx(p["I3"] * start["omega3"], rel=1e-13)
+    # Jellett's integral is -L.a with the arm a = R (alpha 3hat - zhat)
+    arm = p["R"] * (p["alpha"] * axis - np.array([0, 0, 1]))
+    assert columns["jellett"].values[0] == pytest.approx(-L @ arm, rel=1e-12)
+
+
+@pytest.mark.parametrize("theta", [0.0, np.pi])
+def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: float) -> None:
+    """Any azimuth would do there; the axis leaves a pole with its speed."""
+    problem = made("tippe-top", "vector", theta=theta)
+    record, _ = problem.variables.split(np.array(problem.start(), dtype=float))
+    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    undefined = {name for name, column in columns.items() if np.any(np.isnan(column.values))}
+    assert undefined == {"phi", "phi_dot", "nu_x", "nu_y", "psi"} & set(columns)
+    assert columns["theta"].values[0] == theta
+    assert record.ux == record.uy == 0.0
+
+
+@pytest.mark.parametrize("precision", ["longdouble", "quad"])
+def test_wider_rows_give_the_columns_and_what_doubles_leave_out(precision: str) -> None:
+    sets = [f"initial.{name}={value!r}" for name, value in STARTS["tippe-top"].items()]
+    wide, plain = (build.load("inverting", [*sets, f"run.precision={p}"]) for p in (precision, "double"))
+    columns = Observables(wide).columns(np.zeros(1), np.array(wide.start())[None, :])
+    others = Observables(plain).columns(np.zeros(1), np.array(plain.start(), dtype=float)[None, :])
+    for name, column in others.items():
+        if name == "time":
+            continue
+        high, low = columns[name].values, columns[f"{name}_lo"].values
+        np.testing.assert_allclose(high, column.values, rtol=1e-12, atol=1e-17, err_msg=name)
+        assert np.all(np.abs(low[high != 0]) <= np.spacing(np.abs(high[high != 0])) / 2), name
+        assert columns[f"{name}_lo"].attrs["units"] == column.attrs["units"]
+    assert any(np.any(columns[f"{name}_lo"].values != 0) for name in others if name != "time")
+
+
+def test_domains_are_the_smallest_values_over_the_rows(rng: np.random.Generator) -> None:
+    problem = made("tippe-top", "euler")
+    view, rows = Observables(problem), rows_of(made("tippe-top", "euler"), rng)
+    found = view.domains(rows)
+    assert len(found) == len(problem.form.domains) > 0
+    singly = [view.domains(row[None, :]) for row in rows]
+    for meaning, value in found.items():
+        assert value == min(each[meaning] for each in singly)
+
+
+def test_rows_of_another_problem_of_the_same_form_share_the_compiled_table(rng: np.random.Generator) -> None:
+    """Parameters come in at run time: half the friction is half the power, without another compilation."""
+    problem = made("tippe-top", "vector")
+    half = dataclasses.replace(problem, friction=problem.friction._replace(mu=0.15))
+    rows = rows_of(problem, rng)
+    power, less = (Observables(p).evaluate(rows)["friction_power"] for p in (problem, half))
+    assert np.all((less > 0.4 * power) & (less < 0.6 * power))

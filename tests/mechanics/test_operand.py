@@ -1,0 +1,271 @@
+"""A formula means the same in every world: floats, complex numbers, arrays of any precision, heyoka, numba."""
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import mpmath as mp
+import numba
+import numpy as np
+import pytest
+
+from tippetop.mechanics import doubledouble
+from tippetop.mechanics.operand import (
+    Vector,
+    atan2,
+    cos,
+    cross,
+    dot,
+    exp,
+    formula,
+    leaves,
+    plus,
+    product_error,
+    refill,
+    select,
+    sin,
+    sqrt,
+    times,
+)
+
+
+@formula
+def mixed(x, y):
+    """Every elementary function that a formula may use, well conditioned."""
+    return sqrt(1 + x * x) + sin(x) * cos(y) + exp(-x) + atan2(y, x) / 2
+
+
+def by_float(x: float, y: float) -> Any:
+    return mixed(x, y)
+
+
+def by_array(x: float, y: float) -> Any:
+    return mixed(np.full(3, x), np.full(3, y))[1]
+
+
+def by_mixed_shapes(x: float, y: float) -> Any:
+    return mixed(np.full((4, 1), x), np.full(3, y))[2, 1]
+
+
+def by_longdouble(x: float, y: float) -> Any:
+    found = mixed(np.longdouble(x), np.longdouble(y))
+    assert found.dtype == np.longdouble
+    return found
+
+
+def by_heyoka(x: float, y: float) -> Any:
+    symbols = hy.make_vars("x", "y")
+    return hy.cfunc([mixed(*symbols)], list(symbols))(np.array([x, y]))[0]
+
+
+def by_heyoka_with_a_number(x: float, y: float) -> Any:
+    symbol = hy.make_vars("x")
+    return hy.cfunc([mixed(symbol, hy.expression(y))], [symbol])(np.array([x]))[0]
+
+
+@numba.njit
+def _inside(x, y):
+    return mixed(x, y)
+
+
+def by_numba(x: float, y: float) -> Any:
+    return _inside(x, y)
+
+
+def by_numba_arrays(x: float, y: float) -> Any:
+    return _inside(np.full(2, x), np.full(2, y))[0]
+
+
+WORLDS = (
+    by_float,
+    by_array,
+    by_mixed_shapes,
+    by_longdouble,
+    by_heyoka,
+    by_heyoka_with_a_number,
+    by_numba,
+    by_numba_arrays,
+)
+
+
+@pytest.mark.parametrize("world", WORLDS, ids=lambda world: world.__name__)
+def test_elementary_functions_agree_with_40_digits(world: Callable, rng: np.random.Generator) -> None:
+    with mp.workdps(40):
+        for x, y in rng.uniform(0.2, 2.0, (20, 2)):
+            a, b = mp.mpf(x), mp.mpf(y)
+            exact = mp.sqrt(1 + a * a) + mp.sin(a) * mp.cos(b) + mp.exp(-a) + mp.atan2(b, a) / 2
+            wide = isinstance(found := world(x, y), np.longdouble)
+            number = (
+                mp.mpf(float(found)) + mp.mpf(float(found - np.longdouble(float(found)))) if wide else mp.mpf(found)
+            )
+            assert abs(number / exact - 1) < (2.0**-61 if wide else 2.0**-50)
+
+
+def test_complex_steps_go_through_every_analytic_function(rng: np.random.Generator) -> None:
+    """f(x + ih) = f(x) + ih f'(x): what the laws differentiate by."""
+    x = rng.uniform(0.2, 2.0, 30)
+    slopes = {sqrt: 0.5 / np.sqrt(x), sin: np.cos(x), cos: -np.sin(x), exp: np.exp(x)}
+    for function, slope in slopes.items():
+        np.testing.assert_allclose(np.imag(function(x + 1e-30j)) / 1e-30, slope, rtol=4e-16)
+
+
+def test_a_float_stays_a_number_and_an_expression_an_expression() -> None:
+    x = hy.make_vars("x")
+    assert isinstance(float(sin(0.5)), float)
+    assert np.ndim(sin(0.5)) == 0
+    for found in (sin(x), atan2(x, 1.0), atan2(1.0, x), mixed(x, 2.0)):
+        assert isinstance(found, hy.expression)
+
+
+# --- vectors --------------------------------------------------------------------------------------------------------
+
+
+def vectors(rng: np.random.Generator, count: int) -> list[Vector]:
+    return [Vector(*rng.uniform(-2, 2, (3, 50))) for _ in range(count)]
+
+
+def test_vectors_obey_the_laws_of_vectors(rng: np.random.Generator) -> None:
+    a, b, c = vectors(rng, 3)
+    zero = np.zeros(50)
+    np.testing.assert_allclose(dot(cross(a, b), a), zero, atol=1e-14)
+    np.testing.assert_allclose(dot(cross(a, b), cross(a, b)) + dot(a, b) ** 2, dot(a, a) * dot(b, b), rtol=1e-13)
+    np.testing.assert_allclose(cross(a, b), np.array(times(-1, cross(b, a))))
+    triple = plus(times(dot(a, c), b), times(-dot(a, b), c))  # a x (b x c) = b (a.c) - c (a.b)
+    np.testing.assert_allclose(cross(a, cross(b, c)), triple, atol=1e-13)
+    np.testing.assert_allclose(cross(a, b), np.cross(np.array(a), np.array(b), axis=0))
+
+
+@numba.njit
+def jacobi(a, b, c):
+    """a x (b x c) + b x (c x a) + c x (a x b)"""
+    return plus(cross(a, cross(b, c)), plus(cross(b, cross(c, a)), cross(c, cross(a, b))))
+
+
+def test_vectors_are_vectors_inside_numba_too(rng: np.random.Generator) -> None:
+    for numbers in rng.uniform(-2, 2, (20, 9)):
+        a, b, c = (Vector(*map(float, part)) for part in numbers.reshape(3, 3))
+        found = jacobi(a, b, c)
+        assert isinstance(found, Vector)
+        assert tuple(found) == tuple(jacobi.py_func(a, b, c))
+        np.testing.assert_allclose(found, 0, atol=1e-14)
+
+
+# --- products with their rounding -----------------------------------------------------------------------------------
+
+
+@numba.njit
+def _error_inside(x, y):
+    return product_error(x, y)
+
+
+@pytest.mark.parametrize("error", [product_error, _error_inside], ids=["Dekker", "fma"])
+def test_a_product_and_its_error_are_exact(error: Callable, rng: np.random.Generator) -> None:
+    """x y = fl(x y) + error, as rational numbers; in numba by another algorithm, with the same result."""
+    numbers = rng.uniform(-1, 1, (300, 2)) * 10.0 ** rng.uniform(-100, 100, (300, 2))
+    for x, y in numbers.tolist():
+        assert Fraction(x) * Fraction(y) == Fraction(x * y) + Fraction(float(error(x, y)))
+
+
+def test_the_error_of_many_products_is_that_of_each(rng: np.random.Generator) -> None:
+    x, y = rng.uniform(-1, 1, (2, 100))
+    found = product_error(x, y)
+    assert np.any(found != 0)
+    assert found.tolist() == [product_error(float(a), float(b)) for a, b in zip(x, y, strict=True)]
+
+
+def exact(x: doubledouble.DoubleDouble) -> Fraction:
+    return Fraction(float(x.head)) + Fraction(float(x.tail))
+
+
+def test_two_doubles_calculate_with_twice_the_digits(rng: np.random.Generator) -> None:
+    """Sums, products and quotients of head + tail against rational numbers: to 2^-100 of the largest part."""
+    for a, b, c, d in rng.uniform(0.5, 2, (200, 4)).tolist():
+        x, y = doubledouble.DoubleDouble(a, c * 2.0**-54), doubledouble.DoubleDouble(b, -d * 2.0**-54)
+        found = {
+            "sum": (doubledouble.plus(x, y), exact(x) + exact(y)),
+            "difference": (doubledouble.minus(x, y), exact(x) - exact(y)),
+            "product": (doubledouble.times(x, y), exact(x) * exact(y)),
+            "multiple": (doubledouble.scaled(b, x), Fraction(b) * exact(x)),
+            "quotient": (doubledouble.quotient(x, y, 1 / y.head), exact(x) / exact(y)),
+        }
+        for name, (value, wanted) in found.items():
+            assert abs(exact(value) - wanted) < 2**-100 * 4, name
+        tidy = doubledouble.tidy(found["difference"][0])
+        assert exact(tidy) == exact(found["difference"][0])
+        assert abs(tidy.tail) <= math.ulp(tidy.head) / 2
+
+
+def test_a_decimal_number_keeps_its_digits_in_two_doubles() -> None:
+    from decimal import Decimal, localcontext
+
+    with localcontext() as context:
+        context.prec = 50
+        x = Decimal("0.1234567890123456789012345678901234567890")
+        found = doubledouble.doubledouble(x)
+        assert found.head == float(x)
+        assert abs(Decimal(found.head) + Decimal(found.tail) - x) < Decimal("1e-33")
+
+
+# --- records --------------------------------------------------------------------------------------------------------
+
+
+class Inner(NamedTuple):
+    a: Any
+    b: Any
+
+
+class Outer(NamedTuple):
+    x: Any
+    inner: Inner
+    y: Any
+
+
+def test_leaves_and_refill_are_inverse() -> None:
+    record = Outer(1.0, Inner(2.0, 3.0), 4.0)
+    assert leaves(record) == [1.0, 2.0, 3.0, 4.0]
+    assert refill(record, iter(leaves(record))) == record
+    other = refill(record, iter("pqrs"))
+    assert other == Outer("p", Inner("q", "r"), "s")
+    assert type(other.inner) is Inner
+
+
+class Red(NamedTuple):
+    k: Any
+
+
+class Blue(NamedTuple):
+    k: Any
+
+
+@formula
+def _red(x, record):
+    return x + record.k
+
+
+@formula
+def _blue(x, record):
+    return x * record.k
+
+
+chosen = select({Red: _red, Blue: _blue})
+
+
+@numba.njit
+def _chosen_inside(x, record):
+    return chosen(x, record)
+
+
+@pytest.mark.parametrize("world", [chosen, _chosen_inside], ids=["Python", "numba"])
+def test_a_formula_is_chosen_by_the_type_of_its_last_argument(world: Callable) -> None:
+    assert world(2.0, Red(5.0)) == 7.0
+    assert world(2.0, Blue(5.0)) == 10.0
+
+
+def test_numba_is_not_imported_by_formulas() -> None:
+    import subprocess
+    import sys
+
+    code = "import sys, tippetop.mechanics.systems; assert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,199 @@
+"""The library leaves its host alone: it runs in any thread, keeps the host's signal handlers, and stops when asked."""
+
+import ast
+import json
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from stores import assert_same
+
+import tippetop
+from tippetop.errors import Interrupted, StoreError
+from tippetop.problem import Problem
+from tippetop.runs import recording
+from tippetop.scenario import build
+from tippetop.store.files import Lock
+from tippetop.sweeps.plan import Plan
+
+
+def problem() -> Problem:
+    """A run of some twenty slices."""
+    sets = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]
+    return build.load("inverting", [*sets, "run.output_step=0.01"], 20.0)
+
+
+@pytest.fixture(autouse=True)
+def short_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tippetop.engine.taylor.STEPS_PER_SLICE", 256)
+
+
+@pytest.fixture
+def undisturbed(tmp_path: Path, short_slices: None) -> Path:
+    recording.record(problem(), tmp_path / "whole.zarr")
+    return tmp_path / "whole.zarr"
+
+
+def elsewhere(work: Callable[[], Any]) -> Any:
+    """What work gives in another thread; raises what it raises there."""
+    outcome: list[Any] = []
+
+    def run() -> None:
+        try:
+            outcome.append((work(), None))
+        except BaseException as error:
+            outcome.append((None, error))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    result, error = outcome[0]
+    if error is not None:
+        raise error
+    return result
+
+
+def after(slices: int, work: Callable[[], Any]) -> Callable[[object], None]:
+    """A progress callback that does some work once, after so many slices."""
+    left = [slices]
+
+    def progress(_: object) -> None:
+        left[0] -= 1
+        if left[0] == 0:
+            work()
+
+    return progress
+
+
+def test_a_run_stops_and_continues_in_any_thread(undisturbed: Path, tmp_path: Path) -> None:
+    store, stop = tmp_path / "run.zarr", threading.Event()
+    with pytest.raises(Interrupted):
+        elsewhere(lambda: recording.record(problem(), store, progress=after(2, stop.set), stop=stop))
+    assert 0 < json.loads((store / "checkpoint.json").read_text())["report"]["t_end"] < 20
+    stop.clear()
+    with pytest.raises(Interrupted):
+        elsewhere(lambda: recording.resume(store, progress=after(2, stop.set), stop=stop))
+    elsewhere(lambda: recording.resume(store))
+    assert_same(store, undisturbed)
+
+
+def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(undisturbed: Path, tmp_path: Path) -> None:
+    store = tmp_path / "run.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        recording.record(problem(), store, progress=after(3, lambda: signal.raise_signal(signal.SIGINT)))
+    Lock(store).release()
+    assert [thread for thread in threading.enumerate() if thread.name.startswith("store")] == []
+    recording.resume(store)
+    assert_same(store, undisturbed)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_host_keeps_its_handlers(number: signal.Signals, undisturbed: Path, tmp_path: Path) -> None:
+    seen: list[int] = []
+
+    def mine(number: int, _: object) -> None:
+        seen.append(number)
+
+    before = signal.signal(number, mine)
+    try:
+        recording.record(problem(), tmp_path / "run.zarr", progress=after(3, lambda: signal.raise_signal(number)))
+        assert signal.getsignal(number) is mine
+    finally:
+        signal.signal(number, before)
+    assert seen == [number]
+    assert_same(tmp_path / "run.zarr", undisturbed)
+
+
+def test_a_script_keeps_its_handler_while_a_sweep_computes(tmp_path: Path) -> None:
+    """Its own Ctrl-C is called, and the sweep, with a run of its own, finishes."""
+    code = f"""
+import signal, tippetop
+from tippetop.sweeps.plan import Plan
+seen = []
+signal.signal(signal.SIGINT, lambda *_: seen.append(1))
+axis = {{"of": "friction.mu", "values": [0.1, 0.2, 0.3]}}
+plan = Plan.from_tables(
+    {{"scenario": "inverting", "set": {{"run": {{"until": 0.1}}}}, "axis": [axis], "chunk": 1, "runs": [1]}}
+)
+tippetop.sweep(plan, {str(tmp_path / "S.zarr")!r}, workers=1, progress=lambda *_: signal.raise_signal(signal.SIGINT))
+print(len(seen))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "4\n", "")
+
+
+def test_a_sweep_stops_and_continues_in_any_thread(tmp_path: Path) -> None:
+    axis = {"of": "friction.mu", "values": [0.1, 0.2, 0.3, 0.4]}
+    document = {"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": [axis], "chunk": 2, "runs": [1]}
+    plan, store, stop = Plan.from_tables(document), tmp_path / "S.zarr", threading.Event()
+    tippetop.sweep(plan, tmp_path / "whole.zarr", workers=1)
+
+    def one_chunk(done: int, of: int) -> None:
+        if done == 2:
+            stop.set()
+
+    with pytest.raises(Interrupted):
+        elsewhere(lambda: tippetop.sweep(plan, store, workers=1, progress=one_chunk, stop=stop))
+    elsewhere(lambda: tippetop.sweep(plan, store, workers=1))
+    assert_same(store, tmp_path / "whole.zarr")
+
+
+def test_a_second_run_to_one_place_is_refused(tmp_path: Path) -> None:
+    """Without and with --overwrite, while the first is on its way: it finishes as if nothing had been."""
+    store, sentences = tmp_path / "run.zarr", []
+
+    def another(overwrite: bool) -> None:
+        with pytest.raises(StoreError) as error:
+            recording.record(problem(), store, overwrite=overwrite)
+        sentences.append(str(error.value))
+
+    progress = after(2, lambda: [another(False), another(True)])
+    _, attrs = recording.record(problem(), store, progress=progress)
+    assert "must not exist yet" in sentences[0]
+    assert "must have one writer, but process" in sentences[1]
+    assert attrs["status"] == "finished"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.zarr"]
+    recording.record(problem(), store, overwrite=True)
+
+
+def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
+    store, moved = tmp_path / "run.zarr", tmp_path / "moved.zarr"
+    slices: list[object] = []
+
+    def move(integration: object) -> None:
+        slices.append(integration)
+        if len(slices) == 3:
+            store.rename(moved)
+
+    with pytest.raises(StoreError, match="was moved, removed or replaced"):
+        recording.record(problem(), store, progress=move)
+    assert len(slices) == 3
+    monkeypatch.undo()
+    recording.resume(moved)  # what it had is all there
+
+
+OF_THE_PROCESS = {"signal.signal", "setLevel", "disable", "mallopt", "set_logger_level_critical", "environ", "putenv"}
+ALLOWED = {
+    "cli": OF_THE_PROCESS,
+    "engine/taylor.py": {"set_logger_level_critical"},  # in a function for whoever owns the process
+    "sweeps/workers.py": {"signal.signal", "disable"},  # in processes that it starts itself
+    "progress.py": {"environ"},  # reads
+}
+
+
+def test_only_the_command_line_changes_the_process() -> None:
+    source = Path(tippetop.__file__).parent
+    for path in source.rglob("*.py"):
+        name = str(path.relative_to(source))
+        used = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute):
+                used |= {node.attr, ast.unparse(node)}
+        allowed = next((words for place, words in ALLOWED.items() if name.startswith(place)), set())
+        assert used & OF_THE_PROCESS <= allowed, name

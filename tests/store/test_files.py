@@ -1,0 +1,191 @@
+"""Files and folders appear whole or not at all; nothing is replaced that nobody asked to replace."""
+
+import errno
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tippetop.errors import StoreError
+from tippetop.store import files, provenance, tables
+from tippetop.store.files import LOCK, Lock
+from tippetop.store.root import new_store
+
+
+class Stop(Exception):
+    """Something ends the block."""
+
+
+def made_store(path: Path, title: str = "old") -> Path:
+    """A store of ours with nothing in it."""
+    with new_store(path) as scratch:
+        tables.create_root(scratch, {**provenance.provenance(), "title": title})
+    return path
+
+
+def content(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+# --- files ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    files.replace_text(path, "old")
+    with pytest.raises(Stop), files.replacing(path) as scratch:  # noqa: PT012
+        scratch.write_text("half")
+        raise Stop
+    assert path.read_text() == "old"
+    files.replace_text(path, "new")
+    assert path.read_text() == "new"
+    assert content(tmp_path) == ["a.txt"]
+
+
+def test_a_file_that_came_meanwhile_is_not_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    with pytest.raises(StoreError, match="must not exist yet"), files.replacing(path, overwrite=False) as scratch:  # noqa: PT012
+        scratch.write_text("mine")
+        path.write_text("yours")
+    assert path.read_text() == "yours"
+    with pytest.raises(StoreError, match="must not exist yet"), files.replacing(path, overwrite=False):
+        pass
+    assert content(tmp_path) == ["a.csv"]
+
+
+def test_a_link_is_replaced_and_not_what_it_points_to(tmp_path: Path) -> None:
+    elsewhere, path = tmp_path / "elsewhere", tmp_path / "a.txt"
+    elsewhere.write_text("precious")
+    path.symlink_to(elsewhere)
+    files.replace_text(path, "new")
+    assert (elsewhere.read_text(), path.read_text(), path.is_symlink()) == ("precious", "new", False)
+
+
+def test_a_disk_that_fails_is_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match=r"^`a` must be writable, but: No space left on device. Buy one.$"):  # noqa: SIM117
+        with files.writing("a", "Buy one."):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    with pytest.raises(StoreError, match=r"^as it was$"), files.writing("a"):
+        raise StoreError("as it was")
+
+
+# --- folders --------------------------------------------------------------------------------------------------------
+
+
+def test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_path: Path) -> None:
+    """Both began when there was none."""
+    path = tmp_path / "S.zarr"
+    with pytest.raises(StoreError, match="must not exist yet"), new_store(path) as scratch:  # noqa: PT012
+        tables.create_root(scratch, {"title": "second"})
+        made_store(path, "first")
+    assert '"title": "first"' in (path / "zarr.json").read_text()
+    assert content(tmp_path) == ["S.zarr"]
+
+
+def test_a_block_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
+    path = made_store(tmp_path / "S.zarr")
+    with pytest.raises(Stop), new_store(path, overwrite=True) as scratch:  # noqa: PT012
+        (scratch / "half").write_text("")
+        raise Stop
+    assert content(path) == ["zarr.json"]
+    assert content(tmp_path) == ["S.zarr"]
+    with new_store(path, overwrite=True) as scratch:
+        (scratch / "new").write_text("")
+    assert content(path) == ["new"]
+    assert content(tmp_path) == ["S.zarr"]
+
+
+def test_a_store_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:
+    path = made_store(tmp_path / "S.zarr")
+    with Lock(path), pytest.raises(StoreError, match=rf"process {os.getpid()} on .* is writing it"):  # noqa: SIM117
+        with new_store(path, overwrite=True):
+            pass
+    assert content(path) == [LOCK, "zarr.json"]
+
+
+def test_nobody_begins_to_write_a_store_while_it_is_overwritten(tmp_path: Path) -> None:
+    path = made_store(tmp_path / "S.zarr")
+    with new_store(path, overwrite=True) as scratch:
+        (scratch / "new").write_text("")
+        with pytest.raises(StoreError, match="must have one writer"):
+            Lock(path)
+    assert content(path) == ["new"]
+
+
+def test_a_link_is_no_place_for_a_store(tmp_path: Path) -> None:
+    path = tmp_path / "link.zarr"
+    path.symlink_to(made_store(tmp_path / "S.zarr"))
+    for overwrite in (False, True):
+        with pytest.raises(StoreError, match="is a link"), new_store(path, overwrite=overwrite):
+            pass
+    path.unlink()
+    path.symlink_to(tmp_path / "nowhere")
+    with pytest.raises(StoreError, match="is a link"), new_store(path):
+        pass
+
+
+# --- the lock -------------------------------------------------------------------------------------------------------
+
+
+def test_a_killed_holder_leaves_a_free_lock(tmp_path: Path) -> None:
+    code = f"import os; from tippetop.store.files import Lock; lock = Lock({str(tmp_path)!r}); os.kill(os.getpid(), 9)"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == -9
+    assert (tmp_path / LOCK).read_text().startswith("process ")
+    with Lock(tmp_path) as lock:
+        lock.check()
+        lock.remove()
+    assert content(tmp_path) == []
+
+
+def test_a_refused_one_does_not_wipe_the_name_of_the_holder(tmp_path: Path) -> None:
+    with Lock(tmp_path):
+        for _ in range(2):
+            with pytest.raises(StoreError, match=rf"process {os.getpid()} on .* is writing it"):
+                Lock(tmp_path)
+
+
+def test_a_lock_that_nobody_holds_on_to_is_free(tmp_path: Path) -> None:
+    Lock(tmp_path)  # an exception between taking it and the block that would release it
+    Lock(tmp_path).release()
+
+
+@pytest.mark.parametrize("fate", ["moved", "removed", "replaced"])
+def test_a_writer_learns_that_its_folder_is_gone(fate: str, tmp_path: Path) -> None:
+    folder = tmp_path / "S"
+    folder.mkdir()
+    with Lock(folder) as lock:
+        lock.check()
+        if fate == "removed":
+            (folder / LOCK).unlink()
+        else:
+            folder.rename(tmp_path / "elsewhere")
+        if fate == "replaced":
+            folder.mkdir()
+            (folder / LOCK).write_text("another's")
+        with pytest.raises(StoreError, match="was moved, removed or replaced"):
+            lock.check()
+        lock.remove()
+        assert fate != "replaced" or (folder / LOCK).exists()
+
+
+def test_a_lock_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
+    folder, elsewhere = tmp_path / "S", tmp_path / "precious"
+    folder.mkdir()
+    elsewhere.write_text("precious")
+    (folder / LOCK).symlink_to(elsewhere)
+    with pytest.raises(StoreError, match="must be writable"), files.writing(folder):
+        Lock(folder)
+    assert elsewhere.read_text() == "precious"
+
+
+def test_what_a_killed_writer_leaves_goes(tmp_path: Path) -> None:
+    with pytest.raises(Stop), new_store(tmp_path / "runs") as scratch:  # noqa: PT012
+        for name in ("0.abc.partial", ".a.part", ".a.part-01", "kept"):
+            (scratch / name).write_text("")
+        (scratch / ".5.part-01").mkdir()
+        (scratch / ".5.part-01" / "zarr.json").write_text("")
+        files.remove_scratch(scratch)
+        assert content(scratch) == ["kept"]
+        raise Stop

@@ -1,0 +1,141 @@
+"""What a store is: ours or not, of which format, finished or not; and how a new one comes to be."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+
+from tippetop.errors import StoreError
+from tippetop.store import provenance, root
+
+
+def made(path: Path, **more: object) -> Path:
+    """A small store of ours."""
+    with root.new_store(path) as scratch:
+        group = zarr.open_group(store=str(scratch), mode="w", attributes={**provenance.provenance(), **more})
+        group.create_group("trajectory").create_array("time", data=np.arange(3.0), dimension_names=("time",))
+    return path
+
+
+@pytest.mark.parametrize(
+    "value",
+    [np.float64("nan"), float("inf"), np.float32(-np.inf), {"a": [1.0, (float("nan"), np.int64(3))]}, None, "text"],
+)
+def test_attributes_are_plain_json(value: object) -> None:
+    """Numbers that are not finite become null; no NaN, which JSON does not know."""
+    text = json.dumps(root.finite({"value": value}), allow_nan=False)
+    assert "NaN" not in text
+    assert root.finite(json.loads(text)) == json.loads(text)
+
+
+def test_finite_numbers_stay_as_they_are() -> None:
+    tree = {"a": 0.1, "b": [np.float64(1e-300), np.int8(-3), True], "c": {"d": ()}}
+    assert root.finite(tree) == {"a": 0.1, "b": [1e-300, -3, True], "c": {"d": []}}
+
+
+def test_a_store_says_what_made_it(tmp_path: Path) -> None:
+    attrs = root.attributes(made(tmp_path / "a.zarr", status="finished"))
+    assert attrs["format"] == "tippetop"
+    assert attrs["format_version"] == 1
+    assert set(attrs["versions"]) >= {"python", "tippetop", "heyoka", "numpy", "zarr"}
+    assert "unknown" not in attrs["versions"].values()
+    assert attrs["cpu"]
+
+
+def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("x")
+    zarr.open_group(store=str(tmp_path / "zarr"), mode="w", attributes={"format": "another"})
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "zarr.json").write_text("{")
+    for name in ("folder", "file", "zarr", "broken", "nowhere"):
+        with pytest.raises(StoreError, match=f"{name}` must be a store of tippetop"):
+            root.attributes(tmp_path / name)
+
+
+def test_a_store_of_another_format_version_is_refused(tmp_path: Path) -> None:
+    path = made(tmp_path / "a.zarr", format_version=2)
+    with pytest.raises(StoreError, match="must have format version 1, but has 2"):
+        root.attributes(path)
+
+
+def test_a_running_store_tells_its_checkpoint(tmp_path: Path) -> None:
+    path = made(tmp_path / "a.zarr", status="running")
+    assert "report" not in root.attributes(path)
+    (path / root.CHECKPOINT).write_text(json.dumps({"report": {"t_end": 2.5}, "reason": "interrupted"}))
+    found = root.attributes(path)
+    assert (found["report"], found["reason"]) == ({"t_end": 2.5}, "interrupted")
+    finished = made(tmp_path / "b.zarr", status="finished")
+    (finished / root.CHECKPOINT).write_text(json.dumps({"report": {"t_end": 2.5}, "reason": ""}))
+    assert "report" not in root.attributes(finished)
+
+
+def test_attributes_are_added_and_the_others_kept(tmp_path: Path) -> None:
+    path = made(tmp_path / "a.zarr", status="finished", old=1)
+    root.annotate(path, {"new": float("nan"), "old": 2})
+    found = root.attributes(path)
+    assert (found["status"], found["old"], found["new"]) == ("finished", 2, None)
+
+
+def test_a_group_is_a_dataset_with_the_attributes_of_the_store(tmp_path: Path) -> None:
+    path = made(tmp_path / "a.zarr", title="a top")
+    found = root.open_group(path, "trajectory")
+    np.testing.assert_array_equal(found["time"], [0.0, 1.0, 2.0])
+    assert found.attrs["title"] == "a top"
+    with pytest.raises(StoreError, match="must hold a readable group `events`"):
+        root.open_group(path, "events")
+
+
+# --- how a new one comes to be --------------------------------------------------------------------------------------
+
+
+class Stop(Exception):
+    """Something ends the writing."""
+
+
+def stopped(target: Path, **options: bool) -> None:
+    """Begins a store and stops."""
+    before = sorted(target.parent.iterdir())
+    with root.new_store(target, **options) as scratch:
+        (scratch / "half").write_text("x")
+        assert sorted(target.parent.iterdir()) == sorted([*before, scratch])
+        raise Stop
+
+
+def test_a_new_store_appears_whole_or_not_at_all(tmp_path: Path) -> None:
+    target = tmp_path / "a.zarr"
+    with pytest.raises(Stop):
+        stopped(target)
+    assert list(tmp_path.iterdir()) == []
+    made(target)
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_an_existing_store_is_replaced_only_when_asked_and_only_by_a_whole_one(tmp_path: Path) -> None:
+    target = made(tmp_path / "a.zarr", title="old")
+    with pytest.raises(StoreError, match="must not exist yet"):
+        stopped(target)
+    with pytest.raises(Stop):
+        stopped(target, overwrite=True)
+    assert root.attributes(target)["title"] == "old"
+    with root.new_store(target, overwrite=True) as scratch:
+        zarr.open_group(store=str(scratch), mode="w", attributes={**provenance.provenance(), "title": "new"})
+    assert root.attributes(target)["title"] == "new"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_what_is_not_a_store_is_never_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "precious").write_text("x")
+    with pytest.raises(StoreError, match="must be a store of tippetop to be overwritten"):
+        stopped(tmp_path / "mine", overwrite=True)
+    assert (tmp_path / "mine" / "precious").read_text() == "x"
+
+
+def test_a_place_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "nowhere" / "a.zarr", tmp_path / "file" / "a.zarr"):
+        with pytest.raises(StoreError, match="must be writable, but"), root.new_store(place):
+            pass
