@@ -18,7 +18,7 @@ def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list
     state = hy.make_vars(*form.units._fields)
     scaled = [v / QUADRATURE_SCALE if v_ in form.quadratures else v for v, v_ in zip(state, form.units._fields)]  # noqa: B905
     record = type(form.units)(*scaled)
-    template = system.body({name: 1.0 for name in system.parameters}, friction(*(1.0 for _ in friction._fields)))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
     count = iter(range(len(leaves(template))))
     body = refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
     rates = form.rates(record, body)
