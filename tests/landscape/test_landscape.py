@@ -236,12 +236,12 @@ def test_what_is_not_finite_is_undefined():
         (lambda: bodies.top({**CANONICAL, "g": np.nan}), "`parameters.g` must be finite, greater than 0, but is nan"),
         (
             lambda: bodies.top({**CANONICAL, "alpha": 1.5}),
-            "`parameters.alpha` must be finite, greater than 0, less than 1, but is 1.5",
+            "`parameters.alpha` must be .* less than 1, but is 1.5",
         ),
         (lambda: bodies.top({**CANONICAL, "I1": -1.0}), "`parameters.I1` must be finite, greater than 0, but is -1"),
         (
             lambda: bodies.top({**HEAVY, "l": -0.1}, "heavy-top"),
-            "`parameters.l` must be finite, greater than 0, but is -0.1",
+            "`parameters.l` must be .* greater than 0, but is -0.1",
         ),
         (lambda: bodies.top(CANONICAL, "cylinder"), "Argument `system` must be one of tippe-top"),
     ],
