@@ -223,6 +223,14 @@ class Problems:
         return self._rounded(leaves(body))
 
     @cached_property
+    def parameters(self) -> np.ndarray:
+        """What the user gives of the bodies, in internal units: parameters, then friction, (numbers, n)."""
+        given, friction = self.given("parameters"), self.given("friction")
+        units = [*(p.unit for p in self.base.system.parameters.values()), *self.base.law.units()]
+        values = [*(given[name] for name in self.base.system.parameters), *friction.values()]
+        return self._rounded([self._wide(v) / self.scales.of(unit) for v, unit in zip(values, units, strict=True)])
+
+    @cached_property
     def internal_body(self) -> Any:
         """The bodies in internal units, as formulas take them; what is 0 or 1 by construction is exactly that."""
         return self._internal_body(self.pars)
