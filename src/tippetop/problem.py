@@ -178,7 +178,8 @@ class Problems:
         """A number or a column in the type in which units are converted, (n,); a flag as it is."""
         if isinstance(value, bool):
             return value
-        return np.broadcast_to(np.asarray(value, dtype=self.base.exact), (self.n,))
+        value = np.asarray(value, dtype=self.base.exact)
+        return value if np.ndim(value) else np.full(self.n, value, dtype=self.base.exact)
 
     def body(self, number: Callable) -> Any:
         """The bodies in SI units, of what is given passed through `number`."""
@@ -203,7 +204,7 @@ class Problems:
 
     def unit(self, unit: Unit) -> np.ndarray:
         """SI units in one internal unit, (n,), doubles."""
-        return np.asarray(np.broadcast_to(self.scales.of(unit), (self.n,)), float)
+        return self.scales.of(unit).astype(float)
 
     @cached_property
     def weights(self) -> list[np.ndarray]:
@@ -252,7 +253,10 @@ class Problems:
 
     def _rounded(self, rows: list) -> np.ndarray:
         """Rows of numbers or arrays (n,) in the working precision, (rows, n)."""
-        return np.stack([np.broadcast_to(row, (self.n,)).astype(self.base.number) for row in rows])
+        rounded = np.empty((len(rows), self.n), dtype=self.base.number)
+        for i, row in enumerate(rows):
+            rounded[i] = row
+        return rounded
 
     @cached_property
     def end(self) -> np.ndarray:
@@ -321,7 +325,7 @@ class Problems:
         quantities = [q.formula(scalars, body) for q in base.system.quantities]
         finite = np.ones(self.n, bool)
         for value in (*pars, *start, *self.weights, *quantities):
-            finite &= np.isfinite(np.broadcast_to(value, (self.n,)).astype(float))
+            finite &= np.isfinite(np.asarray(value, dtype=float))
         overflow = "`parameters` and `initial` must stay finite together, but they overflow."
         return [(overflow, ~finite)] + [
             (f"`initial` must allow a motion, but {h.meaning}.", ~(np.zeros(self.n) + h.formula(scalars, body) > 0))
