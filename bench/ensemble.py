@@ -16,7 +16,7 @@ import numpy as np
 from tippetop.engine.expressions import variables
 from tippetop.ensembles import ensemble
 from tippetop.ensembles.lanes import LANES
-from tippetop.ensembles.tops import Tops
+from tippetop.problem import Problems
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
@@ -32,11 +32,11 @@ PYTHON = "DOP853, SciPy, formulas in Python"
 PEERS = ("DOP853, C++", "DOP853, numbalsoda", "LSODA, numbalsoda")
 
 
-def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Tops:
+def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Problems:
     """Canonical tops with these spins [rad/s]."""
-    tops, faults = ensemble.tops_of("inverting", {"initial.omega3": spins}, until)
-    assert not faults
-    return Tops(replace(tops.base, tolerance=tolerance or tops.base.tolerance), tops.columns)
+    tops = ensemble.tops_of("inverting", {"initial.omega3": spins}, until)
+    assert tops.valid.all()
+    return Problems(replace(tops.base, tolerance=tolerance or tops.base.tolerance), tops.columns)
 
 
 def compare(quick: bool) -> dict[str, Any]:
@@ -105,7 +105,7 @@ def _exact(spin: float) -> np.longdouble:
     return theta_of(wide, solve(replace(wide, times=np.array([MIDST]))).rows)[0]
 
 
-def batched(tops: Tops) -> Callable[[], np.ndarray]:
+def batched(tops: Problems) -> Callable[[], np.ndarray]:
     """heyoka's batch integrator on the motion alone, no quadratures, events or books; gives rows (n, variables)."""
     base = tops.base
     _, _, equations = variables(base.system, base.form, base.friction.__class__)
@@ -129,7 +129,7 @@ def batched(tops: Tops) -> Callable[[], np.ndarray]:
     return work
 
 
-def _lanes(tops: Tops) -> float:
+def _lanes(tops: Problems) -> float:
     return timed(lambda: ensemble.measure(tops, threads=1)) / tops.n
 
 
@@ -137,7 +137,7 @@ def _one_by_one(solvers: list) -> float:
     return timed(lambda: [solver.work(None) for solver in solvers]) / len(solvers)
 
 
-def _threads(tops: Tops, rounds: int) -> dict[str, Any]:
+def _threads(tops: Problems, rounds: int) -> dict[str, Any]:
     """What a second thread brings, by the wall clock."""
     works = {k: partial(elapsed, partial(ensemble.measure, tops, threads=k)) for k in (1, 2)}
     seconds = interleaved(works, rounds)

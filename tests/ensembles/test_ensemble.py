@@ -11,9 +11,7 @@ import tippetop
 from tippetop.ensembles import lanes, outcomes
 from tippetop.ensembles.ensemble import measure, tops_of
 from tippetop.ensembles.outcomes import CLASSES, STATUSES
-from tippetop.ensembles.tops import Tops
 from tippetop.errors import InputError
-from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs.run import solve
 from tippetop.scenario import build, reading
@@ -47,20 +45,6 @@ def mixed() -> dict[str, np.ndarray]:
 @pytest.fixture(scope="module")
 def found(mixed: dict[str, np.ndarray]) -> xr.Dataset:
     return tippetop.ensemble("inverting", mixed, threads=1)
-
-
-def test_tops_are_those_of_single_problems(mixed: dict[str, np.ndarray]) -> None:
-    """Starts, parameters and ends are the same to the bit, at other sizes too (other units inside)."""
-    columns = {**mixed, "parameters.R": np.geomspace(0.002, 0.5, 40)}
-    scale = (columns["parameters.R"] / 0.02) ** 2
-    columns |= {"parameters.I1": 3e-6 * scale, "parameters.I3": 3.2e-6 * scale}
-    tops = Tops(build.load("inverting"), columns)
-    for i in range(40):
-        problem = build.load("inverting", [f"{key}={column[i]!r}" for key, column in plain(columns).items()])
-        assert problem.start().tobytes() == tops.start[:, i].copy().tobytes()
-        numbers = [float(v) for v in leaves(problem.internal_body)]
-        assert numbers == tops.pars[:, i].tolist()
-        assert problem.until / float(problem.scales.time) == tops.end[i]
 
 
 def plain(columns: dict[str, np.ndarray]) -> dict[str, list[float]]:
@@ -108,13 +92,14 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
 
 @pytest.mark.parametrize("lanes", [4, 8])
 def test_the_number_of_lanes_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset, lanes: int) -> None:
-    measured = measure(tops_of("inverting", mixed, None)[0], threads=1, lanes=lanes)
+    measured = measure(tops_of("inverting", mixed, None), threads=1, lanes=lanes)
     assert same(outcomes.dataset(measured, []), found)
 
 
 def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
-    """Every third top's parameters are spoilt past the door: the others do not notice."""
-    tops, _ = tops_of("inverting", mixed, None)
+    """Every third top's parameters are spoilt after validation: the others do not notice."""
+    tops = tops_of("inverting", mixed, None)
+    assert tops.valid.all()
     spoilt = np.arange(40) % 3 == 1
     tops.pars[3, spoilt] = np.where(np.arange(spoilt.sum()) % 2, np.nan, 1e-280)
     other = outcomes.dataset(measure(tops, threads=1), [])
@@ -124,7 +109,7 @@ def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: 
     assert same(other.isel(top=~spoilt), found.isel(top=~spoilt))
 
 
-def test_absurd_tops_are_named_and_the_others_run() -> None:
+def test_invalid_tops_are_named_and_the_others_run() -> None:
     spins = np.array([155.0, np.nan, 160.0, 1e300])
     moments = np.array([3.2e-6, 3.2e-6, 7e-6, 3.2e-6])
     found = tippetop.ensemble("inverting", {"initial.omega3": spins, "parameters.I3": moments}, until=0.5)

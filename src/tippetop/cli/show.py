@@ -98,9 +98,8 @@ def check(
 
         print(json.dumps(finite(found), allow_nan=False))
         return 0
-    units = {name: p.unit.symbol for name, p in {**problem.system.parameters, **problem.system.initial}.items()}
-    units |= dict(zip(problem.friction._fields, (u.symbol for u in problem.friction_units), strict=True))
-    units |= {"until": "s", "output_step": "s", "seconds": "s"}
+    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()}
+    units |= {"output_step": "s", "seconds": "s"}
     table = Table.grid(padding=(0, 2))
     for name, value in found.items():
         if name == "regularisation":

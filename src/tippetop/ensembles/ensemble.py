@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..engine.invariants import invariants, size
+from ..engine.observables import values_of
 from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.system import KINDS
-from ..problem import Problem
+from ..problem import Problem, Problems, variation_faults
 from ..progress import reporting
 from ..scenario import build
 from . import observer
 from .lanes import LANES, Lanes
 from .outcomes import STATUSES, TIMES, Measured, _conclude, dataset
-from .tops import Tops, known
 
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class _Worker(Lanes):
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         """Compares invariants with the start."""
-        values = invariants(self.tops.base, self.tops.values(states[: self.variables], tops))
+        values = invariants(self.tops.base, values_of(self.tops, states[: self.variables], tops))
         for name, found in values.items():
             start = self.starts[name][tops]
             np.maximum.at(self.measured.drift[name], tops, np.abs(found - start) / size(start))
@@ -83,14 +83,18 @@ class _Worker(Lanes):
 
 
 def measure(
-    tops: Tops, *, threads: int | None = None, progress: Callable[[int, int], None] | None = None, lanes: int = LANES
+    tops: Problems,
+    *,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    lanes: int = LANES,
 ) -> Measured:
     """Integrates every valid top to its end; `progress(done, n)` is called now and then."""
     measured = Measured(tops)
     measured.status[~tops.valid] = STATUSES.index("invalid")
     everything = np.arange(tops.n)
     with np.errstate(all="ignore"):
-        at_start = tops.values(tops.start, everything)
+        at_start = values_of(tops, tops.start, everything)
         starts = invariants(tops.base, at_start)
         functions = _event_functions(tops)
     signs = (functions > 0, np.abs(functions) < 1e-9)
@@ -161,7 +165,7 @@ def _run(
     measured.steps_possible = sum(worker.tally.possible for worker in workers)
 
 
-def _event_functions(tops: Tops) -> np.ndarray:
+def _event_functions(tops: Problems) -> np.ndarray:
     """The event functions of every top at its start, (n, kinds), internal units; NaN where a system has none."""
     record, body = tops.record(tops.start), tops.internal_body
     scalars = tops.base.form.scalars(record, body)
@@ -171,38 +175,27 @@ def _event_functions(tops: Tops) -> np.ndarray:
     return found
 
 
-def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> tuple[Tops, list[tuple[int, str]]]:
-    """The checked tops of a scenario and its variations, and what is wrong with single ones. Raises ScenarioError."""
+def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> Problems:
+    """The tops of a scenario and its variations. Raises InputError."""
     return varied(build.load(source, None, until), variations)
 
 
-def varied(base: Problem, variations: Mapping[str, Any]) -> tuple[Tops, list[tuple[int, str]]]:
-    """The checked tops of a problem and its variations, and what is wrong with single ones. Raises ScenarioError."""
+def varied(base: Problem, variations: Mapping[str, Any]) -> Problems:
+    """The tops of a problem and its variations, for lanes. Raises InputError; `check` tells of single tops."""
+    sentences = [*base_faults(base), *variation_faults(base, variations)]
+    if sentences:
+        raise InputError(sentences)
+    return Problems.vary(base, variations)
+
+
+def base_faults(base: Problem) -> list[str]:
+    """Why a problem cannot run in lanes, in sentences; empty if it can."""
     sentences = []
     if not {"turning", "equator"} & {e.name for e in base.system.events} or "ux" not in base.form.units._fields:
         sentences.append('`form` must be "vector" in an ensemble, of a system that has it.')
     if base.precision != "double":
         sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')
-    rules = known(base)
-    columns = {}
-    for key, values in variations.items():
-        if key not in rules:
-            sentences.append(f"`{key}` must be one of {', '.join(rules)}, but is not.")
-            continue
-        columns[key] = np.array(values, dtype=float)
-    if not columns and not sentences:
-        sentences.append("`variations` must vary something, but is empty.")
-    if len({c.shape for c in columns.values()}) > 1 or any(c.ndim != 1 or not c.size for c in columns.values()):
-        found = ", ".join(f"{key} {c.shape}" for key, c in columns.items())
-        sentences.append(f"`variations` must be arrays of one length and dimension, but are {found}.")
-    if {"initial.psi_dot", "initial.omega3"} <= columns.keys():
-        sentences.append("`initial.psi_dot` must vary alone, but `initial.omega3` varies too.")
-    if base.initial.get("centre_at_rest") and {"initial.nu_x", "initial.nu_y"} & columns.keys():
-        sentences.append("`initial.centre_at_rest` must stand alone, but `initial.nu_x` or `initial.nu_y` varies.")
-    if sentences:
-        raise InputError(sentences)
-    tops = Tops(base, columns)
-    return tops, tops.faults()
+    return sentences
 
 
 def of_problem(
@@ -217,6 +210,6 @@ def of_problem(
     `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
     of them stands in the attributes. Raises InputError if a key is wrong.
     """
-    tops, faults = varied(base, variations)
+    tops = varied(base, variations)
     with reporting(progress, "tops") as tell:
-        return dataset(measure(tops, threads=threads, progress=tell), faults)
+        return dataset(measure(tops, threads=threads, progress=tell), tops.check()[1])

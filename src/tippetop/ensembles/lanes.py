@@ -15,10 +15,9 @@ from ..engine.expressions import variables
 from ..engine.status import SETTLED_FOR, Status
 from ..mechanics.operand import leaves
 from ..mechanics.system import KINDS, System
-from ..problem import QUADRATURE_SCALE, Problem
+from ..problem import QUADRATURE_SCALE, Problem, Problems
 from . import observer
 from .observer import GOING, LIFTED, SETTLED, STALLED, Rules, Sources
-from .tops import Tops
 
 
 LANES = 32  # two threads share the lock of Python better than with 16; alone 16 are as fast, 8 and 64 slower
@@ -96,7 +95,7 @@ class Tally:
 class Lanes:
     """The lanes of one integrator. `run` takes tops from a queue and hands back their pages of the books."""
 
-    def __init__(self, tops: Tops, lanes: int = LANES):
+    def __init__(self, tops: Problems, lanes: int = LANES):
         base = tops.base
         machine = compiled(base.system, base.form.name, base.friction.__class__, base.tolerance, lanes)
         self.tops, self.lanes, self.machine = tops, lanes, machine

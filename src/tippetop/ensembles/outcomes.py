@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..columns import Column, flag_attributes
+from ..engine.observables import values_of
 from ..mechanics.units import NEWTON, ONE, RADIAN, SECOND, Unit
+from ..problem import Problems
 from ..scenario import build
-from .tops import Tops, known
 
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ COLUMNS: dict[str, tuple[Any, Unit, str]] = {
 class Measured:
     """A line per top, as arrays; and what the making took."""
 
-    def __init__(self, tops: Tops):
+    def __init__(self, tops: Problems):
         self.tops, n = tops, tops.n
         self.status = np.zeros(n, np.int8)
         self.kind = np.zeros(n, np.int8)
@@ -72,7 +73,7 @@ def _conclude(measured: Measured) -> None:
         columns[name][~np.isfinite(columns[name])] = np.nan
     ended = np.isfinite(measured.final).all(axis=0)
     theta = columns["theta_end"]
-    theta[ended] = tops.values(measured.final[:, ended], np.flatnonzero(ended))["theta"]
+    theta[ended] = values_of(tops, measured.final[:, ended], np.flatnonzero(ended))["theta"]
     kind = np.full(tops.n, CLASSES.index("under-way"))
     ends = {"tumbling": measured.settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     for name in tops.base.system.classes:
@@ -87,7 +88,7 @@ def dataset(measured: Measured, faults: list[tuple[int, str]]) -> "xr.Dataset":
     import xarray as xr
 
     found, tops = table(measured), measured.tops
-    rules = known(tops.base)
+    rules = tops.base.rules
     coords = {
         key: ("top", column, {"units": rules[key].unit.symbol, "long_name": rules[key].long_name})
         for key, column in tops.columns.items()

@@ -99,7 +99,7 @@ def phase(
     """The asymptotic states of the body of a run as branches over lambda, values of lambda to be marked, and the run as
     cos(theta) with its lambda [kg m^3/s]."""
     _body(attrs, SPINNING)
-    body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
+    body = SYSTEMS[attrs["system"]].body_of(attrs["parameters"], Frictionless())
     lam = float(trajectory["jellett"][0])
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}

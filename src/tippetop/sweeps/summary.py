@@ -116,5 +116,5 @@ def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
     if not len(invalid):
         return []
     made, some = Plan.from_tables(document), invalid[:FAULTS]
-    _, faults = ensemble.varied(made.base, made.columns(some))
+    _, faults = ensemble.varied(made.base, made.columns(some)).check()
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

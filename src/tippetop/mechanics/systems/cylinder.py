@@ -12,7 +12,7 @@ from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
 from ..friction import LAWS, Law, slip_coefficient
 from ..operand import Operand, formula, select
-from ..system import Event, Form, Parameter, Quantity, System
+from ..system import Alternative, Event, Form, Parameter, Quantity, System
 from ..units import (
     INERTIA,
     JOULE,
@@ -293,6 +293,7 @@ GLIDING_CYLINDER = System(
     title="eccentric cylinder that rolls and glides",
     source=SOURCE,
     initial={**INITIAL, "nu_x": Parameter(METRE_PER_SECOND, "velocity of the contact point of the cylinder")},
+    alternatives=(Alternative("centre_at_rest", ("nu_x",), flag=True),),
     start=start,
     angles=ANGLES,
     forms={"angle": FORM},

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ...operand import formula
-from ...system import Event, Form, Hazard, Parameter, Quantity
+from ...system import Alternative, Event, Form, Hazard, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
 from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
@@ -23,16 +23,18 @@ INITIAL = {
     "y": Parameter(METRE, "y of the centre of mass"),
     "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3"),
 }
+BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
+ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))
 
 
 def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
-    """The record of angles of what a person gave, the rest zero; psi_dot may stand for omega3."""
+    """The record of angles of what the user gave, the rest zero; psi_dot may stand for omega3."""
     e = angles(*(data.get(name, 0) for name in angles._fields))
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what a person gave; centre_at_rest may stand for nu_x and nu_y."""
+    """The Euler record of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
     e = given_angles(EulerState, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
