@@ -269,6 +269,26 @@ def test_a_run_that_is_recorded_as_it_goes(tmp_path: Path) -> None:
         tt.resume(place)
 
 
+def test_every_kind_of_store_opens(tmp_path: Path) -> None:
+    from tippetop.landscape import recording
+
+    D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
+    recording.write(tmp_path / "F.zarr", recording.Surface.over(TOP.numbers(), D, lam))
+    surface = tt.open(tmp_path / "F.zarr")
+    np.testing.assert_array_equal(surface["F"], tt.minimal_surface(TOP, D=D, lam=lam)["F"])
+    (tmp_path / "plan.toml").write_text(
+        'scenario = "inverting"\nset.run.until = 0.1\n'
+        '[[axis]]\nof = "initial.omega3"\nlinspace = [100.0, 150.0]\nn = 2\n'
+        '[[axis]]\nof = "friction.mu"\nlinspace = [0.1, 0.3]\nn = 3\n'
+    )
+    tt.sweep(tmp_path / "plan.toml", tmp_path / "S.zarr", workers=1)
+    table = tt.open(tmp_path / "S.zarr")
+    assert table.sizes["top"] == 6
+    assert dict(tt.gridded(table).sizes) == {"initial.omega3": 2, "friction.mu": 3}
+    with pytest.raises(tt.StoreError, match="must be a store of tippetop"):
+        tt.open(tmp_path / "plan.toml")
+
+
 def test_a_run_in_another_thread() -> None:
     import threading
 
