@@ -79,7 +79,26 @@ def system_of(tables: dict[str, Any]) -> System:
 
 
 def load(source: str, assignments: list[str] | None = None, until: float | None = None) -> Problem:
-    """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises InputError."""
+    """The checked Problem of a TOML file or a preset.
+
+    Parameters
+    ----------
+    source : str
+        A TOML file, or the name of a preset.
+    assignments : list of str, optional
+        `table.key=value` texts, as the command line's `--set` takes them.
+    until : float, optional
+        Another end of the run [s]; output times beyond it go.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    InputError
+        With one sentence for everything that is wrong.
+    """
     tables = override(read(source), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 

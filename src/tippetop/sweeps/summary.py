@@ -22,7 +22,18 @@ def open_sweep(path: str | Path) -> Any:
 
 
 def gridded(table: Any) -> Any:
-    """A table of a sweep (or some of its columns) with the axes of the plan as dimensions; read into memory."""
+    """A table of a sweep with the axes of its plan as dimensions.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        The table of a sweep, (top,), or some of its columns, as `open` gives it.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory; the names of the axes are its dimensions and coordinates.
+    """
     import xarray as xr
 
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
