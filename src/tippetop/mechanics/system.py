@@ -157,10 +157,6 @@ class System:
         """What is 0 or 1 in the units of a form by construction."""
         return {name: value for name, value in self.folded.items() if name not in form.unfolded}
 
-    def has(self, *names: str) -> bool:
-        """Whether it has all these quantities."""
-        return set(names) <= {quantity.name for quantity in self.quantities}
-
     @property
     def frictional(self) -> bool:
         """Whether a friction law must be given."""
