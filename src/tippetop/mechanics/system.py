@@ -191,6 +191,7 @@ class System:
     outlook: Callable | None = None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
     motion: Callable | None = None  # motion(b, start) -> the name of the motion, where theory has one
     borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
+    long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
     inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
 
@@ -235,10 +236,6 @@ class System:
     def folds(self, form: Form) -> dict[str, float]:
         """What is 0 or 1 in the units of a form by construction."""
         return {name: value for name, value in self.folded.items() if name not in form.unfolded}
-
-    def has(self, *names: str) -> bool:
-        """Whether it has all these quantities."""
-        return set(names) <= {quantity.name for quantity in self.quantities}
 
     @property
     def frictional(self) -> bool:

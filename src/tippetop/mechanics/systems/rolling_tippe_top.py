@@ -40,5 +40,6 @@ ROLLING_TIPPE_TOP = System(
     momenta=("routh", "jellett"),
     landscape=tippe_top.LANDSCAPE,
     outlook=outlook.rolling_tippe_top,
+    long_form="reduced",
     classes=tippe_top.TIPPE_TOP.classes,
 )
