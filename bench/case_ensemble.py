@@ -23,7 +23,7 @@ from tippetop.scenario import build
 from .measure import elapsed, interleaved, ratio, timed
 from .minimal import Minimal, theta_of
 from .ours import OURS, TAYLOR
-from .peers import CALLING, COMPILED, FIELD, scipy_formulas, sentence
+from .peers import CALLING, FIELD, entries, scipy_formulas
 
 
 CHECKED = 8  # tops that are held against 80-bit runs
@@ -59,15 +59,8 @@ def compare(quick: bool) -> dict[str, Any]:
         work = batched(tops_at(spins[:LANES], END, tolerance))
         works["tippetop, lanes, motion alone", len(entry["points"])] = lambda work=work: timed(work) / LANES
         entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
-    for peer in (peer for peer in FIELD if peer.name in PEERS):
-        entry = found["contestants"][peer.name] = {"kind": COMPILED}
-        if peer.missing:
-            entry["missing"] = peer.missing
-            continue
-        try:
-            _enter(entry, works, peer, spins, some, exact)
-        except Exception as error:  # a peer that breaks is a result, not the end of the others
-            entry["missing"] = sentence(error)
+    peers = [peer for peer in FIELD if peer.name in PEERS]
+    found["contestants"] |= entries(peers, lambda entry, peer: _enter(entry, works, peer, spins, some, exact))
     _enter_python(found["contestants"], works, float(spins[0]), exact[0])
     for (name, i), times in interleaved(works, 3 if quick else 5).items():
         found["contestants"][name]["points"][i] |= {"rounds": times, "seconds": statistics.median(times)}

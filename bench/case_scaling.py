@@ -22,8 +22,8 @@ from tippetop.landscape import recording, surface
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
-from .ensemble import tops_at
-from .landscape import FIGURE
+from .case_ensemble import tops_at
+from .case_surface import FIGURE
 from .measure import timed
 from .minimal import theta_of
 from .ours import end_of
