@@ -1,37 +1,121 @@
-"""Mutation check: every + - * / and unary minus of a physics file is flipped, one at a time, and the laws must notice.
+"""Mutation check: every + - * / and unary minus of a formula is flipped, one at a time, and the tests must notice.
 
-usage: python tests/mutation.py [FILE ...]     (names as in src/tippetop/systems, or `friction`; default: all)
+usage: python tests/mutation.py [--results FILE] [--seconds N] [--list] [MODULE ...]
+
+MODULE is the end of a module's name (friction, gliding.euler); without it, all. What the systems are made of is judged
+by the laws of mechanics, in this process; other formulas by test files of their own, in a process for each mutant.
+With --results each verdict is kept in FILE (JSON lines): a run that was stopped, or whose --seconds are over,
+continues there, until a physics file or a judge changes.
 """
 
+import argparse
 import ast
 import copy
+import hashlib
 import importlib
+import json
+import os
+import shutil
+import subprocess
 import sys
+import tempfile
 import time
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import CodeType, ModuleType
+from typing import NamedTuple
 
 import numpy as np
 
 
-sys.path.insert(0, str(Path(__file__).parent / "helpers"))
-import laws
+TESTS = Path(__file__).parent
+sys.path.insert(0, str(TESTS / "helpers"))
+import laws  # noqa: E402
 
 
 ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore[arg-type]
-CONTACT = "mechanics.contact"
-GLIDING = tuple(f"{CONTACT}.gliding.{name}" for name in ("vector", "euler", "chart", "catalogue"))
-ROLLING = tuple(f"{CONTACT}.rolling.{name}" for name in ("reaction", "vector", "euler", "chart", "catalogue"))
-TOPS = ("tippe_top", "tippe_top_reduced", "rolling_tippe_top", "heavy_top", "gliding_heavy_top")
-ORDER = (
-    "mechanics.friction",
-    f"{CONTACT}.body",
-    *GLIDING,
-    *ROLLING,
-    *(f"mechanics.systems.{name}" for name in (*TOPS, "cylinder", "rolling_cylinder")),
-    "mechanics.systems",
-)
+SYSTEMS = "mechanics.systems"
+JUDGES: dict[str, tuple[str, ...]] = {
+    "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
+    "mechanics.systems.spinning": ("landscape/test_landscape.py", "-k", "critical or end_values or boundary or line"),
+    "mechanics.theory.thresholds": ("mechanics/test_theory.py",),
+    "landscape.formulas": ("landscape/test_formulas.py",),
+}
+"""Formulas that no system is made of, and the arguments of pytest that judge them."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
+LIMIT = 300  # seconds that a judge in a process of its own may take; longer is noticed too
+
+
+class Mutant(NamedTuple):
+    """One operator of a module, flipped."""
+
+    module: str
+    index: int
+    line: int
+    text: str  # the expression as it stands
+
+
+# --- what is mutated ------------------------------------------------------------------------------------------------
+
+
+def path_of(module: str) -> Path:
+    """The file of a module of the package."""
+    path = ROOT / (module.replace(".", "/") + ".py")
+    return path if path.exists() else path.with_suffix("") / "__init__.py"
+
+
+@cache
+def source(module: str) -> str:
+    """The text of a module."""
+    return path_of(module).read_text(encoding="utf-8")
+
+
+@cache
+def tree_of(module: str) -> ast.Module:
+    """The syntax tree of a module."""
+    return ast.parse(source(module))
+
+
+def formula_files() -> set[str]:
+    """Every module that holds a formula."""
+    paths = (p for p in ROOT.rglob("*.py") if "@formula" in p.read_text(encoding="utf-8"))
+    return {".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for p in paths}
+
+
+def imported(module: str) -> Iterator[str]:
+    """The modules of the package that a module imports at its top, in order."""
+    package = module if path_of(module).name == "__init__.py" else module.rpartition(".")[0]
+    for node in tree_of(module).body:
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = importlib.util.resolve_name("." * node.level + (node.module or ""), f"tippetop.{package}")
+            base = base.removeprefix("tippetop").removeprefix(".")
+            for alias in node.names:
+                name = f"{base}.{alias.name}".removeprefix(".")
+                yield name if path_of(name).exists() else base
+
+
+@cache
+def order() -> tuple[str, ...]:
+    """The mechanics that systems are made of, each after what it imports."""
+    done: dict[str, None] = {}
+
+    def visit(module: str) -> None:
+        if module in done or not module.startswith("mechanics."):
+            return
+        for other in imported(module):
+            if other != module:
+                visit(other)
+        done[module] = None
+
+    visit(SYSTEMS)
+    return tuple(done)
+
+
+def modules() -> list[str]:
+    """All that are mutated: those with formulas, judged by the laws first."""
+    found = formula_files()
+    return [m for m in order() if m in found and m not in JUDGES] + [m for m in JUDGES if m in found]
 
 
 def sites(tree: ast.Module) -> list[ast.AST]:
@@ -50,6 +134,12 @@ def sites(tree: ast.Module) -> list[ast.AST]:
     ]
 
 
+def mutants(module: str) -> list[Mutant]:
+    """Every mutant of a module."""
+    found = enumerate(sites(tree_of(module)))
+    return [Mutant(module, i, node.lineno, ast.unparse(node)) for i, node in found]  # type: ignore[attr-defined]
+
+
 def mutated(tree: ast.Module, index: int) -> ast.Module:
     """A copy of the module with one operator flipped."""
     changed = copy.deepcopy(tree)
@@ -61,12 +151,21 @@ def mutated(tree: ast.Module, index: int) -> ast.Module:
     return ast.fix_missing_locations(changed)
 
 
-def loaded(name: str, tree: ast.Module, codes: dict[str, CodeType]) -> dict:
-    """SYSTEMS with one module mutated and everything that depends on it loaded again."""
-    for module in ORDER[ORDER.index(name) :]:
-        full = f"tippetop.{module}"
+# --- judges ---------------------------------------------------------------------------------------------------------
+
+
+@cache
+def code(module: str) -> CodeType:
+    """A module, compiled."""
+    return compile(source(module), module, "exec")
+
+
+def loaded(module: str, tree: ast.Module) -> dict:
+    """SYSTEMS with one module mutated and everything that may depend on it loaded again."""
+    for name in order()[order().index(module) :]:
+        full = f"tippetop.{name}"
         fresh = ModuleType(full)
-        folder = ROOT / module.replace(".", "/")
+        folder = ROOT / name.replace(".", "/")
         parent, _, own = full.rpartition(".")
         fresh.__package__ = full if folder.is_dir() else parent
         fresh.__file__ = str(ROOT)
@@ -74,49 +173,123 @@ def loaded(name: str, tree: ast.Module, codes: dict[str, CodeType]) -> dict:
             fresh.__path__ = [str(folder)]
         sys.modules[full] = fresh
         setattr(sys.modules[parent], own, fresh)
-        exec(compile(tree, full, "exec") if module == name else codes[module], fresh.__dict__)
-    return sys.modules["tippetop.mechanics.systems"].SYSTEMS
+        exec(compile(tree, full, "exec") if name == module else code(name), fresh.__dict__)
+    return sys.modules[f"tippetop.{SYSTEMS}"].SYSTEMS
 
 
-def source(module: str) -> str:
-    """The text of a module."""
-    path = ROOT / (module.replace(".", "/") + ".py")
-    return (path if path.exists() else path.with_suffix("") / "__init__.py").read_text(encoding="utf-8")
+def noticed_by_laws(module: str, tree: ast.Module) -> bool:
+    """Whether a law is broken, at the same states for every mutant."""
+    try:
+        with np.errstate(all="ignore"):
+            return laws.first_broken(loaded(module, tree), lambda: np.random.default_rng(20101452)) is not None
+    except (ArithmeticError, AttributeError, TypeError, ValueError):
+        return True
+    finally:
+        loaded(module, tree_of(module))
 
 
-def main(names: list[str]) -> int:
-    """Runs the check and prints the survivors."""
-    importlib.import_module("tippetop.mechanics.systems")
-    codes: dict[str, CodeType] = {module: compile(source(module), module, "exec") for module in ORDER}
-    wanted = [m for m in ORDER if not names or m.split(".")[-1] in names]
-    alive = 0
+def noticed_by_tests(module: str, tree: ast.Module) -> bool:
+    """Whether a test file fails on a copy of the package with the mutant in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        package = Path(folder) / "tippetop"
+        shutil.copytree(ROOT, package, ignore=shutil.ignore_patterns("__pycache__"))
+        (package / path_of(module).relative_to(ROOT)).write_text(ast.unparse(tree), encoding="utf-8")
+        file, *options = JUDGES[module]
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider", str(TESTS / file)]
+        kernels = Path(importlib.import_module("tippetop_kernels").__file__).parents[1]  # type: ignore[arg-type]
+        environment = {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{kernels}", "PYTHONDONTWRITEBYTECODE": "1"}
+        process = subprocess.Popen(
+            [*command, *options],
+            cwd=TESTS.parent,
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            code = process.wait(LIMIT)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            return True
+        if code not in (0, 1, 2):  # 2: the file cannot even be collected
+            raise RuntimeError(f"pytest exits with {code} for {module}")
+        return code != 0
+
+
+def noticed(module: str, tree: ast.Module) -> bool:
+    """Whether the judge of a module notices that it is another one."""
+    return (noticed_by_tests if module in JUDGES else noticed_by_laws)(module, tree)
+
+
+def judged_by(module: str) -> str:
+    """The name of the judge of a module."""
+    return JUDGES[module][0] if module in JUDGES else "laws"
+
+
+def fingerprint(module: str) -> str:
+    """What a verdict depends on: the formulas, and the judge."""
+    judge = [TESTS / JUDGES[module][0], TESTS / "helpers" / "landscape_oracle.py"] if module in JUDGES else []
+    files = [*judge, TESTS / "helpers" / "laws.py", *(path_of(name) for name in sorted(formula_files()))]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
+
+
+# --- the run --------------------------------------------------------------------------------------------------------
+
+
+def remembered(results: Path | None) -> dict[tuple[str, int, str], bool]:
+    """The verdicts of runs before."""
+    if results is None or not results.exists():
+        return {}
+    lines = [json.loads(line) for line in results.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
+    return {(line["module"], line["index"], line["of"]): line["caught"] for line in lines}
+
+
+def table(wanted: list[str], verdicts: dict[Mutant, bool]) -> str:
+    """The outcome: a line for each module, then the survivors."""
+    rows = [("module", "judge", "mutants", "caught", "survive", "not run")]
     for module in wanted:
-        tree, clock, survivors = ast.parse(source(module)), time.perf_counter(), []
-        everything = loaded(module, tree, codes)
-        assert (message := laws.first_broken(everything, rng)) is None, message
-        count = len(sites(tree))
-        for index in range(count):
-            changed = mutated(tree, index)
-            with np.errstate(all="ignore"):
-                try:
-                    noticed = laws.first_broken(loaded(module, changed, codes), rng)
-                except (ArithmeticError, TypeError, ValueError) as error:
-                    noticed = repr(error)
-            if noticed is None:
-                node = sites(tree)[index]
-                survivors.append(f"    line {node.lineno}: {ast.unparse(node)}")  # type: ignore[attr-defined]
-        loaded(module, tree, codes)
-        alive += len(survivors)
-        seconds = time.perf_counter() - clock
-        print(f"{module}: {count - len(survivors)} of {count} mutants caught, {seconds:.0f} s", flush=True)
-        print("\n".join(survivors), end="\n" if survivors else "", flush=True)
-    return 1 if alive else 0
+        known = [verdicts[m] for m in mutants(module) if m in verdicts]
+        numbers = (len(mutants(module)), sum(known), len(known) - sum(known), len(mutants(module)) - len(known))
+        rows.append((module, judged_by(module), *map(str, numbers)))
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = ["  ".join(f"{word:{width}}" for word, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    survivors = [m for m, caught in verdicts.items() if not caught]
+    return "\n".join([*lines, "", *(f"survives: {m.module}:{m.line}: {m.text}" for m in survivors)])
 
 
-def rng() -> np.random.Generator:
-    """The same states for every mutant."""
-    return np.random.default_rng(20101452)
+def main() -> int:
+    """Runs the check and prints the table; 1 if a mutant survives, 3 if time was over before all were run."""
+    parser = argparse.ArgumentParser(description="Mutation check of the formulas.")
+    parser.add_argument("modules", nargs="*", metavar="MODULE")
+    parser.add_argument("--results", type=Path, help="where verdicts are kept and found again")
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="no mutant is begun after so long")
+    parser.add_argument("--list", action="store_true", help="only say what would be run")
+    options = parser.parse_args()
+    importlib.import_module(f"tippetop.{SYSTEMS}")
+    wanted = [m for m in modules() if not options.modules or any(f".{m}".endswith(f".{n}") for n in options.modules)]
+    kept, verdicts, clock = remembered(options.results), {}, time.monotonic()
+    for module in wanted:
+        of, asked = fingerprint(module), False
+        for mutant in mutants(module):
+            if (caught := kept.get((module, mutant.index, of))) is None:
+                if options.list or time.monotonic() - clock > options.seconds:
+                    continue
+                if not asked and noticed(module, tree_of(module)):
+                    raise SystemExit(f"{module}: its judge must be content with the formulas as they are, but is not.")
+                asked = True
+                caught = noticed(module, mutated(tree_of(module), mutant.index))
+                if options.results:
+                    line = {"module": module, "index": mutant.index, "of": of, "line": mutant.line, "caught": caught}
+                    with options.results.open("a", encoding="utf-8") as file:
+                        file.write(json.dumps(line) + "\n")
+            verdicts[mutant] = caught
+        done = sum(m.module == module for m in verdicts)
+        print(f"{module}: {done} of {len(mutants(module))} after {time.monotonic() - clock:.0f} s", flush=True)
+    print(table(wanted, verdicts))
+    if not all(verdicts.values()):
+        return 1
+    return 0 if len(verdicts) == sum(len(mutants(m)) for m in wanted) else 3
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

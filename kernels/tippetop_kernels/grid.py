@@ -16,8 +16,10 @@ from .staging import BLOCK, first, get, put, second, third, width
 
 STAGED = 8  # doubles that a stage may hand to the next
 STEPS = 2  # of Halley, for every point: almost all points of a dense grid are then at rest
-ALONE = 64  # a step of one point by itself costs as much as that of so many in a block
-FRESH = 32  # rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid
+BLOCK_STEP_IN_POINTS = 64  # a step of one point by itself costs as much as that of so many in a block
+ROWS_BETWEEN_GUESSES = (
+    32  # rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid
+)
 
 
 @kernel
@@ -82,7 +84,7 @@ def steps(slopes, like, r, q, last, points, stages, count, enough):
     one = first(slopes, 1.0, like, r)
     two = second(slopes, one, 1.0, like, r)
     for step in range(8):
-        if step >= count and ALONE * restless <= n:
+        if step >= count and BLOCK_STEP_IN_POINTS * restless <= n:
             break
         for j in range(n):
             put(stages, j, first(slopes, q[j], get(points, j, like), r))
@@ -162,7 +164,7 @@ def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
     """
     q = np.empty((3, ys.size))
     for i in range(xs.size):
-        ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2]) if i % FRESH >= 2 else 0.0
+        ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2]) if i % ROWS_BETWEEN_GUESSES >= 2 else 0.0
         before = (q[(i - 1) % 3], q[(i - 2) % 3], ahead)
         row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i % 3], status[i], 1, NEARLY, before)
 
@@ -170,9 +172,9 @@ def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
     """Calls work(slice of rows) on all threads, this one among them; kernels release the interpreter's lock.
 
-    Slices begin at multiples of `FRESH` and shrink towards the end: a call takes some 40 us to unpack its records, and
-    no thread should wait long for another. Not numba's prange: it does not take records of records, and compiles three
-    times as long.
+    Slices begin at multiples of `ROWS_BETWEEN_GUESSES` and shrink towards the end: a call takes 40 us to unpack its
+    records, and no thread should wait long for another. Not numba's prange: it does not take records of records, and
+    compiles three times as long.
     """
     threads = threads or os.cpu_count() or 1
     if threads == 1 or rows == 1:
@@ -180,7 +182,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
         return
     ends, end = [0], 0
     while end < rows:
-        end += max(1, (rows - end) // (2 * threads * FRESH)) * FRESH
+        end += max(1, (rows - end) // (2 * threads * ROWS_BETWEEN_GUESSES)) * ROWS_BETWEEN_GUESSES
         ends.append(min(end, rows))
     pieces = (slice(*pair) for pair in itertools.pairwise(ends))
     lock = threading.Lock()

@@ -33,7 +33,7 @@ class EvenTimes:
 
 @dataclass(frozen=True)
 class ListedTimes:
-    """Times that a person listed, ascending [s]."""
+    """Times that the user listed, ascending [s]."""
 
     times: np.ndarray
 

@@ -14,6 +14,7 @@ from tippetop.ensembles.outcomes import CLASSES, STATUSES
 from tippetop.ensembles.tops import Tops
 from tippetop.errors import InputError
 from tippetop.mechanics.operand import leaves
+from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs.run import solve
 from tippetop.scenario import build, reading
 
@@ -191,3 +192,10 @@ def test_progress_tells_every_top() -> None:
 def test_names_of_ends() -> None:
     assert len(set(STATUSES)) == len(STATUSES)
     assert set(CLASSES) >= {"upright", "tumbling", "inverted", "lifted-off"}
+
+
+def test_the_end_of_a_top_is_called_what_its_system_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    starts = {"initial.theta": np.array([0.01, 3.1])}
+    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "inverted"]
+    monkeypatch.setitem(SYSTEMS, "heavy-top", dataclasses.replace(SYSTEMS["heavy-top"], classes=("upright",)))
+    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "under-way"]

@@ -238,14 +238,16 @@ def contact_law(case: Case, m: Motion, change: Motion, N: Any) -> np.ndarray:
         rolled = np.cross(change.omega, m.arm, axis=0) + np.cross(m.omega, change.arm, axis=0)
         return -case.body.m * rolled[:2] * law.v_k**2 / (law.v_k**2 + v2) - law.mu * v
     speed = np.sqrt(v2 + getattr(law, "eps", 0.0) ** 2)
-    slip = {
+    known = {
         "none": lambda: 0.0,
         "viscous": lambda: law.mu,
         "coulomb": lambda: law.mu / speed,
         "mixed": lambda: law.mu + law.mu_coulomb / speed,
         "stribeck": lambda: (law.mu_static - (law.mu_static - law.mu) * (1 - np.exp(-v2 / law.v_s**2))) / speed,
         "latitude": lambda: law.mu * (1 + z) / 2 + law.mu_stem * (1 - z) / 2,
-    }[case.law]()
+    }
+    own = case.system.laws[case.law].coefficient  # of a package beside this one
+    slip = known[case.law]() if case.law in known else own(v2, z, law)
     return -slip * N * v
 
 

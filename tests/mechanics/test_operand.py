@@ -175,14 +175,14 @@ def test_the_error_of_many_products_is_that_of_each(rng: np.random.Generator) ->
     assert found.tolist() == [product_error(float(a), float(b)) for a, b in zip(x, y, strict=True)]
 
 
-def exact(x: doubledouble.Two) -> Fraction:
+def exact(x: doubledouble.DoubleDouble) -> Fraction:
     return Fraction(float(x.head)) + Fraction(float(x.tail))
 
 
 def test_two_doubles_calculate_with_twice_the_digits(rng: np.random.Generator) -> None:
     """Sums, products and quotients of head + tail against rational numbers: to 2^-100 of the largest part."""
     for a, b, c, d in rng.uniform(0.5, 2, (200, 4)).tolist():
-        x, y = doubledouble.Two(a, c * 2.0**-54), doubledouble.Two(b, -d * 2.0**-54)
+        x, y = doubledouble.DoubleDouble(a, c * 2.0**-54), doubledouble.DoubleDouble(b, -d * 2.0**-54)
         found = {
             "sum": (doubledouble.plus(x, y), exact(x) + exact(y)),
             "difference": (doubledouble.minus(x, y), exact(x) - exact(y)),
@@ -203,7 +203,7 @@ def test_a_decimal_number_keeps_its_digits_in_two_doubles() -> None:
     with localcontext() as context:
         context.prec = 50
         x = Decimal("0.1234567890123456789012345678901234567890")
-        found = doubledouble.two(x)
+        found = doubledouble.doubledouble(x)
         assert found.head == float(x)
         assert abs(Decimal(found.head) + Decimal(found.tail) - x) < Decimal("1e-33")
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from plans import assert_same
+from stores import assert_same
 
 import tippetop
 from tippetop.errors import Interrupted, StoreError

@@ -149,3 +149,18 @@ def test_a_run_prints_itself() -> None:
     text = str(tippetop.run("inverting", until=1.0))
     assert "finished at t = 1 s" in text
     assert "drift" in text
+
+
+@pytest.mark.parametrize(("preset", "form"), [("gliding-heavy-top", "vector"), ("gliding-heavy-top", "contact")])
+def test_the_length_of_an_integrated_axis_is_watched(preset: str, form: str) -> None:
+    """Every form that integrates the components of 3hat promises |3hat| = 1."""
+    made = solve(build.load(preset, [f"form={form}"], 1.0))
+    assert 0 <= made.report["drift"]["axis_norm"] < 1e-13
+    axis = made.rows[:, [made.problem.form.units._fields.index(name) for name in ("ux", "uy", "uz")]]
+    assert made.report["drift"]["axis_norm"] >= np.abs(np.linalg.norm(axis, axis=1) - 1).max() - 1e-14
+
+
+def test_a_cylinder_has_no_inversion_to_report() -> None:
+    """Whether a run that did not invert says so is a fact of the system, also in memory."""
+    assert "inversion" not in str(tippetop.run("rolling-cylinder", until=0.1))
+    assert "inversion       none" in str(tippetop.run("inverting", until=0.1))

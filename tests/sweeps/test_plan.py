@@ -11,7 +11,7 @@ import pytest
 
 from tippetop.errors import InputError
 from tippetop.problem import Problem
-from tippetop.runs import outlook
+from tippetop.runs import forecast
 from tippetop.scenario import reading
 from tippetop.sweeps.design import Axis, Design, Sample
 from tippetop.sweeps.plan import Plan
@@ -68,9 +68,8 @@ def test_a_chunk_is_a_stretch_of_the_whole() -> None:
 
 def jellett_of(problem: Problem) -> tuple[float, float]:
     """Jellett's integral of a start and its threshold, as `check` says them."""
-    body = problem.body(float)
-    found = outlook.assessment(problem.system, body, problem.initial)
-    return found["lambda"], found["thresholds"]["lambda_s"].value
+    found = problem.system.outlook(problem.body(), start := forecast.at_start(problem))
+    return start["jellett"], found.thresholds["lambda_s"].value
 
 
 @pytest.mark.parametrize("theta", [0.1, 2.5])

@@ -34,7 +34,7 @@ def test_dask_makes_the_same_store(
         n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0", protocol="tcp://", host="127.0.0.1"
     ) as cluster:
         with monkeypatch.context() as patched:
-            patched.setattr(chunk, "lines", failing)
+            patched.setattr(chunk, "compute_chunk", failing)
             assert outcome(["sweep", str(file), "--out", str(store), "--scheduler", cluster.scheduler_address]) == 6
         assert "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do." in capsys.readouterr().err
         assert chunks(store) == [1, 1, 2, 1]
@@ -118,7 +118,7 @@ def test_a_chunk_that_kills_its_workers_takes_no_other_with_it(
 ) -> None:
     store = tmp_path / "S.zarr"
     with monkeypatch.context() as patched:
-        patched.setattr(chunk, "lines", deadly)
+        patched.setattr(chunk, "compute_chunk", deadly)
         with pytest.raises(Unfinished) as error:
             tippetop.sweep(file, store, workers=2)
     assert sorted(error.value.sentences) == [

@@ -55,7 +55,7 @@ class Log:
         self.zeros.append(Zero(t, self.kind, sign))
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=32)  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 def compiled(
     system: System,
     form_name: str,

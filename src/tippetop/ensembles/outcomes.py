@@ -74,9 +74,9 @@ def _conclude(measured: Measured) -> None:
     theta = columns["theta_end"]
     theta[ended] = tops.values(measured.final[:, ended], np.flatnonzero(ended))["theta"]
     kind = np.full(tops.n, CLASSES.index("under-way"))
-    kind[measured.settled] = CLASSES.index("tumbling")
-    kind[theta < NEAR] = CLASSES.index("upright")
-    kind[theta > np.pi - NEAR] = CLASSES.index("inverted")
+    ends = {"tumbling": measured.settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
+    for name in tops.base.system.classes:
+        kind[ends[name]] = CLASSES.index(name)
     kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     sound = np.isin(measured.status, [STATUSES.index(s) for s in ("finished", "liftoff", "fallen", "settled")])
     measured.kind[:] = np.where(sound, kind, CLASSES.index("none"))

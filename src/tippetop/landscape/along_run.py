@@ -8,7 +8,7 @@ import xarray as xr
 from ..errors import InputError, a_system
 from ..mechanics.friction import Frictionless
 from ..mechanics.system import KINDS, Landscape
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import SYSTEMS, find
 from ..mechanics.theory import thresholds, tumbling
 from .marked_lines import marked_lines
 from .potential import potential as potential_over
@@ -114,7 +114,7 @@ def _body(attrs: dict[str, Any], momenta: tuple[str, str] | None = None) -> tupl
         return landscape is not None and momenta in (None, landscape.symbols)
 
     name = attrs["system"]
-    record = SYSTEMS.get(name)
+    record = find(name)
     landscape = record.landscape if record is not None else None
     if landscape is None or not fits(landscape):
         allowed = [other for other, system in SYSTEMS.items() if fits(system.landscape)]

@@ -12,7 +12,7 @@ from ..mechanics.friction import Frictionless
 from ..mechanics.operand import refill
 from ..mechanics.potential import PotentialCoefficients, rounded
 from ..mechanics.system import Landscape, Parameter, System
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import SYSTEMS, find
 
 
 DIGITS = 50  # of the constants before they are rounded: the marked lines cancel
@@ -42,7 +42,7 @@ class Top:
 
 def landscape_of(system: str | System) -> tuple[System, Landscape]:
     """A system, by name or itself, and its landscape. Raises ValueError where there is none."""
-    record = SYSTEMS.get(system) if isinstance(system, str) else system
+    record = find(system) if isinstance(system, str) else system
     if record is None or record.landscape is None:
         known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
         name = system if isinstance(system, str) else system.name

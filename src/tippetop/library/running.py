@@ -1,6 +1,7 @@
 """The calls that make a run, and the one that opens what was stored."""
 
 import contextlib
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -44,6 +45,7 @@ def run(
     out: str | Path | None = None,
     overwrite: bool = False,
     progress: bool = False,
+    stop: threading.Event | None = None,
 ) -> Run:
     """Integrates one top.
 
@@ -88,6 +90,8 @@ def run(
         Whether a store that is at `out` is replaced.
     progress : bool
         Whether a bar is drawn in a terminal.
+    stop : threading.Event, optional
+        With `out`: set it, in a signal handler or another thread, and the run stops so that `resume` continues it.
 
     Returns
     -------
@@ -99,6 +103,8 @@ def run(
         With one sentence for everything that is wrong.
     StoreError
         If `out` cannot be written.
+    Interrupted
+        If `stop` was set.
 
     Examples
     --------
@@ -135,7 +141,7 @@ def run(
     from ..runs.recording import record
 
     with _following(progress) as follow:
-        record(problem, Path(out), overwrite=overwrite, progress=follow)
+        record(problem, Path(out), overwrite=overwrite, progress=follow, stop=stop)
     return StoredRun(out)
 
 
@@ -196,13 +202,15 @@ def open(path: str | Path) -> "Run | xr.Dataset":
     return root.open_group(path, content)
 
 
-def resume(path: str | Path) -> StoredRun:
+def resume(path: str | Path, *, stop: threading.Event | None = None) -> StoredRun:
     """Continues an interrupted run of a store to its end: bit by bit as if it had not been interrupted.
 
     Parameters
     ----------
     path : path-like
         The store.
+    stop : threading.Event, optional
+        As for `run`.
 
     Returns
     -------
@@ -212,10 +220,12 @@ def resume(path: str | Path) -> StoredRun:
     ------
     StoreError
         If the run is finished, or another process writes it.
+    Interrupted
+        If `stop` was set.
     """
     from ..runs import recording
 
-    recording.resume(Path(path))
+    recording.resume(Path(path), stop=stop)
     return StoredRun(path)
 
 

@@ -146,7 +146,7 @@ class System:
     motion: Callable | None = None  # motion(b, start) -> the name of the motion, where theory has one
     borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
     inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
-    classes: tuple[str, ...] = ()  # what the end of a top may be called, of "upright", "tumbling", "inverted"
+    classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
 
     def units(self, b: Any, form: Form) -> tuple[Any, Any]:
         """Mass [kg] and length [m] that become 1 in a form."""

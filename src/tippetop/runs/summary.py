@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import find
 
 
 def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
@@ -12,7 +12,7 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     if seconds is not None:
         status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
     found = [("status", status)]
-    system = SYSTEMS.get(info["system"])
+    system = find(info["system"])
     if any(info["inversion"].values()) or (system is not None and system.inverts):
         found.append(("inversion", _inversion(info)))
     else:

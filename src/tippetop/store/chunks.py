@@ -72,7 +72,8 @@ class Appender:
         for array in self.arrays.values():
             folder = array.store_path.store.root.joinpath(array.store_path.path)
             files = [folder / _chunk_file(array, start) for start in sorted(self.unsynced)]
-            for path in (*files, *{file.parent for file in files}, folder / "zarr.json", folder):
+            folders = {parent for file in files for parent in file.parents if parent.is_relative_to(folder)}
+            for path in (*files, *folders, folder / "zarr.json"):
                 synced(path)
         self.unsynced.clear()
 

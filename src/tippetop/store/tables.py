@@ -1,5 +1,6 @@
 """Groups and tables of a zarr store: how they are opened, and the one way in which a table is made."""
 
+import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -27,10 +28,16 @@ def create_root(folder: Path, attributes: dict[str, Any]) -> Any:
     return zarr.open_group(store=str(folder), mode="a", zarr_format=3, attributes=attributes)
 
 
+def every_chunk() -> Any:
+    """A block in which arrays are made or opened so that a chunk of nothing but the fill value is written too: then its
+    absence is damage."""
+    return zarr.config.set({"array.write_empty_chunks": True})
+
+
 def open_root(folder: Path, *members: str, write_empty: bool = True) -> tuple[Any, list[Any]]:
-    """The root group of a store that is written, and members of it: arrays, or groups as dicts of arrays. A chunk that
-    holds nothing but the fill value is written too, so that its absence is damage, unless that is not wanted."""
-    with zarr.config.set({"array.write_empty_chunks": write_empty}):
+    """The root group of a store that is written, and members of it: arrays, or groups as dicts of arrays; see
+    `every_chunk`."""
+    with every_chunk() if write_empty else contextlib.nullcontext():
         root: Any = zarr.open_group(store=str(folder), mode="r+", zarr_format=3)
         return root, [_opened(root[name]) for name in members]
 

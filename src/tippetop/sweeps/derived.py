@@ -76,7 +76,7 @@ DERIVED = {
 def resolved(base: Problem, numbers: Numbers) -> Numbers:
     """The numbers of tops under keys of a scenario only: what is derived replaced by what it sets."""
     columns = {key: values for key, values in numbers.items() if key not in DERIVED}
-    with np.errstate(all="ignore"):  # what cannot be becomes a number that the door refuses
+    with np.errstate(all="ignore"):  # what cannot be becomes a number that validation refuses
         for name, rule in DERIVED.items():
             if name in numbers:
                 columns |= rule.numbers(base, columns, numbers[name])

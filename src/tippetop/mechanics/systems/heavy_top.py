@@ -290,7 +290,7 @@ COMMON: dict[str, Any] = {
     "theta_inertia": theta_inertia,
     "momenta": ("Lz", "L3"),
     "landscape": LANDSCAPE,
-    "classes": ("upright", "tumbling", "inverted"),
+    "classes": ("tumbling", "upright", "inverted"),
 }
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
 

@@ -182,5 +182,5 @@ TIPPE_TOP = System(
     outlook=outlook.tippe_top,
     borders=outlook.tippe_top_borders,
     inverts=True,
-    classes=("upright", "tumbling", "inverted"),
+    classes=("tumbling", "upright", "inverted"),
 )

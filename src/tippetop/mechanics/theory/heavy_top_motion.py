@@ -31,7 +31,21 @@ class ClosedForm(NamedTuple):
 
 
 def closed_form(energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float) -> ClosedForm:
-    """The closed form by the integrals; inertia is I1*, weight is m g l [J]."""
+    """The closed form of theta(t) by the integrals. [section 8]
+
+    Parameters
+    ----------
+    energy
+        E [J], that of weight counted from the tip.
+    Lz, L3
+        Angular momenta about the vertical through the tip and about the axis [kg m^2/s].
+    inertia
+        I1* = I1 + m l^2 [kg m^2].
+    I3
+        Axial moment of inertia [kg m^2].
+    weight
+        m g l [J].
+    """
     free, beta = 2 * (energy - L3**2 / (2 * I3)) / inertia, 2 * weight / inertia
     a, b = L3 / inertia, Lz / inertia
     # f(z) = (free - beta z)(1 - z^2) - (b - a z)^2
@@ -49,7 +63,7 @@ NEAR = 1e-7  # of order one: turning angles, or a cusp, that are this close are 
 
 
 def heavy_top_motion(energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float) -> str:
-    """The name of the motion of a heavy top with a fixed tip. [T ch. 2]"""
+    """The name of the motion of a heavy top with a fixed tip; arguments as of `closed_form`. [T ch. 2]"""
     form = closed_form(energy, Lz, L3, inertia, I3, weight)
     scale = math.sqrt(inertia * weight)
     if abs(L3) < NEAR * scale:

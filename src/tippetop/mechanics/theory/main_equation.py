@@ -33,9 +33,30 @@ class Reconstruction(NamedTuple):
 def reconstruct(
     system: System, b: Any, times: np.ndarray, momenta: list[np.ndarray], energy: np.ndarray, z: float, period: float
 ) -> Reconstruction:
-    """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)), given as rows at `times`.
+    """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)). [T 4.40, 5.26]
 
-    The start must be a turning angle; `period` is a guess of the nutation's. Nothing else of the run is read."""
+    Parameters
+    ----------
+    system
+        A system with `potential` and `theta_inertia`.
+    b
+        Its body, SI.
+    times
+        Times of the rows [s], ascending, (n,), the first at a turning angle.
+    momenta
+        The momenta that the potential takes, at the times, each (n,), SI.
+    energy
+        E~ at the times [J], (n,).
+    z
+        cos(theta) at the first time.
+    period
+        A guess of the period of nutation [s].
+
+    Returns
+    -------
+    Reconstruction
+        z at the times. Nothing else of the run is read.
+    """
     from scipy.integrate import solve_ivp
     from scipy.interpolate import make_interp_spline
 

@@ -8,13 +8,22 @@ from ..contact.body import Body
 from ..friction import slip_coefficient
 
 
-# --- linear modes ---------------------------------------------------------------------------------------------------
-
-
 def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
-    """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body [1/s], fastest growth first.
+    """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body. [section 6; Friedl 1997]
 
-    Any friction law counts by its slip coefficient at rest. [section 6; Magnus; Friedl 1997]
+    Parameters
+    ----------
+    omega3
+        Spin about the axis [rad/s].
+    b
+        The body, SI. Any friction law counts by its slip coefficient at rest.
+    inverted
+        Near theta = pi rather than theta = 0.
+
+    Returns
+    -------
+    ndarray
+        Complex rates [1/s], (3,), fastest growth first: the state is unstable iff the first has a positive real part.
     """
     up = -1 if inverted else 1
     slip = slip_coefficient(0.0, float(up), b.friction)
@@ -39,7 +48,22 @@ def will_leave(theta: float, omega3: float, b: Body) -> bool:
 
 
 def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
-    """The two rates p near a spinning state of a body whose contact is at rest (rolling, or a fixed tip) [1/s]."""
+    """The two rates p near a spinning state of a body whose contact is at rest: rolling, or a fixed tip.
+
+    Parameters
+    ----------
+    omega3
+        Spin about the axis [rad/s].
+    b
+        The body, SI; its friction law plays no part.
+    inverted
+        Near theta = pi rather than theta = 0.
+
+    Returns
+    -------
+    ndarray
+        Complex rates [1/s], (2,), fastest growth first.
+    """
     up = -1 if inverted else 1
     h = b.R - up * b.c
     p = np.roots([b.I1 + b.m * h**2, -1j * omega3 * up * (b.I3 + b.m * h * b.R), up * b.m * b.g * b.c])

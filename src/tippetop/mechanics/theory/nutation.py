@@ -22,10 +22,25 @@ class Nutation(NamedTuple):
 def nutation(
     inertia: Callable, potential: Callable, energy: Any, theta: float, span: tuple[float, float] = (0.0, math.pi)
 ) -> Nutation:
-    """The nutation that passes theta, or starts there, by quadrature; about 14 digits.
+    """The nutation that passes theta, or starts there, by quadrature; about 14 digits. [T 2.38, 4.21, 5.26]
 
-    inertia(z) and potential(z) take arrays; `energy` is that of the nutation; `span` is where theta may go. Steady
-    motion gives equal angles and NaN as its period; a motion that leaves the span, infinity.
+    Parameters
+    ----------
+    inertia
+        inertia(z), the factor of theta'^2 [kg m^2]; takes arrays of z = cos(theta), long doubles.
+    potential
+        potential(z) [J], likewise.
+    energy
+        Energy of the nutation [J].
+    theta
+        An angle that it passes, or where it is at rest [rad].
+    span
+        Where theta may go [rad].
+
+    Returns
+    -------
+    Nutation
+        Steady motion gives equal angles and NaN as its period; a motion that leaves the span, infinity.
     """
 
     def kinetic(angle: Any) -> Any:

@@ -9,9 +9,6 @@ from .thresholds import lambda_s, lambda_u
 from .tumbling import tumbling_is_stable, tumbling_states
 
 
-# --- regimes --------------------------------------------------------------------------------------------------------
-
-
 class Regime(NamedTuple):
     """Which asymptotic states are stable for a value of Jellett's integral."""
 
@@ -23,23 +20,31 @@ class Regime(NamedTuple):
     @property
     def attractors(self) -> list[str]:
         """The stable states in words."""
-        names = ["the upright spin"] if self.upright else []
-        names += [f"tumbling at theta = {theta:.6g} rad" for theta in self.tumbling]
-        return names + (["the inverted spin"] if self.inverted else [])
+        words = ["the upright spin"] if self.upright else []
+        words += [f"tumbling at theta = {theta:.6g} rad" for theta in self.tumbling]
+        return words + (["the inverted spin"] if self.inverted else [])
 
     def sentence(self) -> str:
         """What is stable."""
-        found = self.attractors
-        if not found:
+        states = self.attractors
+        if not states:
             return "no spinning or tumbling state is stable"
-        if len(found) == 1:
-            return f"only {found[0]} is stable"
-        word = "both" if len(found) == 2 else "all"
-        return f"{', '.join(found[:-1])} and {found[-1]} are {word} stable"
+        if len(states) == 1:
+            return f"only {states[0]} is stable"
+        word = "both" if len(states) == 2 else "all"
+        return f"{', '.join(states[:-1])} and {states[-1]} are {word} stable"
 
 
 def regime(lam: float, b: Body) -> Regime:
-    """The regime of Jellett's integral lam."""
+    """Which asymptotic states of a tippe top are stable. [T Theorem 3.3.2, corrected]
+
+    Parameters
+    ----------
+    lam
+        Jellett's integral [kg m^3/s]; its sign plays no part.
+    b
+        The body, SI.
+    """
     states = tumbling_states(lam, b)[::-1] if lam else np.zeros(0)
     stable = [bool(tumbling_is_stable(z, b)) for z in states]
     angles = np.arccos(states)

@@ -85,7 +85,13 @@ def spin_of(lam: float, b: Body, *, inverted: bool = False) -> float:
 
 
 def thresholds(b: Body) -> dict[str, Threshold]:
-    """Every threshold of a tippe top."""
+    """Every threshold of a tippe top: name -> value (SI), unit and meaning.
+
+    Parameters
+    ----------
+    b
+        The body, SI, floats; its friction law plays no part.
+    """
     alpha, gamma = b.c / b.R, b.I1 / b.I3
     return {
         "lambda_u": Threshold(lambda_u(b), JELLETT, "upright spin stable below"),

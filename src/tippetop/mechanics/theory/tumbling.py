@@ -13,9 +13,6 @@ from ..contact.body import Body
 from .thresholds import lambda_s, lambda_u, shape
 
 
-# --- tumbling states ------------------------------------------------------------------------------------------------
-
-
 def tumbling_limits(b: Body) -> tuple[float, float]:
     """The open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]"""
     alpha, gamma, *_ = shape(b)
@@ -72,9 +69,15 @@ class Branch(NamedTuple):
 
 
 def branches(b: Body, most: float) -> list[Branch]:
-    """Every asymptotic state of a tippe top with 0 <= lambda <= most, as curves cut where stability changes.
+    """Every asymptotic state of a tippe top, as curves cut where stability changes. [T figure 3.3]
 
-    The source's figure 3.3."""
+    Parameters
+    ----------
+    b
+        The body, SI.
+    most
+        The spinning states are given for 0 <= lambda <= most [kg m^3/s]; the tumbling ones wherever they are.
+    """
     found = []
     for kind, pole, limit, inside in (("upright", 1.0, lambda_u(b), True), ("inverted", -1.0, lambda_s(b), False)):
         for ends, calm in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):

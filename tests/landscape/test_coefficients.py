@@ -1,0 +1,53 @@
+"""What a system says of its potential: coefficients that give V, interval of each parameter, momenta by name."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from examples import CANONICAL
+
+from tippetop.landscape import body, formulas, labels
+from tippetop.mechanics.systems import SYSTEMS
+
+
+HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
+KNOWN = [name for name, system in SYSTEMS.items() if system.landscape is not None]
+
+
+def numbers(name: str) -> dict[str, float]:
+    return HEAVY if "l" in SYSTEMS[name].parameters else CANONICAL
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_coefficients_give_the_potential_of_the_system(name: str, rng: np.random.Generator) -> None:
+    """The law of `Landscape`, for every system that has one, momenta matched by the names of a run's columns."""
+    t = body.top(numbers(name), name)
+    scale = np.sqrt(t.body.m * t.body.g * max(t.body.R, -t.body.c) * t.body.I3)
+    q = np.exp(rng.uniform(-6, 6, 50))
+    z = labels.cosine(q, t.upright)
+    values = {"routh": scale, "jellett": scale * t.body.R, "L3": scale, "Lz": scale}
+    momenta = {m.column: values[m.column] * rng.uniform(-5, 5, 50) for m in t.landscape.momenta}
+    V = formulas.value(q, formulas.at_momenta(*momenta.values(), t.coefficients), t.coefficients)
+    assert t.system.potential is not None
+    expected = t.system.potential(z, *(momenta[quantity] for quantity in t.system.momenta), t.body)
+    np.testing.assert_allclose(V, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_momenta_are_quantities_of_the_system(name: str) -> None:
+    landscape, system = SYSTEMS[name].landscape, SYSTEMS[name]
+    assert landscape is not None
+    assert system.has(*landscape.columns)
+    for m in landscape.momenta:
+        (quantity,) = (q for q in system.quantities if q.name == m.column)
+        assert m.unit == quantity.unit
+        assert (m.unit.mass + m.rate.mass, m.unit.length + m.rate.length, m.unit.time + m.rate.time) == (1, 2, -2)
+
+
+def test_a_system_is_taken_by_name_or_as_it_is() -> None:
+    renamed = dataclasses.replace(SYSTEMS["tippe-top"], name="of one's own")
+    one, other = body.top(CANONICAL), body.top(CANONICAL, renamed)
+    assert one.coefficients == other.coefficients
+    assert labels.attributes(other)["system"] == "of one's own"
+    with pytest.raises(ValueError, match="must be one of tippe-top"):
+        body.top(CANONICAL, dataclasses.replace(renamed, landscape=None))

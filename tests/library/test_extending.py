@@ -1,0 +1,192 @@
+"""A system, a law, an event and a column that are not in the package: in Python, and by entry points in TOML."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import laws
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.mechanics import friction, systems
+
+
+PACKAGE = Path(__file__).parents[1] / "plugin_package"
+TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
+START = {"theta": 0.1, "omega3": 155.0}
+SCALED = {"m": 0.02, "R": 0.02, "alpha": 0.3, "k1": 131 / 350, "k3": 0.4, "g": 9.82}
+
+
+@pytest.fixture
+def own(monkeypatch: pytest.MonkeyPatch) -> Iterator:
+    """The package, imported; what is registered in a test is known in that test only."""
+    monkeypatch.syspath_prepend(str(PACKAGE / "src"))
+    monkeypatch.setattr(friction, "LAWS", friction.LAWS)
+    known = dict(systems.SYSTEMS), dict(friction.LAWS), dict(friction.SLIP)
+    import quadratic_tops
+
+    yield quadratic_tops
+    for registry, before in zip((systems.SYSTEMS, friction.LAWS, friction.SLIP), known, strict=True):
+        registry.clear()
+        registry.update(before)
+
+
+def test_a_law_of_ones_own(own) -> None:
+    """With drag = 0 it is viscous friction, to the last bit; with drag it takes more energy at the same mu."""
+    with pytest.raises(tt.InputError, match="must be registered"):
+        tt.run(TOP, own.Quadratic(0.3, 0.0), start=START, until=0.5)
+    tt.register(own.QUADRATIC)
+    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.5)
+    same = tt.run(TOP, own.Quadratic(0.3, 0.0), start=START, until=0.5)
+    more = tt.run(TOP, own.Quadratic(mu=0.3, drag=50.0), start=START, until=0.5)
+    np.testing.assert_array_equal(same.trajectory.theta, plain.trajectory.theta)
+    assert float(more.trajectory.work[-1]) != float(plain.trajectory.work[-1])
+    assert more.summary.friction.to_dict() == {"law": "quadratic", "mu": 0.3, "drag": 50.0}
+    assert max(more.drift.values()) < 1e-13
+    with pytest.raises(tt.InputError, match=r"`friction.drag` must be at least 0.0, but is -1"):
+        tt.run(TOP, own.Quadratic(0.3, -1.0), start=START, until=0.5)
+    with pytest.raises(ValueError, match="must be new"):
+        tt.register(own.QUADRATIC, "viscous")
+
+
+def test_laws_know_it(own, rng: np.random.Generator) -> None:
+    """The law tests of the package hold for the system and the law, in every form."""
+    tt.register(own.QUADRATIC)
+    tt.register(own.SCALED_TIPPE_TOP)
+    assert (
+        laws.first_broken({"scaled-tippe-top": own.SCALED_TIPPE_TOP}, lambda: np.random.default_rng(rng.integers(1e9)))
+        is None
+    )
+
+
+def test_it_means_the_same_inside_numba(own) -> None:
+    """A law that is registered after numba has compiled others is found all the same."""
+    import numba
+
+    @numba.njit
+    def inside(v2, z, law):
+        return friction.slip_coefficient(v2, z, law)
+
+    assert inside(0.25, 0.5, friction.Viscous(0.3)) == 0.3
+    tt.register(own.QUADRATIC)
+    assert inside(0.25, 0.5, own.Quadratic(0.3, 2.0)) == 0.3 + 2.0 * 0.25
+
+
+def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
+    run = tt.run(
+        "inverting", events=[own.EIGHTH], columns=[own.SPIN_ENERGY], start={"theta": 0.7}, until=3.0, output_step=0.001
+    )
+    kinds = run.events["kind"].attrs["flag_meanings"].split()
+    log = run.events.isel(event=run.events["kind"].values == kinds.index("eighth"))
+    assert log.sizes["event"] > 0
+    np.testing.assert_allclose(log["theta"], np.pi / 4, rtol=0, atol=1e-14)
+    rows = run.trajectory
+    crossings = np.count_nonzero(np.diff(np.sign(rows["theta"].values - np.pi / 4)))
+    assert crossings <= log.sizes["event"] <= crossings + 2
+    np.testing.assert_allclose(rows["spin_energy"], 3.2e-6 * rows["omega3"] ** 2 / 2, rtol=1e-13)
+    assert rows["spin_energy"].attrs["units"] == "J"
+    assert run.summary.event_counts.eighth == log.sizes["event"]
+    plain = tt.run("inverting", start={"theta": 0.7}, until=3.0, output_step=0.001)
+    np.testing.assert_array_equal(rows["theta"], plain.trajectory["theta"], "what is watched does not change a bit")
+    run.save(tmp_path / "own.zarr")
+    stored = tt.open(tmp_path / "own.zarr")
+    assert stored.trajectory.identical(rows)
+    assert stored.summary.event_counts.eighth == log.sizes["event"]
+    stored.plot("theta", tmp_path / "theta.png")
+    with pytest.raises(tt.InputError, match="`theta` must be a new name"):
+        tt.run("inverting", columns=[tt.Quantity("theta", "", tt.Unit(0, 0, 0, "1"), "", own.spin_energy)])
+
+
+def test_a_system_of_ones_own(own) -> None:
+    """Passed as a record or by its name, it is the tippe top in other numbers."""
+    run = tt.run(own.SCALED_TIPPE_TOP, tt.Viscous(0.3), parameters=SCALED, start=START, until=2.0)
+    np.testing.assert_allclose(
+        run.trajectory.theta, tt.run(TOP, tt.Viscous(0.3), start=START, until=2.0).trajectory.theta, atol=1e-10
+    )
+    assert "spin_energy" in run.trajectory
+    with pytest.raises(tt.InputError, match=r"`parameters.k3` must be at most 2\*k1"):
+        tt.run(own.SCALED_TIPPE_TOP, tt.Viscous(0.3), parameters={**SCALED, "k3": 1.0}, start=START, until=2.0)
+    tt.register(own.SCALED_TIPPE_TOP)
+    tables = {"system": "scaled-tippe-top", "parameters": SCALED, "initial": START, "run": {"until": 0.5}}
+    assert "k1" in tt.run(tables, tt.Viscous(0.3)).summary.parameters
+    many = tt.ensemble(tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.Viscous(0.3))
+    assert list(many["status"].values) == [1, 1, 1]
+
+
+SCENARIO = f"""
+system = "scaled-tippe-top"
+[parameters]
+{chr(10).join(f"{name} = {value!r}" for name, value in SCALED.items())}
+[friction]
+law = "quadratic"
+mu = 0.3
+drag = 10.0
+[initial]
+theta = 0.1
+omega3 = 155.0
+[run]
+until = 0.5
+"""
+PLAN = """
+scenario = "scenario.toml"
+[[axis]]
+of = "friction.drag"
+linspace = [0.0, 100.0]
+n = 5
+"""
+COMMANDS = """
+import sys
+from tippetop.cli import outcome
+for arguments in (
+    ["check", "scenario.toml", "--json"],
+    ["run", "scenario.toml", "--out", "run.zarr", "--json"],
+    ["info", "run.zarr", "--json"],
+    ["plot", "run.zarr", "theta", "--out", "theta.png"],
+    ["plot", "run.zarr", "phase", "--out", "phase.png"],
+    ["check", "plan.toml", "--json"],
+    ["sweep", "plan.toml", "--out", "sweep.zarr", "--json"],
+    ["systems", "--json"],
+):
+    code = outcome(arguments)
+    assert code == 0, (arguments, code)
+"""
+
+
+def installed(folder: Path) -> Path:
+    """The metadata that an installation of the package leaves: its entry points."""
+    project = tomllib.loads((PACKAGE / "pyproject.toml").read_text())["project"]
+    info = folder / f"quadratic_tops-{project['version']}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
+    groups = project["entry-points"].items()
+    lines = (f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in entries.items()) for group, entries in groups)
+    (info / "entry_points.txt").write_text("\n".join(lines))
+    return folder
+
+
+def test_an_installed_package_is_known_by_name(tmp_path: Path) -> None:
+    """check, run, info, plot, sweep and systems know what the entry points of an installed package name."""
+    (tmp_path / "scenario.toml").write_text(SCENARIO)
+    (tmp_path / "plan.toml").write_text(PLAN)
+    places = [str(PACKAGE / "src"), str(installed(tmp_path)), *sys.path]
+    done = subprocess.run(
+        [sys.executable, "-c", COMMANDS],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(places)},
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    assert found[0]["friction"] == {"law": "quadratic", "mu": 0.3, "drag": 10.0}
+    assert "spin_energy [J]" in str(found[0]) or "spin_energy" in str(found[0])
+    assert found[1]["status"] == "finished"
+    assert "scaled-tippe-top" in found[-1]
+    assert {"theta.png", "phase.png", "sweep.zarr"} <= {path.name for path in tmp_path.iterdir()}

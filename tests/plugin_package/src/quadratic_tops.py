@@ -1,0 +1,88 @@
+"""A friction law, an event, a column and a system of one's own: all that a package needs to add them to tippetop."""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import tippetop as tt
+from tippetop.mechanics.contact.body import Body
+from tippetop.mechanics.operand import Operand, formula
+from tippetop.mechanics.systems.tippe_top import TIPPE_TOP
+from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
+
+
+# --- a friction law: a record, its coefficient, and what the user is told --------------------------------------------
+
+
+class Quadratic(NamedTuple):
+    """F = -(mu + drag |v_A|^2) g_n v_A: viscous friction that grows with speed; mu in s/m, drag in s^3/m^3."""
+
+    mu: Operand
+    drag: Operand
+
+
+@formula
+def quadratic(v2, z, law):
+    """k = mu + drag v^2 [s/m]."""
+    return law.mu + law.drag * v2
+
+
+QUADRATIC = tt.Law(
+    Quadratic,
+    {
+        "mu": tt.Parameter(SECOND_PER_METRE, "viscous friction coefficient mu", least=0),
+        "drag": tt.Parameter(tt.Unit(0, -3, 3, "s3 m-3"), "coefficient of the square of the speed", least=0),
+    },
+    "F = -(mu + drag v_A^2) g_n v_A",
+    quadratic,
+)
+
+
+# --- an event and a column: functions of the scalars of a state ------------------------------------------------------
+
+
+@formula
+def eighth(s, b):
+    """z - cos(pi/4)."""
+    return s.z - 0.7071067811865476
+
+
+@formula
+def spin_energy(s, b):
+    """L_3^2/(2 I3), energy of the rotation about the axis [J]."""
+    return s.L3**2 / (2 * b.I3)
+
+
+EIGHTH = tt.Event("eighth", "theta = pi/4", eighth)
+SPIN_ENERGY = tt.Quantity("spin_energy", "E_3", JOULE, "energy of the rotation about the axis", spin_energy)
+
+
+# --- a system: a tippe top whose moments of inertia are given in m R^2 -----------------------------------------------
+
+
+def body(parameters: Any, friction: Any) -> Body:
+    """The body: I1 = k1 m R^2 and I3 = k3 m R^2."""
+    m, R, alpha, k1, k3, g = (parameters[name] for name in ("m", "R", "alpha", "k1", "k3", "g"))
+    return Body(m, R, alpha * R, k1 * m * R**2, k3 * m * R**2, g, friction)
+
+
+def checks(parameters: Any) -> list[str]:
+    """What the parameters break together."""
+    k1, k3 = parameters["k1"], parameters["k3"]
+    return [f"`parameters.k3` must be at most 2*k1 = {2 * k1:.6g}, but is {k3:.6g}."] if k3 > 2 * k1 else []
+
+
+SCALED_TIPPE_TOP = replace(
+    TIPPE_TOP,
+    name="scaled-tippe-top",
+    title="tippe top with scaled moments of inertia",
+    parameters={
+        **{name: TIPPE_TOP.parameters[name] for name in ("m", "R", "alpha")},
+        "k1": tt.Parameter(ONE, "transverse moment of inertia over m R^2", above=0),
+        "k3": tt.Parameter(ONE, "axial moment of inertia over m R^2", above=0),
+        "g": TIPPE_TOP.parameters["g"],
+    },
+    body=body,
+    checks=checks,
+    quantities=(*TIPPE_TOP.quantities, SPIN_ENERGY),
+    events=(*TIPPE_TOP.events, EIGHTH),
+)

@@ -1,0 +1,204 @@
+"""Columns that grow in chunks: whatever pieces the rows come in, the files are the same; damage is told."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from stores import assert_same, files
+
+from tippetop.columns import Column
+from tippetop.errors import StoreError
+from tippetop.store import chunks, tables
+from tippetop.store.chunks import Appender
+
+
+CHUNK, ROWS = 8, 45  # five whole chunks and a part
+
+
+def columns(rows: slice = slice(None)) -> dict[str, Column]:
+    """Columns of one and of two dimensions, and of flags."""
+    time = np.arange(ROWS) / 7
+    values = {"time": time, "axis": np.stack([np.sin(time), np.cos(time), -time], axis=1), "flag": np.arange(ROWS) < 0}
+    dims = {"axis": ("time", "xyz")}
+    return {name: Column(dims.get(name, ("time",)), v[rows], {"units": "1"}) for name, v in values.items()}
+
+
+def table(path: Path) -> dict[str, Any]:
+    """The arrays of the group, as a writer opens them."""
+    return tables.open_root(path, "trajectory")[1][0]
+
+
+def new(path: Path, of: dict[str, Column] | None = None, chunk: int = CHUNK) -> Appender:
+    """An empty table in a new store."""
+    root = tables.create_root(path, {})
+    Appender.created(root, "trajectory", of or columns(slice(0, 0)), chunk)
+    return Appender(table(path))
+
+
+def whole(path: Path) -> Path:
+    """All rows in one piece."""
+    appender = new(path)
+    appender.append(columns())
+    appender.flush()
+    return path
+
+
+def read(path: Path) -> dict[str, np.ndarray]:
+    return {name: array[:] for name, array in tables.read_member(path, "trajectory").items()}
+
+
+def assert_holds(path: Path, rows: int = ROWS) -> None:
+    found = read(path)
+    assert set(found) == {"time", "axis", "flag"}
+    for name, column in columns(slice(rows)).items():
+        np.testing.assert_array_equal(found[name], column.values, err_msg=name)
+
+
+def test_columns_are_kept_with_their_types_names_and_attributes(tmp_path: Path) -> None:
+    assert_holds(whole(tmp_path / "a"))
+    arrays = table(tmp_path / "a")
+    assert arrays["axis"].metadata.dimension_names == ("time", "xyz")
+    assert arrays["axis"].chunks == (CHUNK, 3)
+    assert arrays["flag"].dtype == np.bool_
+    assert arrays["time"].attrs["units"] == "1"
+
+
+@pytest.mark.parametrize("flush", [False, True])
+@pytest.mark.parametrize("pieces", [[45], [1] * 45, [8, 8, 8, 8, 8, 5], [7, 0, 38], [40, 5]], ids=str)
+def test_the_files_do_not_depend_on_the_pieces_nor_on_flushes(pieces: list[int], flush: bool, tmp_path: Path) -> None:
+    appender, start = new(tmp_path / "a"), 0
+    for count in pieces:
+        appender.append(columns(slice(start, start + count)))
+        start += count
+        assert appender.rows == start
+        if flush:
+            appender.flush()
+            assert_holds(tmp_path / "a", start)
+    appender.flush()
+    assert_same(tmp_path / "a", whole(tmp_path / "whole"))
+
+
+def test_only_whole_chunks_are_written_before_a_flush(tmp_path: Path) -> None:
+    appender = new(tmp_path / "a")
+    appender.append(columns(slice(0, 13)))
+    assert len(read(tmp_path / "a")["time"]) == 8
+    appender.flush()
+    assert len(read(tmp_path / "a")["time"]) == 13
+    before = files(tmp_path / "a")
+    appender.flush()
+    assert files(tmp_path / "a") == before
+
+
+@pytest.mark.parametrize("acknowledged", [0, 5, 8, 19, 40])
+def test_what_was_not_acknowledged_is_cut_and_the_rest_goes_on(acknowledged: int, tmp_path: Path) -> None:
+    """As after a kill: rows beyond the checkpoint are on the disk, whole or in part."""
+    appender = new(tmp_path / "a")
+    appender.append(columns(slice(0, 43)))
+    appender.flush()
+    again = Appender(table(tmp_path / "a"))
+    again.cut(acknowledged)
+    again.reload(acknowledged)
+    assert again.rows == acknowledged
+    again.append(columns(slice(acknowledged, None)))
+    again.flush()
+    assert_same(tmp_path / "a", whole(tmp_path / "whole"))
+
+
+def test_fewer_rows_than_acknowledged_are_an_error(tmp_path: Path) -> None:
+    whole(tmp_path / "a")
+    with pytest.raises(StoreError, match="must hold the 46 acknowledged rows, but has 45"):
+        Appender(table(tmp_path / "a")).cut(46)
+
+
+def test_flags_are_set_in_rows_written_and_waiting(tmp_path: Path) -> None:
+    appender = new(tmp_path / "a")
+    appender.append(columns())
+    appender.mark("flag", [0, 9, 39, 40, 44])
+    appender.flush()
+    assert np.flatnonzero(read(tmp_path / "a")["flag"]).tolist() == [0, 9, 39, 40, 44]
+
+
+def test_everything_written_is_synced_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    synced: list[Path] = []
+    monkeypatch.setattr(chunks, "synced", lambda path: synced.append(path.relative_to(tmp_path / "a" / "trajectory")))
+    appender = new(tmp_path / "a")
+    appender.append(columns(slice(0, 20)))
+    appender.flush()
+    appender.sync()
+    expected = (
+        {f"time/c/{i}" for i in range(3)} | {f"axis/c/{i}/0" for i in range(3)} | {f"flag/c/{i}" for i in range(3)}
+    )
+    assert {str(path) for path in synced} >= expected | {"time/zarr.json", "axis/c", "axis"}
+    synced.clear()
+    appender.sync()
+    assert synced == []
+    appender.mark("flag", [3])
+    appender.sync()
+    assert Path("flag/c/0") in synced
+    assert Path("flag/c/1") not in synced
+
+
+# --- damage ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("harm", ["flipped", "cut", "missing"])
+def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
+    whole(tmp_path / "a")
+    chunks.verify(table(tmp_path / "a"))
+    victim = tmp_path / "a" / "trajectory" / "axis" / "c" / "2" / "0"
+    content = bytearray(victim.read_bytes())
+    if harm == "missing":
+        victim.unlink()
+    else:
+        content[len(content) // 2] ^= 1
+        victim.write_bytes(content if harm == "flipped" else content[:-3])
+    with pytest.raises(StoreError, match="axis` must be readable in rows 16 to 24"):
+        chunks.verify(table(tmp_path / "a"))
+
+
+# --- reading --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rows", [1, 8, 13, 45, 100])
+def test_pieces_make_the_whole(rows: int, tmp_path: Path) -> None:
+    whole(tmp_path / "a")
+    found = list(chunks.pieces(tmp_path / "a", "trajectory", ["time", "axis"], rows))
+    assert all(set(piece) == {"time", "axis"} for piece in found)
+    assert all(len(piece["time"]) == rows for piece in found[:-1])
+    np.testing.assert_array_equal(np.concatenate([piece["axis"] for piece in found]), columns()["axis"].values)
+
+
+def test_no_group_is_a_sentence(tmp_path: Path) -> None:
+    whole(tmp_path / "a")
+    for path, name in ((tmp_path / "a", "events"), (tmp_path / "b", "trajectory")):
+        with pytest.raises(StoreError, match=f"must hold a readable group `{name}`"):
+            chunks.digest(path, name)
+
+
+@pytest.mark.parametrize(("count", "most"), [(1000, 2000), (1000, 100), (999, 10), (1001, 500)])
+def test_a_thin_reading_keeps_the_extremes_of_every_bin(
+    count: int, most: int, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    """No value between two kept rows lies outside the kept values of its neighbourhood."""
+    values = np.cumsum(rng.normal(size=count))
+    values[count // 3] = np.nan
+    of = {n: Column(("time",), v, {}) for n, v in (("time", np.arange(float(count))), ("value", values))}
+    appender = new(tmp_path / "a", of, 64)
+    appender.append(of)
+    appender.flush()
+    found = chunks.digest(tmp_path / "a", "trajectory", "value", most)
+    rows = found["time"].values.astype(int)
+    assert np.all(np.diff(rows) > 0)
+    assert rows[-1] == count - 1
+    np.testing.assert_array_equal(found["value"].values, values[rows])
+    if most >= count:
+        assert len(rows) == count
+        return
+    assert len(rows) <= most + 2
+    size = -(-count // (most // 2))
+    for start in range(0, count, size):
+        inside = rows[(rows >= start) & (rows < start + size)]
+        part = np.nan_to_num(values[start : start + size])
+        assert np.nan_to_num(values[inside]).min() == part.min()
+        assert np.nan_to_num(values[inside]).max() == part.max()
