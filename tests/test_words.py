@@ -37,10 +37,19 @@ RETIRED = {  # a pattern of a retired word -> the word to use
     r"twofold\b": "doubledouble",
     r"yielding\b": "contact_mobility",
     r"grip2\b": "friction_force2",
-    r"(JAMMED|ALONE|FRESH|ENOUGH)\b": "a name that says what it is",
+    r"(ALONE|FRESH|ENOUGH)\b": "a name that says what it is",
     r"a line (of results )?(per|for each) top\b": "a row",
     r"unfolded\b": "normalised_to",
     r"at_once\b": "SLICES_PER_CHECK",
+    r"(Course|Measured|Lean|Relief|Two|Shown|Machine|Sources|Rules)\b": "Integration, Outcomes, Point, ...: the field's name",
+    r"(remarks|worded|varied|sweep_lines)\b": "a verb for what acts, a noun for what it gives",
+    r"(JAMMED|POLE)\b": "Domain: must stay positive",
+    r"precession\b(?= *[=:*])": "phi_dot_s2",
+    r"(slant|stretch|folded)\b": "normalised_to, length_unit, ...",
+    r"who computes\b": "where it is computed",
+    r"nobody keeps\b": "that is not kept",
+    r"to be looked at together\b": "to be compared",
+    r"what \d+ bits can show\b": "the precision of",
 }
 
 ALLOWED = {  # (file or folder, what stands in the line) -> why
@@ -57,7 +66,7 @@ ALLOWED = {  # (file or folder, what stands in the line) -> why
 def hits() -> list[tuple[str, int, str, str]]:
     """File, line, retired word and line of each use."""
     files = [p for place in PLACES for p in ([ROOT / place] if (ROOT / place).is_file() else (ROOT / place).rglob("*"))]
-    patterns = [re.compile(rf"(?<![\w.-]){pattern}", re.I if pattern.islower() else 0) for pattern in RETIRED]
+    patterns = [re.compile(rf"(?<![\w.-]){p}", re.I if p.replace(r"\b", "").islower() else 0) for p in RETIRED]
     found = []
     for path in sorted(p for p in files if p.suffix in ENDINGS):
         name = str(path.relative_to(ROOT))

@@ -110,7 +110,7 @@ def check(
             text = _entries(value, units)
         else:
             text = _plain(value)
-        if name != "inversion_by_eps":  # said by `regularisation`
+        if name != "inversion_by_eps":  # part of `regularisation`
             table.add_row(name.replace("_", " "), text)
     console().print(table)
     return 0
