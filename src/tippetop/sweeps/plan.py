@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..problem import Problem, key_faults
 from ..scenario import build, reading
 from ..scenario.schema import Table
-from ..scenario.sentences import worded
+from ..scenario.sentences import error_sentence
 from . import derived
 from .design import Axis, Design, Sample
 
@@ -263,4 +263,4 @@ def scenario_sentence(error: Any) -> str:
     models: dict[Any, type[Table]] = {"axis": _Axis, "sample": _Sample}
     inner = models.get(place[0]) if len(place) > 1 else None
     key = ".".join(str(p) for p in place if p not in ("str", "dict[str,any]"))
-    return worded(error, key, list((inner or _Plan).model_fields))
+    return error_sentence(error, key, list((inner or _Plan).model_fields))
