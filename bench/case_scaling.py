@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine import taylor
-from tippetop.engine.taylor import slices, terminal_kinds
+from tippetop.engine.taylor import endings_of, slices
 from tippetop.ensembles import ensemble
 from tippetop.landscape import body as bodies
 from tippetop.landscape import recording, surface
@@ -65,8 +65,8 @@ def grown(what: str, sizes: Iterable[float], cost: Callable[[float], float], lim
 def span(until: float) -> float:
     """A heavy top for so long, with its events, dense output and memory that does not grow."""
     problem = build.load("heavy-top", None, until)
-    made, kinds = taylor.integrator_of(problem), terminal_kinds(problem)
-    return timed(lambda: [None for _ in slices(made, end_of(problem), kinds)])
+    made, endings = taylor.integrator_of(problem), endings_of(problem)
+    return timed(lambda: [None for _ in slices(made, end_of(problem), endings)])
 
 
 def tops(n: float) -> float:

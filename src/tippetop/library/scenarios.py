@@ -8,7 +8,8 @@ from functools import lru_cache
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.system import Event, Quantity, System
+from ..mechanics.events import Event
+from ..mechanics.system import Quantity, System
 from ..problem import Problem
 from ..scenario import build, reading
 from ..scenario.numbers import plain

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .events import Event, kinds
 from .units import Unit
 
 
@@ -71,21 +72,6 @@ class Quantity:
     unit: Unit
     long_name: str
     formula: Callable
-
-
-@dataclass(frozen=True)
-class Event:
-    """A zero of formula(scalars, b), in internal units; the formula is regular and of order one.
-
-    Developers: write it with the sub-expressions of the equations of motion; then it costs no further product.
-    """
-
-    name: str
-    long_name: str
-    formula: Callable
-    direction: int = 0  # -1, 0, +1: only falling zeros, all, only rising ones
-    stops: bool = False  # the model ends here, unless the user says `continue`
-    sense: int = 0  # of a turning: +1 if the formula has the sign of theta', -1 if the opposite one
 
 
 class Hazard(NamedTuple):
@@ -238,11 +224,11 @@ class System:
         return {name: value for name, value in self.folded.items() if name not in form.unfolded}
 
     @property
+    def kinds(self) -> tuple[str, ...]:
+        """Names of the kinds of events in its logs, by their numbers in a store."""
+        return kinds(self.events)
+
+    @property
     def frictional(self) -> bool:
         """Whether a friction law must be given."""
         return bool(self.laws)
-
-
-KINDS = ("turning", "liftoff", "equator", "inverted", "settled")
-NOISE_FLOOR = 100 * np.finfo(float).eps
-"""Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16."""

@@ -48,7 +48,7 @@ def columns(
     return {name: column for name, column in found.items() if name == "status" or keep is None or _kept(name, keep)}
 
 
-def _final_states(measured: outcomes.Measured) -> dict[str, Column]:
+def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     """The integrated variables at the end of each run, SI, as columns `final_ux`, ...; NaN where there was no run."""
     tops = measured.tops
     values = tops.record(measured.final)._asdict()

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..ensembles import ensemble, outcomes
+from ..engine.status import Status
+from ..ensembles import ensemble
 from ..errors import StoreError
 from ..store import root, tables
 from .plan import Plan
@@ -52,7 +53,7 @@ def report(path: str | Path) -> dict[str, Any]:
     table, attrs, folder = open_sweep(path), root.attributes(path), Path(path)
     status = column(path, table, "status")
     chunks = _chunks(path)
-    done = status != outcomes.STATUSES.index("todo")
+    done = status != Status.TODO.code
     return {
         **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
         "tops_done": int(done.sum()),
@@ -65,7 +66,7 @@ def report(path: str | Path) -> dict[str, Any]:
             for name in table
             if str(name).startswith("drift_")
         },
-        "faults": _faults(attrs["plan"], np.flatnonzero(status == outcomes.STATUSES.index("invalid"))),
+        "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failures(folder),
         "runs": sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit()),
         **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},

@@ -310,7 +310,7 @@ HEAVY_TOP = System(
         replace(
             rolling.LIFTOFF,
             long_name="vertical reaction falls to zero: beyond it a tip that merely stood would lift off",
-            stops=False,
+            ends=None,
         ),
         gliding.EQUATOR,
     ),

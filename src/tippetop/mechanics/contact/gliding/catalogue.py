@@ -1,9 +1,11 @@
 """What people give and read of a gliding body: initial data, forms, events, quantities."""
 
+from dataclasses import replace
 from typing import Any
 
+from ...events import Event, Kept
 from ...operand import formula
-from ...system import Alternative, Event, Form, Hazard, Parameter, Quantity
+from ...system import Alternative, Form, Hazard, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
 from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
@@ -107,11 +109,41 @@ def sliding(s, b):
 COS_INVERTED = 0.9950041652780258  # cos(0.1)
 
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=-1)
-LIFTOFF = Event("liftoff", "normal force g_n falls to zero: beyond it the model does not hold", g_n, -1, stops=True)
-EQUATOR = Event("equator", "theta = pi/2", equator)
-FALLEN = Event("equator", "theta = pi/2: the body has fallen to the plane", equator, stops=True)
-INVERTED = Event("inverted", "theta rises through pi - 0.1", near_inversion, -1)
-SETTLED = Event("settled", "sliding dies out: friction loss below 1e-12 sqrt(gR)", sliding, -1)
+LIFTOFF = Event(
+    "liftoff",
+    "normal force g_n falls to zero: beyond it the model does not hold",
+    g_n,
+    direction=-1,
+    ends="liftoff",
+    extremes="normal_force",
+    kept=(Kept("lifted_at", "first", "the normal force first falls to zero; NaN: never"),),
+)
+EQUATOR = Event(
+    "equator",
+    "theta = pi/2",
+    equator,
+    kept=(
+        Kept("first_equator", "first", "first passage of theta = pi/2; NaN: none"),
+        Kept("last_equator", "last", "last passage of theta = pi/2; NaN: none"),
+        Kept("equators", "count", "passages of theta = pi/2"),
+    ),
+)
+FALLEN = replace(EQUATOR, long_name="theta = pi/2: the body has fallen to the plane", ends="fallen")
+INVERTED = Event(
+    "inverted",
+    "theta rises through pi - 0.1",
+    near_inversion,
+    direction=-1,
+    kept=(Kept("inverted_at", "first", "theta first rises through pi - 0.1; NaN: never"),),
+)
+SETTLED = Event(
+    "settled",
+    "sliding dies out: friction loss below 1e-12 sqrt(gR)",
+    sliding,
+    direction=-1,
+    lasting=True,
+    kept=(Kept("settled_at", "last", "sliding last died out; NaN: never"),),
+)
 EVENTS = (TURNING, LIFTOFF, EQUATOR, INVERTED, SETTLED)
 
 ENERGIES = (
