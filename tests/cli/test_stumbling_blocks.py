@@ -114,8 +114,18 @@ def test_systems_lists_what_its_help_promises(capsys: pytest.CaptureFixture[str]
         assert list(found[name]["friction"]) == list(system.laws)
     assert "g [m s-2]" in text
     assert "omega3 [rad s-1]" in text
+    assert "centre_at_rest [true or false]" in text
     assert "coulomb (mu, eps [m s-1])" in text
     assert "turning, liftoff, equator, inverted, settled" in text
+
+
+def test_info_and_check_give_units(stores: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for command in (["info", str(stores / "tippe.zarr")], ["check", "inverting"]):
+        text = " ".join(printed(capsys, *command)[0].split())
+        assert "m = 0.02 kg, R = 0.02 m, alpha = 0.3, " in text
+        assert "law = viscous, mu = 0.3 s m-1" in text
+        assert "theta = 0.1 rad, omega3 = 155 rad s-1" in text
+        assert "events = turning, liftoff" in text
 
 
 def test_json_keys_are_names_and_units_are_values(capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,7 +15,7 @@ from .memory import keep_memory
 
 def prepared(command: Callable[..., int]) -> Callable[..., int]:
     """The command, with the process made ready first for what computes: memory is kept, and libraries do not speak
-    between our lines (heyoka warns on standard output, dask on stderr; what goes wrong there is said here)."""
+    between our lines (heyoka warns on standard output, dask on stderr; what goes wrong there is reported here)."""
 
     @functools.wraps(command)
     def ready(*arguments: Any, **options: Any) -> int:

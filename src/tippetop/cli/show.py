@@ -50,9 +50,11 @@ def info(store: Path, *, as_json: Json = False) -> int:
     table = Table.grid(padding=(0, 2))
     for name, text in lines(found):
         table.add_row(name, text)
-    for name in ("parameters", "friction", "initial", "run", "versions"):
+    units = attrs["units"] | _units(attrs)
+    for name in ("parameters", "friction", "initial", "run"):
         if name in found:
-            table.add_row(name, ", ".join(f"{k} = {v}" for k, v in found[name].items()))
+            table.add_row(name, _entries(found[name], units))
+    table.add_row("versions", ", ".join(f"{name} {version}" for name, version in found["versions"].items()))
     table.add_row("tolerance", f"{found['tolerance']:.3g}, {found['precision']} precision")
     table.add_row("processor", found["cpu"])
     out.print(table)
@@ -98,18 +100,16 @@ def check(
 
         print(json.dumps(finite(found), allow_nan=False))
         return 0
-    units = {name: p.unit.symbol for name, p in {**problem.system.parameters, **problem.system.initial}.items()}
-    units |= dict(zip(problem.friction._fields, (u.symbol for u in problem.friction_units), strict=True))
-    units |= {"until": "s", "output_step": "s", "seconds": "s"}
+    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()} | _units(found)
     table = Table.grid(padding=(0, 2))
     for name, value in found.items():
         if name == "regularisation":
             text = regularisation(found)
         elif isinstance(value, dict):
-            text = ", ".join(f"{key} = {_with_unit(entry, units.get(key, '1'))}" for key, entry in value.items())
+            text = _entries(value, units)
         else:
             text = _plain(value)
-        if name != "inversion_by_eps":  # said by `regularisation`
+        if name != "inversion_by_eps":  # part of `regularisation`
             table.add_row(name.replace("_", " "), text)
     console().print(table)
     return 0
@@ -191,7 +191,8 @@ def systems(*, as_json: Json = False) -> int:
             "forms": list(s.forms),
             "parameters": {n: p.unit.symbol for n, p in s.parameters.items()},
             "friction": {n: {k: p.unit.symbol for k, p in law.parameters.items()} for n, law in s.laws.items()},
-            "initial": {n: p.unit.symbol for n, p in s.initial.items()},
+            "initial": {n: p.unit.symbol for n, p in s.initial.items()}
+            | ({"centre_at_rest": "true or false"} if "nu_x" in s.initial else {}),
             "quantities": {q.name: q.unit.symbol for q in s.quantities},
             "integrals": list(s.integrals),
             "events": [e.name for e in s.events],
@@ -268,11 +269,27 @@ def _plain(value: Any) -> str:
     return f"{value:.8g}" if isinstance(value, float) else str(value)
 
 
+def _units(tables: dict[str, Any]) -> dict[str, str]:
+    """Units of the keys of [friction] and [run]; of a law that is not known here, none."""
+    from ..mechanics.systems import find
+
+    system = find(tables["system"])
+    law = system.laws.get(tables.get("friction", {}).get("law")) if system is not None else None
+    friction = {name: p.unit.symbol for name, p in law.parameters.items()} if law is not None else {}
+    return friction | {"until": "s", "output_step": "s", "output_times": "s"}
+
+
+def _entries(table: dict[str, Any], units: dict[str, str]) -> str:
+    """A table of a scenario, or of quantities, on one line: key = value unit."""
+    return ", ".join(f"{key} = {_with_unit(entry, units.get(key, '1'))}" for key, entry in table.items())
+
+
 def _with_unit(entry: Any, unit: str) -> str:
     """A number with its unit: `entry` is the number, or a record of value and unit."""
     if isinstance(entry, dict):
         entry, unit = entry["value"], entry["unit"]
-    return f"{_plain(entry)} {unit}".removesuffix(" 1") if isinstance(entry, int | float) else _plain(entry)
+    plain = isinstance(entry, bool) or not isinstance(entry, int | float | list)
+    return _plain(entry) if plain or unit == "1" else f"{_plain(entry)} {unit}"
 
 
 COMMANDS: list[Any] = [info, check, plot, export, systems, presets]

@@ -27,16 +27,28 @@ class Equations(NamedTuple):
     rates: list[tuple[Any, Any]]
 
 
-def equations_of_motion(system: System, variables: Variables, friction: Any) -> Equations:
-    """The equations of motion of a system as heyoka expressions, in internal units.
+def symbolic_body(system: System, form: Form, friction: Any, *, by_parameters: bool = False) -> Any:
+    """The body in run-time parameters, internal units.
 
-    What is 0 or 1 by construction is a number, so that expressions fold; everything else is a run-time parameter.
+    These are the leaves of the body, `Problems.pars`; what is 0 or 1 by construction is a number, so that expressions
+    fold. `by_parameters`: they are what the user gives, `Problems.parameters`, and all of it: for derivatives by alpha,
+    m, R, mu, ..., in fixed units.
     """
+    if by_parameters:
+        pars = iter(hy.par[i] for i in range(len(system.parameters) + len(friction._fields)))
+        return system.body_of({name: next(pars) for name in system.parameters}, friction(*pars))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    count = iter(range(len(leaves(template))))
+    return refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
+
+
+def equations_of_motion(
+    system: System, variables: Variables, friction: Any, *, by_parameters: bool = False
+) -> Equations:
+    """The equations of motion of a system as heyoka expressions, in internal units; see `symbolic_body`."""
     symbols = hy.make_vars(*variables.names)
     q, carried = variables.split(symbols)
-    template = system.body({name: 1.0 for name in system.parameters}, friction(*(1.0 for _ in friction._fields)))
-    count = iter(range(len(leaves(template))))
-    body = refill(template, (hy.par[i] for i in count))._replace(**system.folds(variables.form))
+    body = symbolic_body(system, variables.form, friction, by_parameters=by_parameters)
     rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
     return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 

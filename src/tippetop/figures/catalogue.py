@@ -89,10 +89,10 @@ def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -
     StoreError
         Where the file cannot be written.
     """
-    written(drawn(kind, groups, attrs), path)
+    write(figure_of(kind, groups, attrs), path)
 
 
-def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
+def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
     """One kind of figure of a run, a matplotlib Figure. Raises InputError if the run lacks what it shows."""
     from ..errors import InputError, a_system
     from .style import styled
@@ -110,7 +110,7 @@ def drawn(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
         return _function(chosen.draw)(*given)
 
 
-def written(figure: Any, path: Path) -> None:
+def write(figure: Any, path: Path) -> None:
     """Writes a figure; the ending of `path` names the format. Raises StoreError."""
     from .style import save, styled
 

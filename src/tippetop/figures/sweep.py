@@ -35,8 +35,8 @@ def draw_map(made: Any) -> Figure:
 
 
 def _over_two(made: Any) -> Figure:
-    page = figure(9.6, 5.6)
-    axes = page.add_subplot()
+    picture = figure(9.6, 5.6)
+    axes = picture.add_subplot()
     axes.grid(False)
     x, y = made.axes
     field = next(iter(made.fields.values())).T
@@ -49,7 +49,7 @@ def _over_two(made: Any) -> Figure:
     elif np.isfinite(field).any():
         force = made.kind == "normal-force"
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap="cividis" if force else "viridis", rasterized=True)
-        page.colorbar(mesh, ax=axes, label="least $g_n$/(m g)" if force else "inverted at t (s)", pad=0.02)
+        picture.colorbar(mesh, ax=axes, label="least $g_n$/(m g)" if force else "inverted at t (s)", pad=0.02)
         if force:
             entries += _liftoff(axes, x, y, field)
     if made.kind == "inversion" and np.isnan(field).any():
@@ -62,8 +62,8 @@ def _over_two(made: Any) -> Figure:
         axes.set_yscale("log")
     axes.set_ylim(y.edges[0], y.edges[-1])
     if entries:
-        page.legend(handles=entries, loc="outside lower center", ncols=2 if len(entries) < 7 else 3)
-    return page
+        picture.legend(handles=entries, loc="outside lower center", ncols=2 if len(entries) < 7 else 3)
+    return picture
 
 
 def _liftoff(axes: Any, x: Any, y: Any, field: np.ndarray) -> list[Any]:
@@ -87,8 +87,8 @@ def _borders(axes: Any, made: Any) -> list[Any]:
 
 
 def _over_one(made: Any) -> Figure:
-    page = figure(9.0, 5.0)
-    axes = page.add_subplot()
+    picture = figure(9.0, 5.0)
+    axes = picture.add_subplot()
     (x,) = made.axes
     marker = "." if len(x.centres) < 200 else ""
     if made.kind == "class":
@@ -113,8 +113,8 @@ def _over_one(made: Any) -> Figure:
         for at in x.span[:-1][np.diff(np.sign(values)) != 0]:
             axes.axvline(at, color="black", lw=1.0, ls=style, label=_mathematical(label))
     _dress(axes, made, x)
-    page.legend(loc="outside lower center", ncols=3)
-    return page
+    picture.legend(loc="outside lower center", ncols=3)
+    return picture
 
 
 def _dress(axes: Any, made: Any, x: Any) -> None:

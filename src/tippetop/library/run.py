@@ -178,9 +178,9 @@ class Run:
         from ..figures import catalogue
 
         catalogue.check_kind(kind)
-        figure = catalogue.drawn(kind, self._for_figures(), self.attributes)
+        figure = catalogue.figure_of(kind, self._for_figures(), self.attributes)
         if path is not None:
-            catalogue.written(figure, Path(path))
+            catalogue.write(figure, Path(path))
         return figure
 
     def _for_figures(self) -> dict[str, Any]:

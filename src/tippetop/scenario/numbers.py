@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from ..errors import InputError
 from ..mechanics.system import Parameter
 from .schema import table_model
-from .sentences import worded
+from .sentences import error_sentence
 
 
 def plain(value: Any) -> Any:
@@ -29,7 +29,10 @@ def checked(table: str, parameters: Mapping[str, Parameter], values: Mapping[str
     except ValidationError as error:
         names = list(parameters)
         raise InputError(
-            [worded(e, f"{table}.{'.'.join(map(str, e['loc']))}", names) for e in error.errors(include_url=False)]
+            [
+                error_sentence(e, f"{table}.{'.'.join(map(str, e['loc']))}", names)
+                for e in error.errors(include_url=False)
+            ]
         ) from None
 
 

@@ -18,7 +18,7 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape:
         near = suggestion(str(context.get("tag", "")), laws)
         return f"`{key}.law` must be one of {', '.join(laws)}, but is {found}.{near}"
     if kind != "extra_forbidden":
-        return worded(error, key, [])
+        return error_sentence(error, key, [])
     if key == "friction":
         return (
             f"`friction` must not be given, because `{system.name}` takes no friction law: remove the table "
@@ -64,7 +64,7 @@ def unknown_key(key: str, known: list[str], everywhere: list[str]) -> str:
     return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
 
 
-def worded(error: Any, key: str, known: list[str]) -> str:
+def error_sentence(error: Any, key: str, known: list[str]) -> str:
     """One pydantic error at `key` as a sentence; `known` are the keys that its table may have."""
     context, kind = error.get("ctx", {}), error["type"]
     found = repr(error["input"]) if not isinstance(error["input"], dict) else "a table"
@@ -75,6 +75,7 @@ def worded(error: Any, key: str, known: list[str]) -> str:
     if kind == "extra_forbidden":
         return unknown_key(key, known, [])
     must = {
+        "interval": context.get("must"),
         "greater_than": f"must be greater than {context.get('gt')}",
         "greater_than_equal": f"must be at least {context.get('ge')}",
         "less_than": f"must be less than {context.get('lt')}",

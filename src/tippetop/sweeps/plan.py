@@ -1,6 +1,7 @@
 """The plan of a sweep: a TOML file becomes the checked numbers of many tops, or sentences that say what is wrong."""
 
 import math
+import operator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,10 +12,10 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from ..ensembles import ensemble
 from ..errors import InputError
-from ..problem import Problem
+from ..problem import Problem, key_faults
 from ..scenario import build, reading
 from ..scenario.schema import Table
-from ..scenario.sentences import worded
+from ..scenario.sentences import error_sentence
 from . import derived
 from .design import Axis, Design, Sample
 
@@ -144,11 +145,11 @@ class Plan:
     def problem(self, top: int) -> Problem:
         """The problem of one top, to run alone. Raises InputError."""
         tables = build.resolved(self.base)
-        rivals = {"initial.omega3": "psi_dot", "initial.psi_dot": "omega3"}
         for key, values in self.columns(np.array([top])).items():
             table, _, name = key.partition(".")
-            tables[table][name] = float(values[0])
-            tables["initial"].pop(rivals.get(key), None)
+            changed = {name: float(values[0])}
+            replaced = self.base.system.replaced if table == "initial" else operator.or_
+            tables[table] = replaced(tables[table], changed)
         return build.problem(build.ending(tables, tables["run"]["until"]))
 
     @cached_property
@@ -229,14 +230,8 @@ def _design_faults(shape: _Plan) -> list[str]:
 
 def _key_faults(base: Problem, keys: list[str]) -> list[str]:
     """What is wrong with varying these keys of the base."""
-    found = derived.faults(base, keys)
-    plain = {key: [math.nan] for key in keys if key not in derived.DERIVED}
-    known = ", ".join(derived.DERIVED)
-    try:
-        ensemble.varied(base, plain or {"run.until": [math.nan]})
-    except InputError as error:
-        found += [s.replace(" must be one of ", f" must be one of {known}, ") for s in error.sentences]
-    return found
+    plain = [key for key in keys if key not in derived.DERIVED]
+    return [*derived.faults(base, keys), *ensemble.base_faults(base), *key_faults(base, plain, derived.DERIVED)]
 
 
 def _whole_faults(made: Plan) -> list[str]:
@@ -268,4 +263,4 @@ def scenario_sentence(error: Any) -> str:
     models: dict[Any, type[Table]] = {"axis": _Axis, "sample": _Sample}
     inner = models.get(place[0]) if len(place) > 1 else None
     key = ".".join(str(p) for p in place if p not in ("str", "dict[str,any]"))
-    return worded(error, key, list((inner or _Plan).model_fields))
+    return error_sentence(error, key, list((inner or _Plan).model_fields))

@@ -5,6 +5,7 @@ The state has sin(theta), cos(theta), and theta is an integral: a count of turns
 """
 
 from collections import ChainMap
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
@@ -12,9 +13,10 @@ from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
+from ..events import Event
 from ..friction import LAWS, Law, slip_coefficient
 from ..operand import Operand, formula, select
-from ..system import Event, Form, Parameter, Quantity, of_one_phase
+from ..system import Alternative, Form, Parameter, Quantity, of_one_phase
 from ..units import (
     INERTIA,
     JOULE,
@@ -265,9 +267,10 @@ FORM = Form(
     domains=(JAMMED,),
 )
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
-LIFTOFF = Event(
-    "liftoff", "normal force falls to zero: beyond it the model does not hold", normal_force, -1, stops=True
+LIFTOFF = replace(
+    gliding.LIFTOFF, long_name="normal force falls to zero: beyond it the model does not hold", formula=normal_force
 )
+SETTLED = replace(gliding.SETTLED, long_name="|v_A|^2 falls below 1e-12 of its unit", formula=sliding)
 
 
 # --- the system --------------------------------------------------------------------------------------------------
@@ -301,6 +304,7 @@ GLIDING_CYLINDER = of_one_phase(
     title="eccentric cylinder that rolls and glides",
     source=SOURCE,
     initial={**INITIAL, "nu_x": Parameter(METRE_PER_SECOND, "velocity of the contact point of the cylinder")},
+    alternatives=(Alternative("centre_at_rest", ("nu_x",), flag=True),),
     start=start,
     angles=ANGLES,
     forms={"angle": FORM},
@@ -310,7 +314,7 @@ GLIDING_CYLINDER = of_one_phase(
         Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
     ),
     integrals=(),
-    events=(TURNING, LIFTOFF, gliding.EQUATOR, Event("settled", "|v_A|^2 falls below 1e-12 of its unit", sliding, -1)),
+    events=(TURNING, LIFTOFF, gliding.EQUATOR, SETTLED),
     laws=ChainMap({"modified": MODIFIED}, LAWS),  # it sees what is added to LAWS later
     **COMMON,
 )

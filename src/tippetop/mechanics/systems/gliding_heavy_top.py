@@ -144,6 +144,7 @@ GLIDING_HEAVY_TOP = of_one_phase(
     title="heavy symmetric top whose tip glides on a plane",
     source=heavy_top.SOURCE + "5",
     initial=gliding.INITIAL,
+    alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
     angles=gliding_euler.ANGLES,
     forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},

@@ -21,6 +21,7 @@ ROLLING_TIPPE_TOP = of_one_phase(
     scales=lambda b: (b.m, b.R),
     normalised_to={"m": 1.0, "R": 1.0},
     initial=rolling.INITIAL,
+    alternatives=(gliding.BY_PSI_DOT,),
     start=rolling.start,
     angles=rolling_euler.ANGLES,
     forms={"vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
@@ -41,5 +42,6 @@ ROLLING_TIPPE_TOP = of_one_phase(
     momenta=("routh", "jellett"),
     landscape=tippe_top.LANDSCAPE,
     outlook=outlook.rolling_tippe_top,
+    long_form="reduced",
     classes=tippe_top.TIPPE_TOP.classes,
 )

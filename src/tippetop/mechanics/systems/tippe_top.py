@@ -166,6 +166,7 @@ TIPPE_TOP = of_one_phase(
     scales=lambda b: (b.m, b.R),
     normalised_to={"m": 1.0, "R": 1.0},
     initial=gliding.INITIAL,
+    alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
     angles=gliding_euler.ANGLES,
     forms=gliding.FORMS,

@@ -1,0 +1,47 @@
+"""The Python in README and in the how-tos runs as it stands there, and the pages name files that exist."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+EXECUTED = [ROOT / "README.md", *sorted((ROOT / "docs" / "how-to").glob("*.md"))]
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", EXECUTED, ids=name)
+def test_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from tippetop.mechanics import friction
+    from tippetop.mechanics.systems import SYSTEMS
+
+    for registry in (SYSTEMS, friction.LAWS, friction.SLIP):
+        for key in registry:  # what a page registers is forgotten after it
+            monkeypatch.setitem(registry, key, registry[key])
+    before = [dict(registry) for registry in (SYSTEMS, friction.LAWS, friction.SLIP)]
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
+    assert blocks
+    try:
+        names: dict[str, object] = {}
+        for block in blocks:
+            exec(compile(block, name(page), "exec"), names)
+    finally:
+        for registry, old in zip((SYSTEMS, friction.LAWS, friction.SLIP), before, strict=True):
+            for key in set(registry) - set(old):
+                del registry[key]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_links_and_paths_of_a_page_exist(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    links = [link for link in re.findall(r"\]\(([^)#\s]+)\)", text) if "://" not in link]
+    missing = [link for link in links if not (page.parent / link).exists()]
+    paths = re.findall(r"`((?:src|tests|docs|kernels|bench|\.ci)/[\w./-]+)`", text)
+    missing += [path for path in paths if not (ROOT / path).exists()]
+    assert missing == []
