@@ -13,7 +13,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop.engine.expressions import variables
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.ensembles import ensemble
 from tippetop.ensembles.lanes import LANES
 from tippetop.problem import Problems
@@ -99,10 +99,10 @@ def _exact(spin: float) -> np.longdouble:
 
 
 def batched(tops: Problems) -> Callable[[], np.ndarray]:
-    """heyoka's batch integrator on the motion alone, no quadratures, events or books; gives rows (n, variables)."""
+    """heyoka's batch integrator on the motion alone, no integrals, events or books; gives rows (n, variables)."""
     base = tops.base
-    _, _, equations = variables(base.system, base.form, base.friction.__class__)
-    kept = [i for i, name in enumerate(base.form.units._fields) if name not in base.form.quadratures]
+    equations = equations_of_motion(base.system, tops.variables, base.friction.__class__).rates
+    kept = list(range(tops.variables.moving))
     start, rows = tops.start[kept], np.zeros((tops.n, len(equations)))
     made = hy.taylor_adaptive_batch(
         [equations[i] for i in kept],

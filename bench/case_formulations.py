@@ -12,7 +12,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop.engine.expressions import variables
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.mechanics.operand import leaves
 from tippetop.problem import Problem
 from tippetop.scenario import build
@@ -71,7 +71,7 @@ def ways() -> dict[str, Tried]:
     """All that was tried, by name."""
     vector, euler = (_inverting(f"form={form}") for form in ("vector", "euler"))
     sys, start, pars = _system(vector)
-    alone = [(v, rate) for v, rate in sys if str(v) not in vector.form.quadratures]
+    alone = sys[: vector.variables.moving]
     few, end = start[: len(alone)], end_of(vector)
     numbers = {hy.par[i]: hy.expression(value) for i, value in enumerate(pars)}
     constants = [(v, hy.subs(rate, numbers)) for v, rate in alone]
@@ -82,7 +82,7 @@ def ways() -> dict[str, Tried]:
         "by hand: vectors, SI units, numbers for parameters": Tried(by_hand, start_by_hand(minimal), MIDST, _uz),
         f"{PRODUCT}: L_3 carried, parameters at run time, with x, y, work, impulse": Tried(sys, start, end, _uz, **own),
         f"{PRODUCT} equations in Euler angles": Tried(*angles[:2], end, _cosine, pars=angles[2]),
-        f"{ALONE}, without quadratures": Tried(alone, few, end, _uz, **own),
+        f"{ALONE}, without integrals": Tried(alone, few, end, _uz, **own),
         f"{ALONE}, numbers for parameters": Tried(constants, few, end, _uz),
         f"{ALONE}, in a rotating frame": Tried(_rotating(alone), few, end, _uz, **own),
         f"{ALONE}, plain sums (high_accuracy off)": Tried(alone, few, end, _uz, **own, high_accuracy=False),
@@ -99,7 +99,7 @@ def _inverting(*settings: str) -> Problem:
 
 
 def _system(problem: Problem) -> tuple[list, np.ndarray, list[float]]:
-    sys = variables(problem.system, problem.form, problem.friction.__class__)[2]
+    sys = equations_of_motion(problem.system, problem.variables, problem.friction.__class__).rates
     return sys, problem.start(), [float(leaf) for leaf in leaves(problem.internal_body)]
 
 
@@ -121,7 +121,7 @@ def _cosine(state: np.ndarray) -> float:
 
 def _exact() -> float:
     wide = _inverting("run.precision=quad")
-    sys = variables(wide.system, wide.form, wide.friction.__class__)[2]
+    sys = equations_of_motion(wide.system, wide.variables, wide.friction.__class__).rates
     pars = np.array([wide.number(leaf) for leaf in leaves(wide.internal_body)])
     options = {"tol": wide.number(2.0**-112), "fp_type": wide.number, "compact_mode": True}
     made = hy.taylor_adaptive(sys, wide.start(), pars=pars, high_accuracy=True, **options)

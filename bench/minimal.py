@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.engine.observables import View
+from tippetop.engine.observables import Observables
 from tippetop.problem import Problem
 
 
@@ -23,7 +23,7 @@ FLAGS = ("-O3", "-march=native", "-std=gnu++17", "-shared", "-fPIC", "-x", "c++"
 
 @dataclass(frozen=True)
 class Minimal:
-    """A problem without its quadratures (x, y, work, impulse, phi): internal units, doubles."""
+    """A problem without its integrals (x, y, work, impulse, phi): internal units, doubles."""
 
     problem: Problem
     samples: np.ndarray  # [s] where errors are taken; the last is the end
@@ -31,8 +31,7 @@ class Minimal:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The variables that are integrated."""
-        form = self.problem.form
-        return tuple(name for name in form.units._fields if name not in form.quadratures)
+        return self.problem.form.units._fields
 
     @cached_property
     def start(self) -> np.ndarray:
@@ -51,25 +50,20 @@ class Minimal:
 
     def of_rows(self, rows: np.ndarray) -> np.ndarray:
         """The minimal states among full rows."""
-        fields = self.problem.form.units._fields
-        return rows[:, [fields.index(name) for name in self.names]]
+        return rows[:, : len(self.names)]
 
     def theta(self, states: np.ndarray) -> np.ndarray:
-        """theta [rad] of minimal states (k, n); where it is a quadrature itself (cylinders), without its turns."""
-        fields = self.problem.form.units._fields
+        """theta [rad] of minimal states (k, n); where it is an integral itself (cylinders), without its turns."""
         if "theta" not in self.names and "s" in self.names:
             return np.arctan2(*(states[:, self.names.index(name)] for name in "sz"))
-        rows = np.zeros((len(states), len(fields)), dtype=states.dtype)
-        rows[:, [fields.index(name) for name in self.names]] = states
+        rows = np.zeros((len(states), len(self.problem.variables.names)), dtype=states.dtype)
+        rows[:, : len(self.names)] = states
         return theta_of(self.problem, rows)
 
     def rates(self, values: Any) -> list:
         """Time derivatives of the variables, for whatever the formulas may be fed."""
         form = self.problem.form
-        given = dict(zip(self.names, values, strict=True))
-        q = type(form.units)(*(given.get(name, 0.0) for name in form.units._fields))
-        found = form.rates(q, self.body)._asdict()
-        return [found[name] for name in self.names]
+        return list(form.rates(type(form.units)(*values), self.body))
 
     @cached_property
     def source(self) -> str:
@@ -99,9 +93,8 @@ def _jitted(minimal: Minimal) -> Any:
     from tippetop_kernels.jit import kernel
 
     form, n = minimal.problem.form, len(minimal.names)
-    assert form.units._fields[:n] == minimal.names, "quadratures come last"
-    rates, state, body, rest = kernel(form.rates), type(form.units), minimal.body, len(form.units) - n
-    arguments = ", ".join([*(f"y[{i}]" for i in range(n)), *["0.0"] * rest])
+    rates, state, body = kernel(form.rates), type(form.units), minimal.body
+    arguments = ", ".join(f"y[{i}]" for i in range(n))
     sets = "\n".join(f"    d[{i}] = found[{i}]" for i in range(n))
     space = {"rates": rates, "State": state, "body": body}
     exec(f"def slope(y, d):\n    found = rates(State({arguments}), body)\n{sets}", space)
@@ -127,7 +120,7 @@ def _plain(record: Any) -> Any:
 
 def theta_of(problem: Problem, rows: np.ndarray) -> np.ndarray:
     """theta [rad] of full rows, in 80 bits where the run has them."""
-    columns = View(problem).columns(np.zeros(len(rows)), rows)
+    columns = Observables(problem).columns(np.zeros(len(rows)), rows)
     low = columns["theta_lo"].values.astype(np.longdouble) if "theta_lo" in columns else 0.0
     return columns["theta"].values + low
 

@@ -9,7 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from tippetop.engine import taylor
-from tippetop.engine.expressions import variables
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.mechanics.events import Event
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.units import SECOND
@@ -43,19 +43,19 @@ def _solved(problem: Problem) -> np.ndarray:
 
 
 def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
-    """An integrator of the engine's equations of motion and quadratures, and of nothing else."""
-    _, _, sys = variables(problem.system, problem.form, problem.friction.__class__)
+    """An integrator of the engine's equations of motion and integrals, and of nothing else."""
+    sys = equations_of_motion(problem.system, problem.variables, problem.friction.__class__).rates
     pars = [float(leaf) for leaf in leaves(problem.internal_body)]
     return hy.taylor_adaptive(sys, problem.start(), pars=pars, tol=problem.tolerance or 2.0**-52, high_accuracy=True)
 
 
 def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver]:
-    """The engine's own equations of motion without quadratures, as a peer gets them; and events of some kinds."""
+    """The engine's own equations of motion without integrals, as a peer gets them; and events of some kinds."""
     problem = minimal.problem
-    record, body, sys = variables(problem.system, problem.form, problem.friction.__class__)
-    sys = [(v, rate) for v, rate in sys if str(v) in minimal.names]
+    q, _, body, sys = equations_of_motion(problem.system, problem.variables, problem.friction.__class__)
+    sys = sys[: problem.variables.moving]
     pars = [float(leaf) for leaf in leaves(problem.internal_body)][: max(_pars_of(sys), default=-1) + 1]
-    scalars = problem.form.scalars(record, body)
+    scalars = problem.form.scalars(q, body)
     wanted = [event for event in problem.system.events if event.name in kinds]
     hooks = {
         "nt_events": [_event(hy.nt_event, e, scalars, body, taylor.Log(e.name)) for e in wanted if not e.ends],
@@ -80,7 +80,7 @@ def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: taylor.L
 
 
 def equations(minimal: Minimal) -> Callable[[float], Solver]:
-    """The engine's own equations of motion and quadratures, without events: what the integration itself costs."""
+    """The engine's own equations of motion and integrals, without events: what the integration itself costs."""
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
@@ -165,7 +165,7 @@ def by_hand(events: bool, minimal: Minimal) -> Callable[[float], Solver]:
 def start_by_hand(minimal: Minimal) -> np.ndarray:
     """3hat, L, r' in SI units at t = 0, by the engine."""
     problem = minimal.problem
-    record = problem.form.units._make(problem.start())
+    record, _ = problem.variables.split(problem.start())
     scales = problem.scales
     names = ("ux", "uy", "uz", "Lx", "Ly", "Lz", "rx_dot", "ry_dot")
     return np.array([float(getattr(record, n) * scales.of(getattr(problem.form.units, n))) for n in names])

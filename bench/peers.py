@@ -183,14 +183,9 @@ def scipy_formulas(minimal: Minimal) -> Callable[[float], Solver]:
     from scipy.integrate import solve_ivp
 
     form, body = minimal.problem.form, minimal.body
-    places, rest = [form.units._fields.index(name) for name in minimal.names], [0.0] * len(form.units)
 
-    def rates(_: float, y: np.ndarray) -> list[float]:
-        full = rest.copy()
-        for place, value in zip(places, y.tolist(), strict=True):
-            full[place] = value
-        found = form.rates(form.units._make(full), body)
-        return [found[place] for place in places]
+    def rates(_: float, y: np.ndarray) -> tuple[float, ...]:
+        return form.rates(form.units._make(y.tolist()), body)
 
     def rows(tolerance: float) -> np.ndarray:
         span = (minimal.times[0], minimal.times[-1])

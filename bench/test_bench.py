@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tippetop.engine.expressions import variables
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.scenario import build
 
 from . import report
@@ -36,12 +36,8 @@ def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:
     import heyoka as hy
 
     problem = minimal.problem
-    _, _, equations = variables(problem.system, problem.form, problem.friction.__class__)
-    chosen = [
-        (v, rate)
-        for (v, rate), name in zip(equations, problem.form.units._fields, strict=True)
-        if name in minimal.names
-    ]
+    equations = equations_of_motion(problem.system, problem.variables, problem.friction.__class__).rates
+    chosen = equations[: problem.variables.moving]
     function = hy.cfunc([rate for _, rate in chosen], [v for v, _ in chosen])
     pars = [float(leaf) for leaf in _leaves(minimal.body)]
     return np.array([function(state, pars=pars[: function.nparams]) for state in states])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tippetop.engine.observables import View, values_of
+from tippetop.engine.observables import Observables, values_of
 from tippetop.errors import InputError
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.system import Parameter
@@ -66,14 +66,14 @@ def test_one_run_is_the_case_n_1_of_many(system: str, precision: str, rng: np.ra
     for form in preset.system.forms.values():
         base = dataclasses.replace(preset, form=form, precision=precision)
         numbers = columns(base, rng)
-        many = Problems(base, numbers)
+        many = Problems(base, numbers, orientation=True)
         for i in range(N):
             one = alone(base, numbers, i)
-            same = Problems(base, {key: column[[i]] for key, column in numbers.items()})
+            same = Problems(base, {key: column[[i]] for key, column in numbers.items()}, orientation=True)
             for whole, single, name in (
                 (many.start[:, i], one.start(), "start"),
                 (many.pars[:, i], np.array(leaves(one.internal_body), dtype=base.number), "body"),
-                (np.array([w[i] for w in many.weights]), np.array(one.weights(form)), "weights"),
+                (np.array([w[i] for w in many.weights]), np.array(one.weights()), "weights"),
                 (np.array([s[i] for s in many.scales]), np.array(list(one.scales)), "scales"),
                 (many.start[:, i], same.start[:, 0], "start, n = 1"),
                 (many.pars[:, i], same.pars[:, 0], "body, n = 1"),
@@ -85,12 +85,12 @@ def test_one_run_is_the_case_n_1_of_many(system: str, precision: str, rng: np.ra
 @pytest.mark.parametrize("system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"])
 def test_compiled_values_of_many_are_those_of_one(system: str, rng: np.random.Generator) -> None:
     """What states say is the same for one run and for many, whatever stands beside a run."""
-    base = build.load(PRESETS[system])
+    base = dataclasses.replace(build.load(PRESETS[system]), orientation=False)
     numbers = columns(base, rng)
     many = Problems(base, numbers)
     found = values_of(many, many.start, np.arange(N))
     for i in range(N):
-        one = View(alone(base, numbers, i)).values(many.start[:, [i]].T)
+        one = Observables(alone(base, numbers, i)).evaluate(many.start[:, [i]].T)
         for name, value in one.items():
             assert value[0] == found[name][i], (name, i)
 

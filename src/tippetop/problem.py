@@ -18,13 +18,12 @@ from .mechanics.friction import LAWS, Law
 from .mechanics.operand import leaves, refill
 from .mechanics.system import Form, Parameter, System
 from .mechanics.units import SECOND, Scales, Unit
+from .mechanics.variables import Variables
 from .sampling import EvenTimes, ListedTimes
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
-QUADRATURE_SCALE = 2.0**-32
-"""Factor on variables that the equations do not read: too small to control the step, and a power of two."""
 UNTIL = Parameter(SECOND, "end of the run", above=0)
 
 
@@ -45,6 +44,7 @@ class Problem:
     tolerance: float = 0.0  # 0 is the rounding unit of the precision
     output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
     stop_when: str = "until"  # or "settled"
+    orientation: bool = True  # whether the turn of the body about its axis is integrated too
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
@@ -109,7 +109,7 @@ class Problem:
     @cached_property
     def alone(self) -> "Problems":
         """This run as the one of its `Problems`."""
-        return Problems(self, {})
+        return Problems(self, {}, self.orientation)
 
     def body(self, number: Any = float) -> Any:
         """The record that formulas take, in SI units."""
@@ -125,15 +125,14 @@ class Problem:
         """The body in internal units, in the working precision; what is 0 or 1 by construction is exactly that."""
         return refill(self.alone.internal_body, iter(self.alone.pars[:, 0]))
 
-    def weights(self, form: Form) -> list:
+    @cached_property
+    def variables(self) -> Variables:
+        """What is integrated."""
+        return Variables(self.form, self.orientation)
+
+    def weights(self) -> list:
         """SI value of one internal unit of each integrated variable."""
         return [weight[0] for weight in self.alone.weights]
-
-    def record(self, state: Any) -> Any:
-        """The state record, in internal units, of the integrated variables (variables, ...)."""
-        names = self.form.units._fields
-        scaled = (v / QUADRATURE_SCALE if n in self.form.quadratures else v for n, v in zip(names, state, strict=True))
-        return type(self.form.units)(*scaled)
 
     def start(self) -> np.ndarray:
         """The internal state at t = 0, (variables,), in the working precision, as the integrator wants it."""
@@ -154,6 +153,7 @@ class Problems:
 
     base: Problem
     columns: Mapping[str, np.ndarray]
+    orientation: bool = False  # whether the turn about the axis is integrated too: of one among many, nobody asks
 
     @classmethod
     def vary(cls, base: Problem, columns: Mapping[str, Any]) -> "Problems":
@@ -198,7 +198,7 @@ class Problems:
         A power of two, so that times convert without rounding: output and event times are exact.
         """
         mass, length = self.base.system.scales(self._body)
-        length = length * self._wide(self.base.form.stretch)
+        length = length * self._wide(self.base.form.length_unit)
         ratio = np.sqrt(length.astype(float) / self._body.g.astype(float))
         return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
 
@@ -209,11 +209,12 @@ class Problems:
     @cached_property
     def weights(self) -> list[np.ndarray]:
         """SI value of one internal unit of each integrated variable, (n,) each."""
-        form = self.base.form
-        return [
-            self.scales.of(unit) / self._wide(QUADRATURE_SCALE if name in form.quadratures else 1.0)
-            for name, unit in form.units._asdict().items()
-        ]
+        return self.variables.weights(self.scales)
+
+    @cached_property
+    def variables(self) -> Variables:
+        """What is integrated."""
+        return Variables(self.base.form, self.orientation)
 
     @cached_property
     def pars(self) -> np.ndarray:
@@ -248,8 +249,9 @@ class Problems:
         pole = theta.astype(float) == math.pi  # what the user means who writes 3.141592653589793
         s[pole], z[pole] = 0, -1
         angles = self.base.system.start(data, s, z, self._body)
-        state = self.base.form.of_angles(angles, s, z, self._body)
-        return self._rounded([(v + 0 * theta) / weight for v, weight in zip(state, self.weights, strict=True)])
+        q, carried = self.variables.start(data, angles, s, z, self._body)
+        values = zip((*q, *carried), self.weights, strict=True)
+        return self._rounded([(v + 0 * theta) / weight for v, weight in values])
 
     def _rounded(self, rows: list) -> np.ndarray:
         """Rows of numbers or arrays (n,) in the working precision, (rows, n)."""
@@ -265,7 +267,7 @@ class Problems:
 
     def record(self, states: np.ndarray) -> Any:
         """The state record of states (variables, k), in internal units."""
-        return self.base.record(states)
+        return self.variables.split(states)[0]
 
     # --- which of them can be -------------------------------------------------------------------------------------
 
@@ -321,7 +323,7 @@ class Problems:
         plain = np.float64 if base.precision == "double" else np.longdouble
         pars, start = self.pars.astype(float), self.start.astype(float)
         body = self._internal_body(pars.astype(plain))
-        scalars = base.form.scalars(base.record(start.astype(plain)), body)
+        scalars = base.form.scalars(self.record(start.astype(plain)), body)
         quantities = [q.formula(scalars, body) for q in base.system.quantities]
         finite = np.ones(self.n, bool)
         for value in (*pars, *start, *self.weights, *quantities):
@@ -329,7 +331,7 @@ class Problems:
         overflow = "`parameters` and `initial` must stay finite together, but they overflow."
         return [(overflow, ~finite)] + [
             (f"`initial` must allow a motion, but {h.meaning}.", ~(np.zeros(self.n) + h.formula(scalars, body) > 0))
-            for h in base.form.hazards
+            for h in base.form.domains
         ]
 
 

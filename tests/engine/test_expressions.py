@@ -6,13 +6,14 @@ import heyoka as hy
 import numpy as np
 import pytest
 
-from tippetop.engine.expressions import variables
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.problem import Problem
 from tippetop.scenario import build, reading
 
 
 def equations(problem: Problem, *, by_parameters: bool) -> list[tuple[Any, Any]]:
-    return variables(problem.system, problem.form, type(problem.friction), by_parameters=by_parameters)[2]
+    law = type(problem.friction)
+    return equations_of_motion(problem.system, problem.variables, law, by_parameters=by_parameters).rates
 
 
 def value(expressions: list, symbols: list, state: np.ndarray, pars: np.ndarray) -> np.ndarray:

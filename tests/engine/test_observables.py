@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tippetop.engine import observables
-from tippetop.engine.observables import View
+from tippetop.engine.observables import Observables
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
 from tippetop.scenario import build
@@ -44,7 +44,7 @@ def rows_of(problem: Problem, rng: np.random.Generator, n: int = 7) -> np.ndarra
 @pytest.mark.parametrize(("system", "form"), EVERY_FORM)
 def test_the_start_reads_as_it_was_given(system: str, form: str) -> None:
     problem = made(system, form)
-    columns = View(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
     for name, value in problem.initial.items():
         assert columns[name].values[0] == pytest.approx(value, rel=1e-12), name
     assert columns["time"].values.tolist() == [0.0]
@@ -58,7 +58,7 @@ def test_the_start_reads_as_it_was_given(system: str, form: str) -> None:
 def test_columns_are_the_formulas_of_the_system_in_si_units(system: str, form: str, rng: np.random.Generator) -> None:
     """Compiled over internal units, against numpy's formulas, scaled."""
     problem = made(system, form)
-    view, rows = View(problem), rows_of(made(system, form), rng)
+    view, rows = Observables(problem), rows_of(made(system, form), rng)
     columns, scalars = view.columns(np.arange(7.0), rows), view.scalars(rows)
     assert {quantity.name for quantity in problem.system.quantities} <= set(columns)
     for quantity in problem.system.quantities:
@@ -74,7 +74,7 @@ def test_every_form_gives_the_same_columns(system: str) -> None:
     found = []
     for form in SYSTEMS[system].forms:
         problem = made(system, form)
-        found.append(View(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :]))
+        found.append(Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :]))
     for other in found[1:]:
         assert list(other) == list(found[0])
         for name, column in found[0].items():
@@ -88,16 +88,16 @@ def test_the_bits_of_a_row_do_not_depend_on_its_neighbours(rng: np.random.Genera
     """Neither on how many there are, in one block or several."""
     problem = made("tippe-top", "vector")
     rows = rows_of(problem, rng, observables.BLOCK + 13)
-    view = View(problem)
-    whole = view.values(rows)
+    view = Observables(problem)
+    whole = view.evaluate(rows)
     for part in (slice(0, 1), slice(5, 8), slice(observables.BLOCK - 2, None)):
-        for name, values in view.values(rows[part]).items():
+        for name, values in view.evaluate(rows[part]).items():
             assert values.tobytes() == whole[name][part].tobytes(), name
 
 
 def test_axis_and_angular_momentum_are_vectors_in_the_space_frame() -> None:
     problem = made("tippe-top", "euler", theta=0.7)
-    columns = View(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
     axis, L = columns["axis"].values[0], columns["L"].values[0]
     assert columns["axis"].dims == ("time", "xyz")
     np.testing.assert_allclose(np.linalg.norm(axis), 1, rtol=1e-15)
@@ -113,10 +113,10 @@ def test_axis_and_angular_momentum_are_vectors_in_the_space_frame() -> None:
 def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: float) -> None:
     """Any azimuth would do there; the axis leaves a pole with its speed."""
     problem = made("tippe-top", "vector", theta=theta)
-    record = problem.record(np.array(problem.start(), dtype=float))
-    columns = View(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    record, _ = problem.variables.split(np.array(problem.start(), dtype=float))
+    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
     undefined = {name for name, column in columns.items() if np.any(np.isnan(column.values))}
-    assert undefined == {"phi", "phi_dot", "nu_x", "nu_y"} & set(columns)
+    assert undefined == {"phi", "phi_dot", "nu_x", "nu_y", "psi"} & set(columns)
     assert columns["theta"].values[0] == theta
     assert record.ux == record.uy == 0.0
 
@@ -125,8 +125,8 @@ def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: flo
 def test_wider_rows_give_the_columns_and_what_doubles_leave_out(precision: str) -> None:
     sets = [f"initial.{name}={value!r}" for name, value in STARTS["tippe-top"].items()]
     wide, plain = (build.load("inverting", [*sets, f"run.precision={p}"]) for p in (precision, "double"))
-    columns = View(wide).columns(np.zeros(1), np.array(wide.start())[None, :])
-    others = View(plain).columns(np.zeros(1), np.array(plain.start(), dtype=float)[None, :])
+    columns = Observables(wide).columns(np.zeros(1), np.array(wide.start())[None, :])
+    others = Observables(plain).columns(np.zeros(1), np.array(plain.start(), dtype=float)[None, :])
     for name, column in others.items():
         if name == "time":
             continue
@@ -137,12 +137,12 @@ def test_wider_rows_give_the_columns_and_what_doubles_leave_out(precision: str) 
     assert any(np.any(columns[f"{name}_lo"].values != 0) for name in others if name != "time")
 
 
-def test_hazards_are_the_smallest_values_over_the_rows(rng: np.random.Generator) -> None:
+def test_domains_are_the_smallest_values_over_the_rows(rng: np.random.Generator) -> None:
     problem = made("tippe-top", "euler")
-    view, rows = View(problem), rows_of(made("tippe-top", "euler"), rng)
-    found = view.hazards(rows)
-    assert len(found) == len(problem.form.hazards) > 0
-    singly = [view.hazards(row[None, :]) for row in rows]
+    view, rows = Observables(problem), rows_of(made("tippe-top", "euler"), rng)
+    found = view.domains(rows)
+    assert len(found) == len(problem.form.domains) > 0
+    singly = [view.domains(row[None, :]) for row in rows]
     for meaning, value in found.items():
         assert value == min(each[meaning] for each in singly)
 
@@ -152,5 +152,5 @@ def test_rows_of_another_problem_of_the_same_form_share_the_compiled_table(rng: 
     problem = made("tippe-top", "vector")
     half = dataclasses.replace(problem, friction=problem.friction._replace(mu=0.15))
     rows = rows_of(problem, rng)
-    power, less = (View(p).values(rows)["friction_power"] for p in (problem, half))
+    power, less = (Observables(p).evaluate(rows)["friction_power"] for p in (problem, half))
     assert np.all((less > 0.4 * power) & (less < 0.6 * power))

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop.engine.observables import View
+from tippetop.engine.observables import Observables
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
@@ -62,8 +62,8 @@ def si(made: Problem) -> Any:
 
 def at_start(made: Problem) -> dict[str, float]:
     """Quantities at t = 0, in SI units."""
-    view = View(made)
-    values = view.values(made.start()[None, :])
+    view = Observables(made)
+    values = view.evaluate(made.start()[None, :])
     return {q.name: float(values[q.name][0]) * float(made.scales.of(q.unit)) for q in made.system.quantities}
 
 

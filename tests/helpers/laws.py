@@ -7,13 +7,16 @@ Nothing here reads a formula that it judges: vectors, angular velocity, contact 
 from the axis and the angular momentum, and derivatives along the flow are complex steps, exact to rounding.
 """
 
+from collections import namedtuple
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tippetop.mechanics.operand import leaves, refill
+from tippetop.mechanics.variables import Variables
 
 
 STEP = 1e-30  # complex step: exact for any step this small
@@ -21,6 +24,15 @@ TOLERANCE = 3e-11  # the states are of order one, the sums a few dozen terms; de
 STATES = 60
 
 Pairs = Iterator[tuple[str, Any, Any]]
+ODD = {"phi", "phi_dot", "omega3", "nu_y", "y"}
+"""The angles, rates and places that a reflection in the plane y = 0 reverses."""
+
+
+class Pair(NamedTuple):
+    """Axes 1 and 3 of a body."""
+
+    first: Any
+    third: Any
 
 
 class Motion(NamedTuple):
@@ -32,6 +44,12 @@ class Motion(NamedTuple):
     arm: np.ndarray  # from the centre of mass to the contact
     s_dot: np.ndarray  # velocity of the centre of mass
     v: np.ndarray  # velocity of the contact point
+
+
+@cache
+def joint(names: tuple[str, ...]) -> Any:
+    """A record of the state and the integrals."""
+    return namedtuple("Joint", names)
 
 
 @dataclass(frozen=True)
@@ -49,13 +67,22 @@ class Case:
         object.__setattr__(self, "state", self.of_angles(self.form, self.angles))
 
     def of_angles(self, form: Any, e: Any) -> Any:
-        """The state of a form."""
-        return form.of_angles(e, np.sin(e.theta), np.cos(e.theta), self.body)
+        """The state of a form and its integrals, in one record: formulas read them by name."""
+        variables = Variables(form, orientation=False)
+        q, carried = variables.start({}, e, np.sin(e.theta), np.cos(e.theta), self.body)
+        return joint(variables.names)(*q, *carried)
+
+    def rates(self, q: Any, b: Any = None, form: Any = None) -> Any:
+        """The rates of a state and its integrals, in one record."""
+        form, b = form or self.form, self.body if b is None else b
+        integrals = {integral.name: integral.rate(q, q, b) for integral in form.integrals}
+        moving = form.rates(q, b)._asdict()
+        return joint((*moving, *integrals))(*moving.values(), *integrals.values())
 
     def along(self, function: Callable, q: Any = None, rates: Any = None) -> Any:
         """Derivative of function(q) along the flow."""
         q = self.state if q is None else q
-        rates = self.form.rates(q, self.body) if rates is None else rates
+        rates = self.rates(q) if rates is None else rates
         shifted = refill(q, iter([x + 1j * STEP * r for x, r in zip(leaves(q), leaves(rates), strict=True)]))
         result = function(shifted)
         if isinstance(result, tuple):
@@ -97,7 +124,7 @@ class Case:
         arm = b.c * u - b.R * vertical
         arm_speed = np.cross(omega, arm, axis=0)
         if self.system.frictional:
-            rates = self.form.rates(q, b)
+            rates = self.rates(q)
             s_dot = np.array([rates.x, getattr(rates, "y", zero), -arm_speed[2]])
         else:
             s_dot = -arm_speed
@@ -148,7 +175,7 @@ def applies(law: Callable, system: Any, form: str) -> bool:
 
 def chart_is_invertible(case: Case) -> Pairs:
     """Angles of the state of angles are those angles."""
-    back = case.form.to_angles(case.state, case.body)
+    back = case.form.to_angles(case.state, case.state, case.body)
     yield from zip(back._fields, back, case.angles, strict=True)
 
 
@@ -165,8 +192,8 @@ def forms_agree(case: Case) -> Pairs:
     mine, theirs = case.form.scalars(case.state, b), reference.scalars(e, b)
     for name in mine._fields:
         yield f"scalar {name}", getattr(mine, name), getattr(theirs, name)
-    pushed = case.along(lambda x: case.of_angles(case.form, x), e, reference.rates(e, b))
-    rates = case.form.rates(case.state, b)
+    pushed = case.along(lambda x: case.of_angles(case.form, x), e, case.rates(e, form=reference))
+    rates = case.rates(case.state)
     for name in rates._fields:
         yield f"rate of {name}", getattr(rates, name), getattr(pushed, name)
 
@@ -180,10 +207,10 @@ def scalars_are_what_they_say(case: Case) -> Pairs:
     yield "s2", s.s2, 1 - m.u[2] ** 2
     yield "z_dot", s.z_dot, u_dot[2]
     yield "z_dot along the flow", s.z_dot, case.along(lambda x: case.form.scalars(x, b).z)
-    yield "precession", s.precession, m.u[0] * u_dot[1] - m.u[1] * u_dot[0]
+    yield "phi_dot_s2", s.phi_dot_s2, m.u[0] * u_dot[1] - m.u[1] * u_dot[0]
     yield "axis_speed2", s.axis_speed2, np.sum(u_dot**2, axis=0)
     yield "L3", s.L3, np.sum(m.L * m.u, axis=0)
-    yield "fall", s.fall, np.cross(m.L, u_dot, axis=0)[2] / b.I1
+    yield "fall", s.z_ddot_free, np.cross(m.L, u_dot, axis=0)[2] / b.I1
     yield "speed2", s.speed2, m.s_dot[0] ** 2 + m.s_dot[1] ** 2
     if hasattr(s, "Lz"):
         yield "Lz", s.Lz, m.L[2]
@@ -198,6 +225,54 @@ def scalars_are_what_they_say(case: Case) -> Pairs:
         yield "|3hat| stays 1", case.along(lambda x: x.ux**2 + x.uy**2 + x.uz**2), 0 * q.ux
 
 
+def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
+    """Axes 1 and 3 of the body turn with omega; at the start they are R_z(phi) R_y(theta) R_z(psi) of those of space,
+    psi comes back, and a mirror image has the mirrored axes."""
+    form, b, e, m = case.form, case.body, case.angles, case.motion(case.state)
+    psi = np.linspace(-3.0, 3.0, STATES)
+    variables = Variables(form)
+
+    def start(e: Any, psi: Any) -> Any:
+        data = {"phi": getattr(e, "phi", 0 * psi), "psi": psi}
+        q, carried = variables.start(data, e, np.sin(e.theta), np.cos(e.theta), b)
+        return joint(variables.names)(*q, *carried)
+
+    q = start(e, psi)
+    rates = joint(variables.names)(*form.rates(q, b), *(integral.rate(q, q, b) for integral in variables.integrals))
+    axes = form.orientation.axes(q, q, b)
+    change = case.along(lambda x: Pair(*form.orientation.axes(x, x, b)), q, rates)
+    for name, axis, rate in zip(("axis 1", "axis 3"), axes, change, strict=True):
+        spun = np.cross(m.omega, np.array(np.broadcast_arrays(*axis)), axis=0)
+        for i, letter in enumerate("xyz"):
+            yield f"{name}'_{letter}", rate[i], spun[i]
+    planar = form.orientation.psi is None
+    phi, psi = (0 * psi, 0 * psi) if planar else (e.phi, psi)
+    first, third = rotated(phi, e.theta, psi)
+    for i, letter in enumerate("xyz"):
+        yield f"axis 1 {letter}", axes[0][i], first[i]
+        yield f"axis 3 {letter}", axes[1][i], third[i]
+    if planar:
+        return
+    yield "psi", form.orientation.psi(*axes), psi
+    image = e._replace(**{name: -getattr(e, name) for name in ODD & set(e._fields)})
+    mirrored = start(image, -psi)
+    for axis, other in zip(axes, form.orientation.axes(mirrored, mirrored, b), strict=True):
+        for i, sign in enumerate((1, -1, 1)):
+            yield f"mirrored {'xyz'[i]}", other[i], sign * axis[i]
+
+
+def rotated(phi: Any, theta: Any, psi: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Axes 1 and 3 of R_z(phi) R_y(theta) R_z(psi), by matrices, (3, n) each."""
+    zero, one = 0 * theta, 0 * theta + 1
+
+    def about_z(a: Any) -> np.ndarray:
+        return np.array([[np.cos(a), -np.sin(a), zero], [np.sin(a), np.cos(a), zero], [zero, zero, one]])
+
+    lean = np.array([[np.cos(theta), zero, np.sin(theta)], [zero, one, zero], [-np.sin(theta), zero, np.cos(theta)]])
+    R = np.einsum("ijn,jkn,kln->iln", about_z(phi), lean, about_z(psi))
+    return R[:, 0], R[:, 2]
+
+
 def newton_and_euler(case: Case) -> Pairs:
     """m s'' = F - m g zhat and L' = a x F with one F, which obeys the law of the contact."""
     b, q = case.body, case.state
@@ -207,7 +282,7 @@ def newton_and_euler(case: Case) -> Pairs:
     for i, axis in enumerate("xyz"):
         yield f"L'_{axis}", change.L[i], torque[i]
         yield f"3hat'_{axis}", change.u[i], np.cross(m.omega, m.u, axis=0)[i]
-    rates = case.form.rates(q, b)
+    rates = case.rates(q)
     yield "impulse' = F_z", rates.impulse, F[2]
     yield "normal force", case.quantity("normal_force"), F[2]
     yield "the contact stays on the plane", m.v[2], 0 * F[2]
@@ -317,7 +392,7 @@ def general_system(case: Case) -> Pairs:
 
     rolling = importlib.import_module("tippetop.mechanics.contact.rolling.euler")
     e, b = case.state, case.body
-    rates = case.form.rates(e, b)
+    rates = case.rates(e)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
     found = rolling.general_accelerations(e, np.sin(e.theta), np.cos(e.theta), w_x, w_y, b)
     for name, mine in zip(("theta_dot", "phi_dot", "omega3"), found, strict=True):
@@ -326,7 +401,7 @@ def general_system(case: Case) -> Pairs:
 
 def mirror(case: Case) -> Pairs:
     """Reflection in the vertical plane y = 0 maps motions to motions; some quantities change sign."""
-    odd = {"phi", "phi_dot", "omega3", "nu_y", "y"} if not hasattr(case.state, "s") else {"nu_none"}
+    odd = ODD if not hasattr(case.state, "s") else {"nu_none"}
 
     def reflected(e: Any) -> Any:
         return type(e)(*(-value if name in odd else value for name, value in zip(e._fields, e, strict=True)))
@@ -340,12 +415,12 @@ def mirror(case: Case) -> Pairs:
         yield quantity.name, case.quantity(quantity.name, q), sign * case.quantity(quantity.name)
     if case.form.name in ("euler", "angle"):
         signs = {**dict.fromkeys(odd, -1), "s": -1 if "theta" in odd else 1}
-        mine, theirs = case.form.rates(case.state, case.body), case.form.rates(q, case.body)
+        mine, theirs = case.rates(case.state), case.rates(q)
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
     else:
         signs = dict.fromkeys(("uy", "Lx", "Lz", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1)
-        mine, theirs = case.form.rates(case.state, case.body), case.form.rates(q, case.body)
+        mine, theirs = case.rates(case.state), case.rates(q)
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
 
@@ -368,11 +443,14 @@ def units(case: Case) -> Pairs:
     law = case.system.laws[case.law].units() if case.system.frictional else case.body.friction
 
     def scaled(record: Any, unit: Any) -> Any:
-        return refill(record, (x * scale.of(u) for x, u in zip(leaves(record), leaves(unit), strict=True)))
+        return refill(record, (x * scale.of(u) for x, u in zip(leaves(record), unit, strict=True)))
 
-    b, q = scaled(case.body, case.system.body_units(law)), scaled(case.state, case.form.units)
-    rates, other = case.form.rates(case.state, case.body), case.form.rates(q, b)
-    for name, unit in case.form.units._asdict().items():
+    b, q = (
+        scaled(case.body, leaves(case.system.body_units(law))),
+        scaled(case.state, Variables(case.form, orientation=False).units.values()),
+    )
+    rates, other = case.rates(case.state), case.rates(q, b)
+    for name, unit in Variables(case.form, orientation=False).units.items():
         yield f"rate of {name}", getattr(other, name), getattr(rates, name) * scale.of(unit) / scale.time
     s = case.form.scalars(q, b)
     for quantity in case.system.quantities:
@@ -406,13 +484,13 @@ def events_are_zero_where_they_should(case: Case) -> Pairs:
         yield "settled, in units of 1e-12", 1e12 * event.formula(s, case.body), -1.0
 
 
-@only(lambda system, form: bool(form.hazards))
-def hazards_are_what_they_say(case: Case) -> Pairs:
+@only(lambda system, form: bool(form.domains))
+def domains_are_what_they_say(case: Case) -> Pairs:
     """The jam is the denominator of g_n: upward contact acceleration per unit of force; the pole is sin^2."""
     s, b, m = case.form.scalars(case.state, case.body), case.body, case.motion(case.state)
-    for hazard in case.form.hazards:
-        value = hazard.formula(s, b)
-        if "jam" not in hazard.meaning:
+    for domain in case.form.domains:
+        value = domain.formula(s, b)
+        if "jam" not in domain.meaning:
             yield "pole", value, 1 - m.u[2] ** 2
         elif case.law != "modified":
             N = case.quantity("normal_force")
@@ -429,6 +507,7 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
     chart_is_invertible,
     forms_agree,
     scalars_are_what_they_say,
+    orientation_follows_the_angular_velocity,
     newton_and_euler,
     quantities_are_what_they_say,
     integrals_are_constant,
@@ -437,7 +516,7 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
     mirror,
     units,
     events_are_zero_where_they_should,
-    hazards_are_what_they_say,
+    domains_are_what_they_say,
 )
 
 

@@ -7,10 +7,11 @@ import laws
 import numpy as np
 import pytest
 
-from tippetop.engine.expressions import variables
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import leaves, refill
 from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.variables import Variables
 
 
 ASKED = [
@@ -74,8 +75,8 @@ def test_formulas_mean_the_same_to_heyoka(system: str, form: str, friction: str,
     case, q, b = compiled(system, form, friction, rng)
     used = SYSTEMS[system]
     scalars, numbers = case.form.scalars(q, b), case.form.scalars(case.state, case.body)
-    symbolic = [*case.form.rates(q, b), *(k.formula(scalars, b) for k in used.quantities)]
-    numeric = [*case.form.rates(case.state, case.body), *(k.formula(numbers, case.body) for k in used.quantities)]
+    symbolic = [*case.rates(q, b), *(k.formula(scalars, b) for k in used.quantities)]
+    numeric = [*case.rates(case.state), *(k.formula(numbers, case.body) for k in used.quantities)]
     found = evaluated(symbolic, q, case)
     for mine, theirs in zip(found, numeric, strict=True):
         theirs = np.broadcast_to(theirs, mine.shape)
@@ -87,11 +88,12 @@ def test_chart_commutes_with_the_flow_by_symbolic_jacobian(system: str, form: st
     """J(chart) rates = rates(chart), the Jacobian derived by heyoka."""
     used = SYSTEMS[system]
     case, e, b = compiled(system, next(reversed(used.forms)), simplest(system), rng)
-    chart = used.forms[form].of_angles(e, hy.sin(e.theta), hy.cos(e.theta), b)
-    rates = case.form.rates(e, b)
+    q, carried = Variables(used.forms[form], orientation=False).start({}, e, hy.sin(e.theta), hy.cos(e.theta), b)
+    chart = [*q, *carried]
+    rates = case.rates(e, b)
     pushed = [sum((hy.diff(y, x) * r for x, r in zip(e, rates, strict=True)), hy.expression(0.0)) for y in chart]
     found = evaluated(pushed, e, case)
-    expected = used.forms[form].rates(case.of_angles(used.forms[form], case.angles), case.body)
+    expected = case.rates(case.of_angles(used.forms[form], case.angles), form=used.forms[form])
     for mine, theirs in zip(found, expected, strict=True):
         np.testing.assert_allclose(
             mine, np.broadcast_to(theirs, mine.shape), rtol=0, atol=1e-12 * (1 + np.max(np.abs(theirs)))
@@ -105,10 +107,16 @@ def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.ran
 
     case = laws.case(SYSTEMS[system], form, simplest(system), rng)
     rates, scalars, quantity = case.form.rates, case.form.scalars, SYSTEMS[system].quantities[0].formula
+    integrals = [integral.rate for integral in case.form.integrals]
 
     @numba.njit(error_model="numpy")
     def inside(q, b):
         return rates(q, b), quantity(scalars(q, b), b)
+
+    def compiled_alone(rate: Callable) -> Callable:
+        return numba.njit(error_model="numpy")(lambda q, b: rate(q, q, b))
+
+    alone = [compiled_alone(rate) for rate in integrals]
 
     for i in range(5):
         q = refill(case.state, iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.state)]))
@@ -116,6 +124,7 @@ def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.ran
         found, value = inside(q, b)
         assert tuple(found) == tuple(rates(q, b))
         assert value == quantity(scalars(q, b), b)
+        assert [one(q, b) for one in alone] == [rate(q, q, b) for rate in integrals]
 
 
 DECOMPOSITION = {
@@ -139,6 +148,6 @@ def test_taylor_decomposition_has_not_grown(system: str, form: str) -> None:
     """The sizes that were reached: a slowdown shows here without a clock."""
     used = SYSTEMS[system]
     law = used.laws["viscous"].record if used.frictional else Frictionless
-    _, _, equations = variables(used, used.forms[form], law)
+    equations = equations_of_motion(used, Variables(used.forms[form], orientation=False), law).rates
     integrator = hy.taylor_adaptive(equations, np.ones(len(equations)), tol=1e-3, compact_mode=True)
     assert len(integrator.decomposition) == DECOMPOSITION[system, form]

@@ -4,7 +4,7 @@ import examples
 import numpy as np
 import pytest
 
-from tippetop.engine.observables import View
+from tippetop.engine.observables import Observables
 from tippetop.mechanics.theory.main_equation import reconstruct
 from tippetop.runs.run import solve
 
@@ -24,8 +24,8 @@ def test_main_equation_gives_the_motion_back(
     made = examples.problem(
         system, parameters, start, until, ("viscous", {"mu": 0.3}), times=np.linspace(0, until, 6001)
     )
-    run, view = solve(made), View(made)
-    values, scalars, times = view.values(run.rows), view.scalars(run.rows), made.internal_time(run.times)
+    run, view = solve(made), Observables(made)
+    values, scalars, times = view.evaluate(run.rows), view.scalars(run.rows), made.internal_time(run.times)
     momenta = [values[name] for name in made.system.momenta]
     energy = values["modified_energy"]
     expected = made.internal_time(run.events.of("turning", significant=True).time)

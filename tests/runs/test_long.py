@@ -31,8 +31,8 @@ def test_wide_rows_are_stored_without_losing_digits(precision: str, bits: int) -
     """hi + lo gives the integrated number back to the bits that two doubles hold, unit conversion included."""
     problem = build.load("inverting", [f"run.precision={precision}", "run.output_step=0.1"], until=0.3)
     run = solve(problem)
-    columns, weights = run.columns(), problem.weights(problem.form)
-    index = problem.form.units._fields.index("Lx")
+    columns, weights = run.columns(), problem.weights()
+    index = problem.variables.names.index("Lx")
     name = "state_Lx" if precision == "quad" else "L"
     high, low = (columns[n].values for n in (name, f"{name}_lo"))
     high, low = (v if v.ndim == 1 else v[:, 0] for v in (high, low))

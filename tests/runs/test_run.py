@@ -57,7 +57,7 @@ def test_slices_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_quadratures_never_control_the_step() -> None:
     """The place of the top may be a kilometre away: steps and motion are the same to the bit."""
     here, there = solve(load()), solve(load("initial.x=1000.0", "initial.y=-2000.0"))
-    names = here.problem.form.units._fields
+    names = here.problem.variables.names
     moved = [names.index("x"), names.index("y")]
     assert here.report["steps"] == there.report["steps"]
     assert np.delete(here.rows, moved, axis=1).tobytes() == np.delete(there.rows, moved, axis=1).tobytes()

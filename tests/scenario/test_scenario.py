@@ -131,7 +131,7 @@ def test_every_preset_loads_and_cites_its_source() -> None:
 
 def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
     problem = build.load("inverting", ["initial.centre_at_rest=true"])
-    names = problem.form.units._fields
+    names = problem.variables.names
     state = dict(zip(names, problem.start(), strict=True))
     assert abs(state["rx_dot"]) < 1e-15
     assert abs(state["ry_dot"]) < 1e-15

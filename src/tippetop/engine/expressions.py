@@ -1,13 +1,30 @@
 """A system as heyoka expressions: for the integrator, and for functions over arrays that are compiled like it."""
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import heyoka as hy
 
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
-from ..problem import QUADRATURE_SCALE
+from ..mechanics.variables import Variables
+
+
+class Equations(NamedTuple):
+    """A system in symbols, internal units.
+
+    Parameters
+    ----------
+    q, carried, body
+        The records that formulas take: the state, the integrals, the body.
+    rates
+        Pairs (variable, its time derivative), one for each integrated variable.
+    """
+
+    q: Any
+    carried: Any
+    body: Any
+    rates: list[tuple[Any, Any]]
 
 
 def symbolic_body(system: System, form: Form, friction: Any, *, by_parameters: bool = False) -> Any:
@@ -25,39 +42,40 @@ def symbolic_body(system: System, form: Form, friction: Any, *, by_parameters: b
     return refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
 
 
-def variables(
-    system: System, form: Form, friction: Any, *, by_parameters: bool = False
-) -> tuple[Any, Any, list[tuple]]:
-    """State and body as heyoka expressions, and the equations of motion, in internal units; see `symbolic_body`."""
-    state = hy.make_vars(*form.units._fields)
-    scaled = [v / QUADRATURE_SCALE if v_ in form.quadratures else v for v, v_ in zip(state, form.units._fields)]  # noqa: B905
-    record = type(form.units)(*scaled)
-    body = symbolic_body(system, form, friction, by_parameters=by_parameters)
-    rates = form.rates(record, body)
-    equations = [
-        (v, hy.expression(0.0) + (QUADRATURE_SCALE * rate if name in form.quadratures else rate))
-        for v, name, rate in zip(state, form.units._fields, rates, strict=True)
-    ]
-    return record, body, equations
+def equations_of_motion(
+    system: System, variables: Variables, friction: Any, *, by_parameters: bool = False
+) -> Equations:
+    """The equations of motion of a system as heyoka expressions, in internal units; see `symbolic_body`."""
+    symbols = hy.make_vars(*variables.names)
+    q, carried = variables.split(symbols)
+    body = symbolic_body(system, variables.form, friction, by_parameters=by_parameters)
+    rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
+    return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
 
-def observed(system: System, form: Form, record: Any, body: Any) -> dict[str, Any]:
-    """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions.
+def component(variable: str) -> str:
+    """The name of a component of a vector among the values of a row; a quantity may be called as the variable is: L_z
+    of a heavy top is about the tip, that of the column L about the centre of mass."""
+    return f"vector_{variable}"
 
-    `_s2` and `_axis_speed2` come along where a system has poles; the integrated axis, `_ux` and so on, where the form
-    has one that is not what `axis` is taken from.
-    """
-    scalars, angles = form.scalars(record, body), form.to_angles(record, body)
+
+def integrated(variable: str) -> str:
+    """The name of an integrated component of 3hat among the values of a row, where it is not what the column `axis` is
+    taken from."""
+    return f"integrated_{variable}"
+
+
+def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
+    """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions."""
+    scalars, angles = form.scalars(q, body), form.to_angles(q, carried, body)
     values = dict(angles._asdict())
     if system.vectors:
         vector, direct = system.forms["vector"], form.name == "vector"
-        state = record if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
-        values |= {name: getattr(state, name) for names in system.vectors.values() for name in names}
+        state = q if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
+        values |= {component(name): getattr(state, name) for names in system.vectors.values() for name in names}
         if not direct and integrates_axis(system, form):
-            values |= {f"_{name}": getattr(record, name) for name in system.vectors["axis"]}
+            values |= {integrated(name): getattr(q, name) for name in system.vectors["axis"]}
     values |= {quantity.name: quantity.formula(scalars, body) for quantity in system.quantities}
-    if hasattr(scalars, "axis_speed2"):
-        values |= {"_s2": scalars.s2, "_axis_speed2": scalars.axis_speed2}
     return values
 
 
@@ -67,14 +85,41 @@ def integrates_axis(system: System, form: Form) -> bool:
     return bool(axis) and set(axis) <= set(form.units._fields)
 
 
+def near_poles(form: Form, q: Any, body: Any) -> list:
+    """sin(theta)^2, and |3hat'|^2, which theta' is at a pole."""
+    scalars = form.scalars(q, body)
+    return [scalars.s2, scalars.axis_speed2]
+
+
+def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
+    """Axes 1 and 3 of the body, three components each, and psi if the form knows it; of arrays or of expressions."""
+    orientation = form.orientation
+    assert orientation is not None
+    first, third = orientation.axes(q, carried, body)
+    return [*first, *third, *([orientation.psi(first, third)] if orientation.psi else [])]
+
+
 @lru_cache(maxsize=32)
-def table(system: System, form_name: str, friction: Any) -> tuple[tuple[str, ...], Any]:
-    """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it.
+def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
+    """`orientation_of` as a compiled function; apart from the other observables, so that their bits stay."""
+    form = system.forms[form_name]
+    q, carried, body, rates = equations_of_motion(system, Variables(form), friction)
+    outputs = [hy.expression(0.0) + value for value in orientation_of(form, q, carried, body)]
+    return hy.cfunc(outputs, vars=[variable for variable, _ in rates])
+
+
+@lru_cache(maxsize=32)
+def compile_observables(
+    system: System, form_name: str, friction: Any, orientation: bool
+) -> tuple[tuple[str, ...], Any]:
+    """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it, whose
+    last two outputs are those of `near_poles` if the system has poles.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
     form = system.forms[form_name]
-    record, body, equations = variables(system, form, friction)
-    values = observed(system, form, record, body)
-    outputs = [hy.expression(0.0) + value for value in values.values()]
-    return tuple(values), hy.cfunc(outputs, vars=[variable for variable, _ in equations])
+    q, carried, body, rates = equations_of_motion(system, Variables(form, orientation), friction)
+    values = observed(system, form, q, carried, body)
+    polar = near_poles(form, q, body) if system.undefined_at_poles else []
+    outputs = [hy.expression(0.0) + value for value in (*values.values(), *polar)]
+    return tuple(values), hy.cfunc(outputs, vars=[variable for variable, _ in rates])

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..problem import Problem
-from .expressions import integrates_axis
+from .expressions import component, integrated, integrates_axis
 
 
 def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -13,7 +13,8 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
     found = {name: values[name] for name in problem.system.integrals}
     found["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
-        x, y, z = (values.get(f"_{name}", values[name]) for name in problem.system.vectors["axis"])
+        axis = problem.system.vectors["axis"]
+        x, y, z = (values.get(integrated(name), values[component(name)]) for name in axis)
         found["axis_norm"] = np.sqrt(x**2 + y**2 + z**2)
     return found
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..problem import QUADRATURE_SCALE, Problem
+from ..problem import Problem
 from .extremes import Extremes, falls_below_zero, rate_extremes
 from .status import Status
 from .taylor import Slice, endings_of, rows_at
@@ -35,12 +35,11 @@ def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
 
 def normal_force(piece: Slice, problem: Problem) -> Extremes:
     """Extremes of the normal force over every step of the slice, in internal units."""
-    if "impulse" not in problem.form.units._fields:
+    if "impulse" not in problem.variables.names:
         return Extremes()
     return rate_extremes(piece.times, _impulse(piece, problem))
 
 
 def _impulse(piece: Slice, problem: Problem) -> np.ndarray:
     """Taylor coefficients of the integral of the normal force, (n, order + 1), internal units."""
-    index = problem.form.units._fields.index("impulse")
-    return piece.coefficients[:, index].astype(float) / QUADRATURE_SCALE
+    return problem.variables.coefficients("impulse", piece.coefficients)

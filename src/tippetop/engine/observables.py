@@ -6,12 +6,20 @@ import numpy as np
 
 from ..columns import Column, column
 from ..mechanics.operand import leaves
-from ..mechanics.units import SECOND, Unit
+from ..mechanics.units import ONE, RADIAN, SECOND, Unit
 from ..problem import Problem, Problems
-from .expressions import observed, table
+from .expressions import (
+    compile_observables,
+    compile_orientation,
+    component,
+    near_poles,
+    observed,
+    orientation_of,
+)
+from .orientation import quaternion
 
 
-class View:
+class Observables:
     """Reads rows of internal states (n, variables) of a problem; computes in internal units, answers in SI."""
 
     def __init__(self, problem: Problem):
@@ -21,34 +29,40 @@ class View:
         self.body = _cast(body, lambda leaf: _widened(np.array(leaf), self._wide)[()])
         self._pars = np.array(leaves(self.body), dtype=float)
 
-    def record(self, rows: np.ndarray) -> Any:
-        """The state record of the rows, in internal units."""
-        return self.problem.record(_widened(np.asarray(rows), self._wide).T)
+    def state(self, rows: np.ndarray) -> tuple[Any, Any]:
+        """The state record of the rows and the record of their integrals, in internal units."""
+        return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
 
     def scalars(self, rows: np.ndarray) -> Any:
         """The scalars of the rows, in internal units."""
-        return self.form.scalars(self.record(rows), self.body)
+        return self.form.scalars(self.state(rows)[0], self.body)
 
-    def values(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+    def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole."""
+        polar = np.empty((0, len(rows)))
         if self._wide is np.float64:
-            values = self._compiled(np.asarray(rows, dtype=float))
+            problem = self.problem
+            key = (self.system, self.form.name, problem.friction.__class__)
+            names, function = compile_observables(*key, problem.orientation)
+            outputs = self._compiled(function, rows)
+            values, polar = dict(zip(names, outputs, strict=False)), outputs[len(names) :]
         else:
             with np.errstate(invalid="ignore", divide="ignore"):
-                found = observed(self.system, self.form, self.record(rows), self.body)
+                q, carried = self.state(rows)
+                found = observed(self.system, self.form, q, carried, self.body)
+                if self.system.undefined_at_poles:
+                    polar = np.array(near_poles(self.form, q, self.body))
             values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in found.items()}
-        if "_s2" in values:
-            pole = values.pop("_s2") == 0  # the axis leaves a pole at its full speed, along no particular azimuth
-            leaving = np.sqrt(values.pop("_axis_speed2"))
-            if pole.any():
-                values["theta_dot"][pole] = leaving[pole]
-                for name in POLAR & values.keys():
-                    values[name][pole] = np.nan
+        if len(polar) and (pole := polar[0] == 0).any():
+            values["theta_dot"][pole] = np.sqrt(polar[1][pole])  # a pole is left at full speed, along no azimuth
+            for name in self.system.undefined_at_poles:
+                values[name][pole] = np.nan
         return values
 
-    def _compiled(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        names, function = table(self.system, self.form.name, self.problem.friction.__class__)
-        outputs = np.empty((len(names), len(rows)))
+    def _compiled(self, function: Any, rows: np.ndarray) -> np.ndarray:
+        """The outputs of a compiled function of rows, (outputs, n)."""
+        rows = np.asarray(rows, dtype=float)
+        outputs = np.empty((function.nouts, len(rows)))
         for start in range(0, len(rows), BLOCK):
             part = rows[start : start + BLOCK].T
             # whole SIMD batches, the last column repeated: so a row's bits do not depend on its neighbours
@@ -56,20 +70,36 @@ class View:
             block = np.ascontiguousarray(padded)
             pars = np.repeat(self._pars[: function.nparams, None], block.shape[1], axis=1)
             outputs[:, start : start + BLOCK] = function(block, pars=pars)[:, : part.shape[1]]
-        return dict(zip(names, outputs, strict=True))
+        return outputs
+
+    def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN exactly at a pole;
+        None where the motion is planar. Only of a problem with orientation."""
+        orientation = self.form.orientation
+        assert orientation is not None
+        if self._wide is np.float64:
+            function = compile_orientation(self.system, self.form.name, self.problem.friction.__class__)
+            values = self._compiled(function, rows)
+        else:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                found = orientation_of(self.form, *self.state(rows), self.body)
+            values = np.array([np.broadcast_to(value, (len(rows),)) for value in found])
+        if orientation.psi:
+            values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
+        return quaternion(values[:3], values[3:6]), values[6] if orientation.psi else None
 
     def theta(self, row: np.ndarray) -> float:
         """theta of one row, (1, variables) [rad]."""
-        return float(self.values(row)["theta"][0])
+        return float(self.evaluate(row)["theta"][0])
 
-    def hazards(self, rows: np.ndarray) -> dict[str, float]:
+    def domains(self, rows: np.ndarray) -> dict[str, float]:
         """Smallest value of each function that must stay positive, by its meaning."""
         scalars = self.scalars(rows)
-        return {h.meaning: float(np.min(h.formula(scalars, self.body))) for h in self.form.hazards}
+        return {h.meaning: float(np.min(h.formula(scalars, self.body))) for h in self.form.domains}
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
         """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked for."""
-        names, values = self.system.long_names, self.values(rows)
+        names, values = self.system.long_names, self.evaluate(rows)
 
         def scale(unit: Unit) -> Any:
             return _widened(np.array(self.problem.scales.of(unit)), self._wide)
@@ -79,16 +109,19 @@ class View:
             columns |= self._split(name, values[name] * scale(unit), unit, names[name])
         for name, variables in self.system.vectors.items():
             unit = getattr(self.system.forms["vector"].units, variables[0])
-            stacked = np.stack([values[v] for v in variables], axis=1) * scale(unit)
+            stacked = np.stack([values[component(v)] for v in variables], axis=1) * scale(unit)
             columns |= self._split(name, stacked, unit, names[name], ("time", "xyz"))
+        if self.problem.orientation and self.form.orientation:
+            turns, psi = self.orientation(rows)
+            if psi is not None:
+                columns |= self._split("psi", psi, RADIAN, PSI)
+            columns |= self._split("orientation", turns, ONE, ORIENTATION, ("time", "wxyz"))
         for q in self.system.quantities:
             si = values[q.name] * scale(q.unit)
             columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
         if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole
-            for name, variable, weight in zip(
-                self.form.units._fields, rows.T, self.problem.weights(self.form), strict=True
-            ):
-                unit = getattr(self.form.units, name)
+            units = self.problem.variables.units.items()
+            for (name, unit), variable, weight in zip(units, rows.T, self.problem.weights(), strict=True):
                 columns |= self._split(
                     f"state_{name}", variable * np.array([weight]), unit, f"integrated variable {name}"
                 )
@@ -110,16 +143,16 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     The last column is repeated to fill whole SIMD batches: so the bits of a column do not depend on its neighbours.
     """
     base, k = problems.base, states.shape[1]
-    names, function = table(base.system, base.form.name, base.friction.__class__)
+    names, function = compile_observables(base.system, base.form.name, base.friction.__class__, problems.orientation)
     fill = ((0, 0), (0, -k % function.batch_size))
     padded = np.ascontiguousarray(np.pad(states, fill, mode="edge"))
     pars = np.ascontiguousarray(np.pad(problems.pars[: function.nparams, which], fill, mode="edge"))
-    return dict(zip(names, function(padded, pars=pars)[:, :k], strict=True))
+    return dict(zip(names, function(padded, pars=pars)[:, :k], strict=False))  # beyond the names: what poles need
 
 
+PSI = "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
+ORIENTATION = "unit quaternion that turns body axes into space axes, w >= 0"
 BLOCK = 2048  # rows that are evaluated at a time: they stay in the second-level cache
-POLAR = {"phi", "phi_dot", "nu_x", "nu_y"}
-"""What is undefined exactly at a pole."""
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:

@@ -17,8 +17,9 @@ import numpy as np
 from ..mechanics.events import Event
 from ..mechanics.operand import leaves
 from ..mechanics.system import System
+from ..mechanics.variables import Variables
 from ..problem import PRECISIONS, Problem
-from .expressions import variables
+from .expressions import equations_of_motion
 from .status import Status
 from .zeros import Zero
 
@@ -80,13 +81,14 @@ def compiled(
     events: tuple[str, ...],
     stop: bool,
     compact: bool,
+    orientation: bool,
 ) -> Compiled:
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
     heyoka). `events` are the kinds to detect; some of them end the run if `stop`. `compact` code compiles at once, and
     runs a third slower."""
     form = system.forms[form_name]
-    record, body, equations = variables(system, form, friction)
-    scalars, number = form.scalars(record, body), PRECISIONS[precision]
+    q, _, body, rates = equations_of_motion(system, Variables(form, orientation), friction)
+    scalars, number = form.scalars(q, body), PRECISIONS[precision]
     number = float if number is np.float64 else number
     passing, terminal, endings = [], [], []
     for event in system.events:
@@ -102,8 +104,8 @@ def compiled(
         else:
             passing.append(hy.nt_event(expression, Log(event.name), **options))
     integrator = hy.taylor_adaptive(
-        equations,
-        np.zeros(len(equations), dtype=PRECISIONS[precision]),
+        rates,
+        np.zeros(len(rates), dtype=PRECISIONS[precision]),
         pars=np.zeros(len(leaves(body)), dtype=PRECISIONS[precision]),
         tol=number(tolerance),
         high_accuracy=True,
@@ -140,6 +142,7 @@ def _compiled_for(problem: Problem) -> Compiled:
         detected,
         problem.on_liftoff == "stop",
         problem.precision != "double" and float(problem.internal_time(problem.until)) < LONG,
+        problem.orientation,
     )
 
 

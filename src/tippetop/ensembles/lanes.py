@@ -11,14 +11,15 @@ from typing import Any, NamedTuple, Protocol
 import heyoka as hy
 import numpy as np
 
-from ..engine.expressions import variables
+from ..engine.expressions import equations_of_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.status import Status
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
-from ..problem import QUADRATURE_SCALE, Problem, Problems
+from ..mechanics.variables import INTEGRAL_SCALE, Variables
+from ..problem import Problem, Problems
 from .observer import EVERY, follow
 from .tallies import EventRows, StopRules, event_rows, new_tallies, reset
 
@@ -59,16 +60,17 @@ def compiled(system: System, form_name: str, friction: Any, tolerance: float, la
     integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
     """
     form = system.forms[form_name]
-    record, body, equations = variables(system, form, friction)
-    scalars = form.scalars(record, body)
+    variables = Variables(form, orientation=False)
+    q, _, body, equations = equations_of_motion(system, variables, friction)
+    scalars = form.scalars(q, body)
     sources = []
     for event in system.events:
         function = event.formula(scalars, body)
         source = _source(function, equations)
-        sources.append(source or (len(equations), 1, QUADRATURE_SCALE, 0.0))
+        sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
         if not source:
-            equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(QUADRATURE_SCALE) * function))
-    axis = [form.units._fields.index(v) for v in ("ux", "uy", "uz")]
+            equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
+    axis = [variables.names.index(v) for v in ("ux", "uy", "uz")]
     kept = np.unique([*axis, *(index for index, *_ in sources)])
     integrator = hy.taylor_adaptive_batch(
         equations,
@@ -87,7 +89,7 @@ def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, flo
         alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
         if alone and hy.diff(function, variable) == hy.expression(1.0):
             return index, 0, 1.0, float(hy.cfunc([function], vars=[variable])([0.0])[0])
-        for scale in (1.0, QUADRATURE_SCALE):
+        for scale in (1.0, INTEGRAL_SCALE):
             if hy.expression(scale) * function == rate:
                 return index, 1, scale, 0.0
     return None

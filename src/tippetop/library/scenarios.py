@@ -1,6 +1,5 @@
 """What is said in Python becomes the tables of a scenario, and a checked Problem."""
 
-import dataclasses
 import os
 import re
 from collections.abc import Iterable, Mapping
@@ -79,7 +78,7 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
     faults = [f"`{name}` must be a new name, but `{system.name}` has it." for name in names if name in known]
     if faults:
         raise InputError(faults)
-    return dataclasses.replace(system, events=(*system.events, *events), quantities=(*system.quantities, *columns))
+    return system.replace(events=(*system.events, *events), quantities=(*system.quantities, *columns))
 
 
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[dict[str, Any], System | None]:

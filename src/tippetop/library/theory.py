@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.theory import main_equation, modes, regimes
 from ..mechanics.theory import nutation as one_dimensional
@@ -204,7 +204,7 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
     )
     found = main_equation.reconstruct(
         system,
-        View(problem).body,
+        Observables(problem).body,
         rows["time"].values / second,
         momenta,
         energy,

@@ -1,5 +1,6 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
+import dataclasses
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -74,7 +75,49 @@ class Quantity:
     formula: Callable
 
 
-class Hazard(NamedTuple):
+@dataclass(frozen=True)
+class Integral:
+    """A variable that the equations of motion do not read: it is integrated beside them and must not control the step.
+
+    Parameters
+    ----------
+    name, unit, long_name
+        As a column; the name is unique in its form.
+    rate
+        rate(q, carried, b), its time derivative: of the state that moves, q, and the record of all integrals of the
+        form, `carried`.
+    start
+        start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value of the same name in
+        the record of angles.
+    """
+
+    name: str
+    unit: Unit
+    long_name: str
+    rate: Callable
+    start: Callable | None = None
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """How a form knows which way the whole body is turned, not its axis alone.
+
+    Parameters
+    ----------
+    axes
+        axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at the poles too.
+    integrals
+        What is integrated for it.
+    psi
+        psi(first, third) of these axes [rad]; None: a planar motion, which has no psi.
+    """
+
+    axes: Callable
+    integrals: tuple[Integral, ...] = ()
+    psi: Callable | None = None
+
+
+class Domain(NamedTuple):
     """A scalar function that must stay positive, and what it means when it does not."""
 
     formula: Callable  # formula(scalars, b)
@@ -89,15 +132,58 @@ class Form:
     """
 
     name: str
-    units: Any  # the state record (a NamedTuple) filled with the unit of each variable
+    units: Any  # the state record (a NamedTuple) of what moves, filled with the unit of each variable
     rates: Callable  # rates(q, b) -> the same record: the time derivatives
     scalars: Callable  # scalars(q, b) -> what the quantities are written in
     of_angles: Callable  # of_angles(angles, sin_theta, cos_theta, b) -> q
-    to_angles: Callable  # to_angles(q, b) -> record of angles
-    quadratures: tuple[str, ...] = ()  # variables that the equations do not read: they must not control the step
-    hazards: tuple[Hazard, ...] = ()  # where the form or the model breaks down
-    stretch: float = 1.0  # the form's unit of length, in that of the system
-    unfolded: tuple[str, ...] = ()  # what is then no longer 1
+    to_angles: Callable  # to_angles(q, carried, b) -> record of angles
+    integrals: tuple[Integral, ...] = ()  # what is integrated beside the state
+    orientation: Orientation | None = None
+    domains: tuple[Domain, ...] = ()  # where the form or the model breaks down
+    length_unit: float = 1.0  # the form's unit of length, in that of the system
+    not_normalised: tuple[str, ...] = ()  # what is then no longer 1
+
+
+@dataclass(frozen=True)
+class Exit:
+    """How a phase ends in another one.
+
+    Parameters
+    ----------
+    event
+        The name of an event of the phase.
+    to
+        The names of the phases that may follow.
+    jump
+        jump(q, carried, b) -> name of the phase that follows, its state: from the first form of the one to the first
+        form of the other, in internal units. Integrals of the same name continue from the values that they have.
+    """
+
+    event: str
+    to: tuple[str, ...]
+    jump: Callable
+
+
+@dataclass(frozen=True)
+class Phase:
+    """What stays the same between two changes of the contact: slip, roll, flight, both balls at once.
+
+    Parameters
+    ----------
+    forms
+        The ways to write the state, by name; the first is the default, and the one in which jumps are written.
+    quantities
+        What can be read of a state, as columns.
+    events
+        What is looked for.
+    exits
+        Which events end the phase, and in which phases; none: only the end of the run does, or an event that stops it.
+    """
+
+    forms: dict[str, Form]
+    quantities: Sequence[Quantity]
+    events: Sequence[Event]
+    exits: tuple[Exit, ...] = ()
 
 
 class Momentum(NamedTuple):
@@ -157,16 +243,15 @@ class System:
     body: Callable  # body(parameters, friction) -> the record that every formula takes, SI
     body_units: Callable  # body_units(friction units) -> that record filled with units
     scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
-    folded: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
+    normalised_to: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
     initial: dict[str, Parameter]
     start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
     angles: Any  # the record that people read and write (a NamedTuple) filled with units
-    forms: dict[str, Form]
-    quantities: Sequence[Quantity]
+    phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
     integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
-    events: Sequence[Event]
     long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
+    undefined_at_poles: tuple[str, ...] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
     alternatives: tuple[Alternative, ...] = ()  # initial data that say the same in two ways
     laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
@@ -219,9 +304,36 @@ class System:
         rivals = {rival for name in changed for rival in self.rivals(name)}
         return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
 
+    @property
+    def phase(self) -> Phase:
+        """The first phase, the only one of most systems."""
+        return next(iter(self.phases.values()))
+
+    @property
+    def forms(self) -> dict[str, Form]:
+        """The forms of the first phase."""
+        return self.phase.forms
+
+    @property
+    def quantities(self) -> Sequence[Quantity]:
+        """The quantities of the first phase."""
+        return self.phase.quantities
+
+    @property
+    def events(self) -> Sequence[Event]:
+        """The events of the first phase."""
+        return self.phase.events
+
+    def replace(self, **changes: Any) -> "System":
+        """The system with other fields; `forms`, `quantities` and `events` are those of the first phase."""
+        name, phase = next(iter(self.phases.items()))
+        of_phase = {key: changes.pop(key) for key in ("forms", "quantities", "events", "exits") if key in changes}
+        changes.setdefault("phases", {**self.phases, name: dataclasses.replace(phase, **of_phase)})
+        return dataclasses.replace(self, **changes)
+
     def folds(self, form: Form) -> dict[str, float]:
         """What is 0 or 1 in the units of a form by construction."""
-        return {name: value for name, value in self.folded.items() if name not in form.unfolded}
+        return {name: value for name, value in self.normalised_to.items() if name not in form.not_normalised}
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -232,3 +344,55 @@ class System:
     def frictional(self) -> bool:
         """Whether a friction law must be given."""
         return bool(self.laws)
+
+
+def of_one_phase(
+    phase: str, *, forms: dict[str, Form], quantities: Sequence[Quantity], events: Sequence[Event], **rest: Any
+) -> System:
+    """A system whose contact never changes; `rest` is what else a System has."""
+    return System(phases={phase: Phase(forms, quantities, events)}, **rest)
+
+
+def inconsistencies(system: System) -> list[str]:
+    """What a system contradicts itself in: one sentence each; none of a sound one."""
+    faults = []
+    for name, phase in system.phases.items():
+        where = f"phase `{name}` of `{system.name}`"
+        if not phase.forms:
+            faults.append(f"{where} must have a form, but has none.")
+        faults += [
+            f"{where} must call the form {form.name!r} by its name, but calls it {key!r}."
+            for key, form in phase.forms.items()
+            if key != form.name
+        ]
+        for form in phase.forms.values():
+            turning = form.orientation.integrals if form.orientation else ()
+            variables = [*form.units._fields, *(integral.name for integral in (*form.integrals, *turning))]
+            faults += _twice(f"{where}, form `{form.name}`: variable", variables)
+        events = [event.name for event in phase.events]
+        faults += _twice(f"{where}: event", events)
+        faults += _twice(f"{where}: quantity", [quantity.name for quantity in phase.quantities])
+        faults += _twice(f"{where}: exit by the event", [way.event for way in phase.exits])
+        for way in phase.exits:
+            if way.event not in events:
+                faults.append(f"{where} must end in an event of its own, but has an exit by {way.event!r}.")
+            if not way.to:
+                faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")
+            faults += [
+                f"{where} must lead to phases of the system, but leads to {to!r}."
+                for to in way.to
+                if to not in system.phases
+            ]
+    quantities = {quantity.name for quantity in system.quantities}
+    faults += [
+        f"`{system.name}` must have the quantity {n!r}, but has not." for n in system.integrals if n not in quantities
+    ]
+    return faults
+
+
+def _twice(what: str, names: list[str]) -> list[str]:
+    return [
+        f"{what} {name!r} must be there once, but is there {names.count(name)} times."
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]

@@ -33,8 +33,8 @@ def datasets(run: "Solution") -> dict[str, Any]:
 
 def attributes(problem: Problem, status: "Status", reason: str, final: Any, report: dict[str, Any]) -> dict[str, Any]:
     """The root attributes of a store: scenario, what was measured, provenance. No times of the clock."""
-    names = problem.form.units._fields
-    values = [float(v) * float(w) for v, w in zip(final, problem.weights(problem.form), strict=True)]
+    names = problem.variables.names
+    values = [float(v) * float(w) for v, w in zip(final, problem.weights(), strict=True)]
     parameters = {**problem.system.parameters, **problem.system.initial}
     return {
         "title": problem.system.title,

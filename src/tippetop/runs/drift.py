@@ -8,7 +8,7 @@ import numpy as np
 
 from ..engine.extremes import Extremes
 from ..engine.invariants import invariants, size
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 
@@ -21,7 +21,7 @@ class Monitor:
     """Follows a run slice by slice. Drifts are relative, and the worst of the run."""
 
     problem: Problem
-    view: View
+    view: Observables
     drift: dict[str, float] = field(default_factory=dict)
     force: Extremes = field(default_factory=Extremes)
     steps: int = 0
@@ -41,7 +41,7 @@ class Monitor:
         self.steps += steps
 
     def _invariants(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        return invariants(self.problem, self.view.values(rows))
+        return invariants(self.problem, self.view.evaluate(rows))
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json` that does not concern events."""

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..engine.taylor import Slice
 from ..engine.zeros import Zero, sign_changes
 from ..mechanics.events import ON_ZERO, Event
@@ -56,7 +56,7 @@ class EventLog:
     not find it again. Rows of turnings and of lasting events start as not significant; marks make them so later.
     """
 
-    def __init__(self, problem: Problem, view: View, first: np.ndarray):
+    def __init__(self, problem: Problem, view: Observables, first: np.ndarray):
         self.view, self.second = view, float(problem.scales.of(SECOND))
         self.events = {event.name: event for event in problem.system.events}
         self.kinds = problem.system.kinds
@@ -126,7 +126,7 @@ class EventLog:
     def _passages(self, piece: Slice, zeros: list[Zero]) -> Passages:
         times = np.array([z.time for z in zeros])
         states = np.array(piece.output(times), copy=True)
-        values = self.view.values(states)
+        values = self.view.evaluate(states)
         sign = np.array([z.sign for z in zeros])
         turns = sign * np.array([self.events[z.kind].sense for z in zeros])
         return Passages(

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
@@ -24,7 +24,7 @@ def assessment(problem: Problem) -> dict[str, Any]:
 
 def at_start(problem: Problem) -> dict[str, float]:
     """The quantities at the start by name, SI."""
-    values = View(problem).values(problem.start()[None, :])
+    values = Observables(problem).evaluate(problem.start()[None, :])
     return {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
 
 

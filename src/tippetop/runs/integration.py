@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine.extremes import Extremes
 from ..engine.normal_force import grazing, normal_force
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.status import Status
 from ..engine.taylor import Slice, endings_of, fingerprint, integrator_of, rows_at, slices
@@ -31,7 +31,7 @@ class Integration:
         clock = time.perf_counter()
         self.problem, self.integrator = problem, integrator_of(problem)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
-        self.view = View(problem)
+        self.view = Observables(problem)
         self.second = float(problem.scales.of(SECOND))
         self.first = problem.start()[None, :]
         self.last = self.first  # last good state
@@ -103,7 +103,7 @@ class Integration:
         since = self.log.settled_since(self.last)
         if since is None or not self.t_end - since > SETTLED_FOR * self.second:
             return False
-        return stays(self.problem.body(), self.view.values(self.last), self.second)
+        return stays(self.problem.body(), self.view.evaluate(self.last), self.second)
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json`, as far as the run has come."""
@@ -128,8 +128,8 @@ class Integration:
             return f"the top fell at t = {t:.9g} s (theta = pi/2): the plane is in its way"
         if status is Status.ENDED:
             return f"an event of the system ended the run at t = {t:.9g} s: {self._last_ending()}"
-        hazards = self.view.hazards(self.last)
-        meaning, least = min(hazards.items(), key=lambda item: item[1]) if hazards else ("no known cause", math.inf)
+        domains = self.view.domains(self.last)
+        meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
         stiff = "no singularity is near, so the equations are too stiff (large mu, small eps)"
         what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
         return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..engine.status import Status
 from ..problem import Problem
 from .events import EventTable
@@ -33,7 +33,7 @@ class Solution:
 
     def columns(self) -> dict[str, Any]:
         """The rows as named SI columns."""
-        return View(self.problem).columns(self.times, self.rows)
+        return Observables(self.problem).columns(self.times, self.rows)
 
 
 def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:

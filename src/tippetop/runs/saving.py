@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ..engine.observables import View
+from ..engine.observables import Observables
 from ..store import tables
 from ..store.chunks import Appender
 from ..store.root import new_store
@@ -17,7 +17,7 @@ ROWS_AT_ONCE = 1 << 16  # of which columns are made at a time
 
 def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, overwrite: bool = False) -> None:
     """Writes a store whole or not at all; `attributes` are its root attributes. Raises StoreError."""
-    view = View(solution.problem)
+    view = Observables(solution.problem)
     with new_store(target, overwrite=overwrite) as scratch:
         root = tables.create_root(scratch, attributes)
         empty = view.columns(solution.times[:0], solution.rows[:0])

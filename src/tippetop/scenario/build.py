@@ -60,6 +60,7 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
         tolerance=run.tolerance,
         output=run.output,
         stop_when=run.stop_when,
+        orientation=run.orientation,
     )
     faults = [*built.faults(), *_pole_faults(built), *_run_faults(system, run)] or built.start_faults()
     if faults:
@@ -134,6 +135,7 @@ def resolved(problem: Problem) -> dict[str, Any]:
             "precision": problem.precision,
             "tolerance": problem.tolerance,
             "stop_when": problem.stop_when,
+            "orientation": problem.orientation,
         },
     }
 
@@ -148,7 +150,7 @@ def _output(problem: Problem) -> dict[str, Any]:
 
 
 def _pole_faults(problem: Problem) -> list[str]:
-    if POLE not in problem.form.hazards or problem.initial.get("theta", 0.0) not in (0.0, math.pi):
+    if POLE not in problem.form.domains or problem.initial.get("theta", 0.0) not in (0.0, math.pi):
         return []
     name = problem.form.name
     return [f'`initial.theta` must not be 0 or pi where form = "{name}" is singular; form = "vector" can.']

@@ -40,6 +40,7 @@ class RunTable(Table):
     on_liftoff: Literal["stop", "continue"] = "stop"
     precision: Literal["double", "longdouble", "quad"] = "double"
     tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    orientation: bool = True  # whether the turn of the body about its axis is integrated and stored too
 
 
 def table_model(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:

@@ -44,11 +44,14 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
             arrays = tables.read_member(store, name)
             group, dim = file.create_group(name), DIMENSIONS[name]
             group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
-            if name == "trajectory":
-                group.dimensions["xyz"] = 3
+            for array in arrays.values():
+                metadata: Any = array.metadata
+                for extra, size in zip(metadata.dimension_names[1:], array.shape[1:], strict=True):
+                    if extra not in group.dimensions:
+                        group.dimensions[extra] = size
             for key, array in arrays.items():
                 kind = "i1" if array.dtype == bool else array.dtype
-                metadata: Any = array.metadata
+                metadata = array.metadata
                 variable = group.create_variable(key, metadata.dimension_names, kind, compression="gzip")
                 variable.attrs.update({k: _plain(v) for k, v in array.attrs.items()})
             start = 0
@@ -82,10 +85,12 @@ def _parquet(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) 
 
 
 def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
-    """The rows as pandas tables, vectors as three columns, flags by their meanings; at least one table."""
+    """The rows as pandas tables, vectors by their components, flags by their meanings; at least one table."""
     import pandas as pd
 
     arrays = tables.read_member(store, group)
+    named: Any = {name: array.metadata for name, array in arrays.items() if array.ndim == 2}
+    components = {name: metadata.dimension_names[1] for name, metadata in named.items()}  # letters: xyz, wxyz
     meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
     first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time"]
     names = sorted(arrays, key=lambda name: (first.index(name) if name in first else len(first), name))
@@ -95,7 +100,7 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
         for name in names:
             values = piece[name]
             if values.ndim == 2:
-                columns |= {f"{name}_{axis}": values[:, i] for i, axis in enumerate("xyz")}
+                columns |= {f"{name}_{axis}": values[:, i] for i, axis in enumerate(components[name])}
             else:
                 columns[name] = np.array(meanings[name])[values] if meanings[name] else values
         empty = False

@@ -51,14 +51,15 @@ def columns(
 def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     """The integrated variables at the end of each run, SI, as columns `final_ux`, ...; NaN where there was no run."""
     tops = measured.tops
-    values = tops.record(measured.final)._asdict()
+    q, carried = tops.variables.split(measured.final)
+    values = {**q._asdict(), **carried._asdict()}
     return {
         f"final_{name}": Column(
             ("top",),
             values[name] * tops.unit(unit),
             {"units": unit.symbol, "long_name": f"{name} at the end"},
         )
-        for name, unit in tops.base.form.units._asdict().items()
+        for name, unit in tops.variables.units.items()
     }
 
 

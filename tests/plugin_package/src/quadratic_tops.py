@@ -1,6 +1,5 @@
 """A friction law, an event, a column and a system of one's own: all that a package needs to add them to tippetop."""
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import tippetop as tt
@@ -71,8 +70,7 @@ def checks(parameters: Any) -> list[str]:
     return [f"`parameters.k3` must be at most 2*k1 = {2 * k1:.6g}, but is {k3:.6g}."] if k3 > 2 * k1 else []
 
 
-SCALED_TIPPE_TOP = replace(
-    TIPPE_TOP,
+SCALED_TIPPE_TOP = TIPPE_TOP.replace(
     name="scaled-tippe-top",
     title="tippe top with scaled moments of inertia",
     parameters={

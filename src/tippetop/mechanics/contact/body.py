@@ -30,8 +30,8 @@ class Scalars(NamedTuple):
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2
     z_dot: Operand  # -theta' sin(theta)
-    fall: Operand  # z'' of the axis if no torque acted
-    precession: Operand  # phi' sin(theta)^2
+    z_ddot_free: Operand  # z'' of the axis if no torque acted
+    phi_dot_s2: Operand  # phi' sin(theta)^2
     axis_speed2: Operand  # |3hat'|^2 = theta'^2 + phi'^2 sin(theta)^2
     L3: Operand  # L.3hat
     Lz: Operand  # L.zhat, about the centre of mass
@@ -42,9 +42,9 @@ class Scalars(NamedTuple):
 
 
 @formula
-def torque_free(L3, precession, axis_speed2, z, b):
+def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
     """z'' of the axis if no torque acted [1/s^2]: L_3 phi' sin(theta)^2/I1 - z |3hat'|^2."""
-    return L3 / b.I1 * precession - z * axis_speed2
+    return L3 / b.I1 * phi_dot_s2 - z * axis_speed2
 
 
 @formula
@@ -54,7 +54,7 @@ def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
 
 
 @formula
-def yielding(s, b):
+def contact_mobility(s, b):
     """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
     return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - (b.R - b.c * s.z) * slip)
@@ -63,7 +63,7 @@ def yielding(s, b):
 @formula
 def g_n(s, b):
     """Normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
-    return b.m * (b.g - b.c * s.fall) / yielding(s, b)
+    return b.m * (b.g - b.c * s.z_ddot_free) / contact_mobility(s, b)
 
 
 @formula
@@ -118,7 +118,7 @@ def tip_inertia(b):
 def arm_speed2(s, b):
     """|omega x a|^2 [m^2/s^2]: the speed that the centre of mass would have if the body rolled. [section 3.3]"""
     w3, q = s.L3 / b.I3, b.c - b.R * s.z
-    return q**2 * s.axis_speed2 + b.R**2 * (s.z_dot**2 + s.s2 * w3**2) + 2 * b.R * w3 * q * s.precession
+    return q**2 * s.axis_speed2 + b.R**2 * (s.z_dot**2 + s.s2 * w3**2) + 2 * b.R * w3 * q * s.phi_dot_s2
 
 
 @formula
@@ -130,7 +130,7 @@ def modified_energy(s, b):
 @formula
 def modified_energy_rate(push_u, push_n, s, b):
     """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
-    turn = (b.c - b.R * s.z) * s.precession + b.R * (s.L3 / b.I3) * s.s2
+    turn = (b.c - b.R * s.z) * s.phi_dot_s2 + b.R * (s.L3 / b.I3) * s.s2
     return b.m * ((b.R - b.c * s.z) * (s.z_dot * push_u) + turn * push_n) / s.s2
 
 

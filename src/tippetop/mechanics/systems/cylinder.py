@@ -1,7 +1,7 @@
 """The eccentric cylinder: planar motion, theta unbounded; gliding, rolling, or with the modified reaction. [T ch. 6]
 
 It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve; there are no poles.
-The state carries sin(theta), cos(theta), and theta as a quadrature: a count of turns does not cost digits.
+The state has sin(theta), cos(theta), and theta is an integral: a count of turns does not cost digits.
 """
 
 from collections import ChainMap
@@ -11,10 +11,12 @@ from typing import Any, NamedTuple
 from ..contact import body as contact
 from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
+from ..contact.integrals import integral
+from ..contact.orientation import planar
 from ..events import Event
 from ..friction import LAWS, Law, slip_coefficient
 from ..operand import Operand, formula, select
-from ..system import Alternative, Form, Parameter, Quantity, System
+from ..system import Alternative, Form, Parameter, Quantity, of_one_phase
 from ..units import (
     INERTIA,
     JOULE,
@@ -85,8 +87,8 @@ class Scalars(NamedTuple):
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2
     z_dot: Operand  # -theta' sin(theta)
-    fall: Operand  # -theta'^2 cos(theta)
-    precession: Operand
+    z_ddot_free: Operand  # -theta'^2 cos(theta)
+    phi_dot_s2: Operand
     axis_speed2: Operand  # theta'^2
     L3: Operand
     v_u: Operand  # nu_x sin(theta)
@@ -95,23 +97,18 @@ class Scalars(NamedTuple):
     theta_dot: Operand
     s: Operand  # sin(theta)
     nu_x: Operand
-    grip2: Operand
 
 
 class State(NamedTuple):
-    """sin(theta), cos(theta), theta', nu_x; then what the equations do not read."""
+    """sin(theta), cos(theta), theta', nu_x."""
 
     s: Operand
     z: Operand
     theta_dot: Operand
     nu_x: Operand
-    theta: Operand
-    x: Operand
-    work: Operand
-    impulse: Operand
 
 
-UNITS = State(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND, RADIAN, METRE, JOULE, NEWTON_SECOND)
+UNITS = State(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND)
 
 
 class Angles(NamedTuple):
@@ -137,8 +134,8 @@ def scalars(q, b):
         z=q.z,
         s2=q.s**2,
         z_dot=-(q.theta_dot * q.s),
-        fall=-(q.z * w2),
-        precession=0,
+        z_ddot_free=-(q.z * w2),
+        phi_dot_s2=0,
         axis_speed2=w2,
         L3=0,
         v_u=q.nu_x * q.s,
@@ -147,7 +144,6 @@ def scalars(q, b):
         theta_dot=q.theta_dot,
         s=q.s,
         nu_x=q.nu_x,
-        grip2=0,
     )
 
 
@@ -174,24 +170,24 @@ contact_force = select({Modified: modified_force}, standard_force)
 
 
 @formula
-def standard_yielding(c, b, law):
+def standard_mobility(c, b, law):
     """As every body that glides."""
-    return contact.yielding(c, b)
+    return contact.contact_mobility(c, b)
 
 
 @formula
-def modified_yielding(c, b, law):
+def modified_mobility(c, b, law):
     """The modified reaction is never jammed."""
     return 1.0
 
 
-contact_yielding = select({Modified: modified_yielding}, standard_yielding)
+mobility_by_law = select({Modified: modified_mobility}, standard_mobility)
 
 
 @formula
-def yielding(c, b):
+def contact_mobility(c, b):
     """What must stay positive for the contact not to jam."""
-    return contact_yielding(c, b, b.friction)
+    return mobility_by_law(c, b, b.friction)
 
 
 @formula
@@ -206,23 +202,19 @@ def rates(q, b):
         -(q.s * q.theta_dot),
         theta_dot2,
         Fx / b.m - theta_dot2 * h - b.c * c.axis_speed2 * q.s,
-        q.theta_dot,
-        q.nu_x + q.theta_dot * h,
-        -(Fx * q.nu_x),
-        N,
     )
 
 
 @formula
 def of_angles(e, s, z, b):
     """The state of an angle record."""
-    return State(s, z, e.theta_dot, e.nu_x, e.theta, e.x, e.work, e.impulse)
+    return State(s, z, e.theta_dot, e.nu_x)
 
 
 @formula
-def to_angles(q, b):
+def to_angles(q, carried, b):
     """The angle record of a state."""
-    return Angles(q.theta, q.theta_dot, q.nu_x, q.x, q.work, q.impulse)
+    return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
@@ -257,8 +249,23 @@ def sliding(c, b):
     return c.v2 - 1e-12
 
 
-JAMMED = gliding.JAMMED._replace(formula=yielding)
-FORM = Form("angle", UNITS, rates, scalars, of_angles, to_angles, ("theta", "x", "work", "impulse"), (JAMMED,))
+JAMMED = gliding.JAMMED._replace(formula=contact_mobility)
+FORM = Form(
+    "angle",
+    UNITS,
+    rates,
+    scalars,
+    of_angles,
+    to_angles,
+    integrals=(
+        integral("theta", lambda q, carried, b: q.theta_dot),
+        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * (b.R - b.c * q.z)),
+        integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
+        integral("impulse", lambda q, carried, b: normal_force(scalars(q, b), b)),
+    ),
+    orientation=planar(lambda q: (q.s, q.z)),
+    domains=(JAMMED,),
+)
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
 LIFTOFF = replace(
     gliding.LIFTOFF, long_name="normal force falls to zero: beyond it the model does not hold", formula=normal_force
@@ -284,14 +291,15 @@ COMMON: dict[str, Any] = {
     "body": body,
     "body_units": contact.body_units,
     "scales": lambda b: (b.m, b.R),
-    "folded": {"m": 1.0, "R": 1.0},
+    "normalised_to": {"m": 1.0, "R": 1.0},
     "long_names": LONG_NAMES,
     "potential": contact.height_energy,
     "theta_inertia": tippe_top.theta_inertia,
     "outlook": outlook.cylinder,
 }
 
-GLIDING_CYLINDER = System(
+GLIDING_CYLINDER = of_one_phase(
+    "slip",
     name="gliding-cylinder",
     title="eccentric cylinder that rolls and glides",
     source=SOURCE,

@@ -9,13 +9,15 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import euler as gliding_euler
-from ..contact.gliding import vector as gliding_vector
 from ..contact.gliding.vector import axis
+from ..contact.integrals import integral
+from ..contact.orientation import carried_along
 from ..contact.rolling import reaction
+from ..contact.rolling import vector as rolling_vector
 from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
-from ..system import Form, System
-from ..units import ANGULAR_MOMENTUM, JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, ONE
+from ..system import Form, of_one_phase
+from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from . import heavy_top, outlook
 
 
@@ -29,8 +31,7 @@ def Lz_rate(push_n, b):
 
 
 class ContactState(NamedTuple):
-    """3hat, angular momentum L_A about the contact, contact velocity v_A, place of the centre of mass; then the
-    integrals of friction power and normal force."""
+    """3hat, angular momentum L_A about the contact, contact velocity v_A."""
 
     ux: Operand
     uy: Operand
@@ -40,28 +41,22 @@ class ContactState(NamedTuple):
     Lz: Operand
     vx: Operand
     vy: Operand
-    x: Operand
-    y: Operand
-    work: Operand
-    impulse: Operand
 
 
-CONTACT_UNITS = ContactState._make(
-    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
-)
+CONTACT_UNITS = ContactState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2))
 
 
 @formula
 def contact_scalars(q, b):
     """The scalars of a state about the contact."""
     u, u_dot = axis(q), heavy_top.tip_axis_rate(q, b)
-    s = reaction.free_scalars(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
+    s = reaction.kinematics(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
     return contact.Scalars(
         z=s.z,
         s2=s.s2,
         z_dot=s.z_dot,
-        fall=s.fall,
-        precession=s.precession,
+        z_ddot_free=s.z_ddot_free,
+        phi_dot_s2=s.phi_dot_s2,
         axis_speed2=s.axis_speed2,
         L3=s.L3,
         Lz=s.Lz,
@@ -92,16 +87,19 @@ def contact_rates(q, b):
         pull * (u.x * v_dot.y - u.y * v_dot.x),
         v_dot.x,
         v_dot.y,
-        q.vx - b.c * u_dot.x,
-        q.vy - b.c * u_dot.y,
-        slip * s.v2,
-        N,
     )
 
 
 @formula
+def work_rate(q, carried, b):
+    """Power that friction takes [W]."""
+    s = contact_scalars(q, b)
+    return slip_coefficient(s.v2, s.z, b.friction) * contact.g_n(s, b) * s.v2
+
+
+@formula
 def contact_of_angles(e, s, z, b):
-    """The state about the contact of an Euler-angle state. [section 1]"""
+    """The state about the contact of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, heavy_top.tip_inertia(b), b.I3)
     ex, ey = cos(e.phi), sin(e.phi)
     return ContactState(
@@ -113,17 +111,13 @@ def contact_of_angles(e, s, z, b):
         L.z,
         e.nu_x * ex - e.nu_y * ey,
         e.nu_x * ey + e.nu_y * ex,
-        e.x,
-        e.y,
-        e.work,
-        e.impulse,
     )
 
 
 @formula
-def angles_of_contact(q, b):
-    """The Euler-angle state of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
-    return gliding_chart.gliding_angles(contact_scalars(q, b), axis(q), q, b)
+def angles_of_contact(q, carried, b):
+    """The angles of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
+    return gliding_chart.gliding_angles(contact_scalars(q, b), axis(q), carried, b)
 
 
 CONTACT = Form(
@@ -133,23 +127,31 @@ CONTACT = Form(
     contact_scalars,
     contact_of_angles,
     angles_of_contact,
-    gliding_vector.QUADRATURES,
-    (gliding.JAMMED,),
+    integrals=(
+        integral("x", lambda q, carried, b: q.vx - b.c * heavy_top.tip_axis_rate(q, b).x),
+        integral("y", lambda q, carried, b: q.vy - b.c * heavy_top.tip_axis_rate(q, b).y),
+        integral("work", work_rate),
+        integral("impulse", lambda q, carried, b: contact.g_n(contact_scalars(q, b), b)),
+    ),
+    orientation=carried_along(axis, heavy_top.tip_axis_rate, rolling_vector.spin),
+    domains=(gliding.JAMMED,),
 )
 
 
-GLIDING_HEAVY_TOP = System(
+GLIDING_HEAVY_TOP = of_one_phase(
+    "slip",
     name="gliding-heavy-top",
     title="heavy symmetric top whose tip glides on a plane",
     source=heavy_top.SOURCE + "5",
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
-    angles=gliding_euler.EULER_UNITS,
+    angles=gliding_euler.ANGLES,
     forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},
     quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),
     integrals=("L3",),
     events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
+    undefined_at_poles=gliding.UNDEFINED_AT_POLES,
     long_names=gliding.LONG_NAMES,
     laws=LAWS,
     outlook=outlook.gliding_heavy_top,

@@ -13,12 +13,18 @@ from ..contact.body import Body, tip_inertia
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
+from ..contact.gliding.euler import psi_rate, sine_and_cosine
 from ..contact.gliding.vector import axis
+from ..contact.integrals import integral
+from ..contact.orientation import by_angles, carried_along
 from ..contact.rolling import catalogue as rolling
+from ..contact.rolling import chart as rolling_chart
+from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
+from ..contact.rolling import vector as rolling_vector
 from ..operand import Operand, cos, cross, formula, plus, sin, sqrt, times
 from ..potential import PotentialCoefficients
-from ..system import Form, Landscape, Momentum, Parameter, Quantity, System
+from ..system import Form, Landscape, Momentum, Parameter, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -119,7 +125,7 @@ def L3(s, b):
 @formula
 def Lz(s, b):
     """L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed. [T 2.36, 5.19]"""
-    return s.Lz + b.m * b.c**2 * s.precession
+    return s.Lz + b.m * b.c**2 * s.phi_dot_s2
 
 
 @formula
@@ -138,7 +144,7 @@ def momentum_about_centre(q, b):
 
 
 class VectorState(NamedTuple):
-    """3hat, and L_A about the tip; then the integral of the vertical reaction."""
+    """3hat, and L_A about the tip."""
 
     ux: Operand
     uy: Operand
@@ -146,17 +152,16 @@ class VectorState(NamedTuple):
     Lx: Operand
     Ly: Operand
     Lz: Operand
-    impulse: Operand
 
 
-VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, NEWTON_SECOND))
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
 
 
 @formula
 def fixed_scalars(q, b):
     """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| = l |3hat'|."""
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
-    s = reaction.free_scalars(u, L, u_dot, b)
+    s = reaction.kinematics(u, L, u_dot, b)
     F = reaction.reaction(u, L, u_dot, s, b)
     return reaction.completed(s, times(b.c, u_dot), F)
 
@@ -165,13 +170,19 @@ def fixed_scalars(q, b):
 def fixed_rates(q, b):
     """3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
     u, u_dot = axis(q), tip_axis_rate(q, b)
-    s = reaction.free_scalars(u, momentum_about_centre(q, b), u_dot, b)
     weight = b.m * b.g * b.c
-    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z, reaction.normal_force(s, b))
+    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z)
 
 
-class EulerState(NamedTuple):
-    """theta, theta', phi', omega_3; then what the equations do not read."""
+@formula
+def vertical_reaction(q, carried, b):
+    """Vertical reaction at the tip [N]."""
+    s = reaction.kinematics(axis(q), momentum_about_centre(q, b), tip_axis_rate(q, b), b)
+    return reaction.normal_force(s, b)
+
+
+class Angles(NamedTuple):
+    """What users give and read: theta, theta', phi', omega_3, phi, and the integral of the vertical reaction."""
 
     theta: Operand
     theta_dot: Operand
@@ -181,7 +192,7 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
+ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
 
 
 @formula
@@ -198,7 +209,7 @@ def euler_scalars(e, b):
     """The scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
-    precession = e.phi_dot * s**2
+    phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
     L3 = b.I3 * e.omega3
     push_e = theta_dot2 * z - s * (e.theta_dot**2 + e.phi_dot**2)
@@ -207,13 +218,13 @@ def euler_scalars(e, b):
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=contact.torque_free(L3, precession, axis_speed2, z, b),
-        precession=precession,
+        z_ddot_free=contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b),
+        phi_dot_s2=phi_dot_s2,
         axis_speed2=axis_speed2,
         L3=L3,
-        Lz=b.I1 * precession + L3 * z,
+        Lz=b.I1 * phi_dot_s2 + L3 * z,
         speed2=b.c**2 * ((e.theta_dot * z) ** 2 + (e.phi_dot * s) ** 2),
-        grip2=(b.m * b.c) ** 2 * (push_e**2 + push_2**2),
+        friction_force2=(b.m * b.c) ** 2 * (push_e**2 + push_2**2),
     )
 
 
@@ -222,54 +233,67 @@ def euler_rates(e, b):
     """The equations in Euler angles. [section 8]"""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
-    return EulerState(
-        e.theta_dot,
-        theta_dot2,
-        phi_dot2,
-        0 * z,
-        e.phi_dot,
-        b.m * (b.g + b.c * (theta_dot2 * s + e.theta_dot**2 * z)),
-    )
+    return rolling_euler.EulerState(e.theta_dot, theta_dot2, phi_dot2, 0 * z)
+
+
+@formula
+def euler_vertical_reaction(q, carried, b):
+    """Vertical reaction at the tip [N]."""
+    s, z = sin(q.theta), cos(q.theta)
+    theta_dot2, _ = tip_accelerations(q, s, z, b)
+    return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))
 
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The state about the fixed tip of an Euler-angle state. [section 1]"""
+    """The state about the fixed tip of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z, e.impulse)
+    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
 
 
 @formula
-def angles_of_vector(q, b):
-    """The Euler-angle state of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
+def angles_of_vector(q, carried, b):
+    """The angles of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
     c = fixed_scalars(q, b)
     theta, theta_dot, phi_dot, phi = gliding_chart.axis_angles(c, axis(q))
-    return EulerState(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, q.impulse)
+    return Angles(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, carried.impulse)
 
 
 @formula
-def angles_of_euler(e, b):
+def angles_of_euler(q, carried, b):
     """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
-    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
+    e = Angles(q.theta, q.theta_dot, q.phi_dot, q.omega3, carried.phi, carried.impulse)
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what a person gave."""
-    return gliding.given_angles(EulerState, data, z)
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+    """The angles of what a person gave."""
+    return gliding.given_angles(Angles, data, z)
 
 
 FIXED_VECTOR = Form(
-    "vector", VECTOR_UNITS, fixed_rates, fixed_scalars, vector_of_angles, angles_of_vector, ("impulse",)
+    "vector",
+    VECTOR_UNITS,
+    fixed_rates,
+    fixed_scalars,
+    vector_of_angles,
+    angles_of_vector,
+    integrals=(integral("impulse", vertical_reaction),),
+    orientation=carried_along(axis, tip_axis_rate, rolling_vector.spin),
 )
 FIXED_EULER = Form(
     "euler",
-    EULER_UNITS,
+    rolling_euler.EULER_UNITS,
     euler_rates,
     euler_scalars,
-    gliding_chart.euler_of_angles,
+    rolling_chart.euler_of_angles,
     angles_of_euler,
-    ("phi", "impulse"),
-    (gliding.POLE,),
+    integrals=(
+        integral("phi", lambda q, carried, b: q.phi_dot),
+        integral("impulse", euler_vertical_reaction),
+    ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
+    domains=(gliding.POLE,),
 )
 
 
@@ -284,7 +308,7 @@ COMMON: dict[str, Any] = {
     "body": body,
     "body_units": contact.body_units,
     "scales": lambda b: (b.m, -b.c),
-    "folded": {"m": 1.0, "R": 0.0, "c": -1.0},
+    "normalised_to": {"m": 1.0, "R": 0.0, "c": -1.0},
     "vectors": gliding.VECTORS,
     "potential": potential,
     "theta_inertia": theta_inertia,
@@ -294,14 +318,15 @@ COMMON: dict[str, Any] = {
 }
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
 
-HEAVY_TOP = System(
+HEAVY_TOP = of_one_phase(
+    "fixed",
     name="heavy-top",
     title="heavy symmetric top whose tip is fixed",
     source=SOURCE + "2",
     initial={name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
     alternatives=(gliding.BY_PSI_DOT,),
     start=start,
-    angles=EULER_UNITS,
+    angles=ANGLES,
     forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
     quantities=(*MOMENTA, *gliding.ENERGIES, *rolling.REACTION[:2]),
     integrals=("L3", "Lz", "energy"),
@@ -314,6 +339,7 @@ HEAVY_TOP = System(
         ),
         gliding.EQUATOR,
     ),
+    undefined_at_poles=rolling.UNDEFINED_AT_POLES,
     long_names={**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
     outlook=outlook.heavy_top,
     motion=outlook.heavy_top_motion,

@@ -4,13 +4,14 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import euler as rolling_euler
-from ..system import Quantity, System
+from ..system import Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM
 from . import outlook, tippe_top
 from .tippe_top_reduced import REDUCED
 
 
-ROLLING_TIPPE_TOP = System(
+ROLLING_TIPPE_TOP = of_one_phase(
+    "roll",
     name="rolling-tippe-top",
     title="tippe top in pure rolling",
     source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 4",
@@ -18,11 +19,11 @@ ROLLING_TIPPE_TOP = System(
     body=tippe_top.body,
     body_units=contact.body_units,
     scales=lambda b: (b.m, b.R),
-    folded={"m": 1.0, "R": 1.0},
+    normalised_to={"m": 1.0, "R": 1.0},
     initial=rolling.INITIAL,
     alternatives=(gliding.BY_PSI_DOT,),
     start=rolling.start,
-    angles=rolling_euler.EULER_UNITS,
+    angles=rolling_euler.ANGLES,
     forms={"vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
     quantities=(
         gliding.JELLETT_QUANTITY,
@@ -34,6 +35,7 @@ ROLLING_TIPPE_TOP = System(
     events=rolling.EVENTS,
     long_names=gliding.LONG_NAMES,
     vectors=gliding.VECTORS,
+    undefined_at_poles=rolling.UNDEFINED_AT_POLES,
     checks=tippe_top.checks,
     potential=tippe_top.potential,
     theta_inertia=tippe_top.theta_inertia,

@@ -9,7 +9,7 @@ from ..contact.gliding import euler as gliding_euler
 from ..friction import LAWS
 from ..operand import Operand, formula, sqrt
 from ..potential import PotentialCoefficients
-from ..system import Landscape, Momentum, Parameter, Quantity, System
+from ..system import Landscape, Momentum, Parameter, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -155,7 +155,8 @@ QUANTITIES = (
     *gliding.QUANTITIES,
 )
 
-TIPPE_TOP = System(
+TIPPE_TOP = of_one_phase(
+    "slip",
     name="tippe-top",
     title="rolling and gliding tippe top",
     source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 3",
@@ -163,17 +164,18 @@ TIPPE_TOP = System(
     body=body,
     body_units=contact.body_units,
     scales=lambda b: (b.m, b.R),
-    folded={"m": 1.0, "R": 1.0},
+    normalised_to={"m": 1.0, "R": 1.0},
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
-    angles=gliding_euler.EULER_UNITS,
+    angles=gliding_euler.ANGLES,
     forms=gliding.FORMS,
     quantities=QUANTITIES,
     integrals=("jellett",),
     events=gliding.EVENTS,
     long_names=gliding.LONG_NAMES,
     vectors=gliding.VECTORS,
+    undefined_at_poles=gliding.UNDEFINED_AT_POLES,
     checks=checks,
     laws=LAWS,
     potential=potential,

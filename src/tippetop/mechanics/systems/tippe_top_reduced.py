@@ -9,33 +9,31 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.gliding.catalogue import POLE
+from ..contact.integrals import integral
+from ..contact.orientation import by_angles
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..operand import Operand, atan2, cos, formula, sin, sqrt
 from ..system import Form
-from ..units import ANGULAR_MOMENTUM, JELLETT, METRE, NEWTON_SECOND, ONE, PER_SECOND, RADIAN
+from ..units import ANGULAR_MOMENTUM, JELLETT, ONE, PER_SECOND
 from . import tippe_top
 
 
-STRETCH = math.pi / 3
+LENGTH_UNIT = math.pi / 3
 """The unit of length, per R. With R itself the parameters are often simple fractions (alpha = 3/10, I3 = 2/5), by which
 products do not round evenly: in very long runs the energy then drifts linearly, instead of walking at random."""
 
 
 class ReducedState(NamedTuple):
-    """z = cos(theta), z', Routh's function D, Jellett's integral lambda; then what the equations do not read."""
+    """z = cos(theta), z', Routh's function D, Jellett's integral lambda."""
 
     z: Operand
     z_dot: Operand
     D: Operand
     lam: Operand
-    phi: Operand
-    x: Operand
-    y: Operand
-    impulse: Operand
 
 
-REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT, RADIAN, METRE, METRE, NEWTON_SECOND)
+REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT)
 
 
 @formula
@@ -45,62 +43,80 @@ def spin_momentum(z, D, b):
 
 
 @formula
-def free_scalars(q, b):
-    """The scalars of a reduced state, without speed2 and grip2."""
+def reduced_kinematics(q, b):
+    """The kinematics of a reduced state."""
     z, s2 = q.z, (1 - q.z) * (1 + q.z)
     L3 = spin_momentum(z, q.D, b)
     Lz = (q.lam + b.c * L3) / b.R
-    precession = (Lz - L3 * z) / b.I1
-    axis_speed2 = (q.z_dot * q.z_dot + precession * precession) / s2
-    fall = contact.torque_free(L3, precession, axis_speed2, z, b)
-    return reaction.Scalars(z, s2, q.z_dot, fall, precession, axis_speed2, L3, Lz, 0, 0)
+    phi_dot_s2 = (Lz - L3 * z) / b.I1
+    axis_speed2 = (q.z_dot * q.z_dot + phi_dot_s2 * phi_dot_s2) / s2
+    z_ddot_free = contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b)
+    return reaction.Kinematics(z, s2, q.z_dot, z_ddot_free, phi_dot_s2, axis_speed2, L3, Lz)
 
 
 @formula
 def reduced_scalars(q, b):
     """The scalars of a reduced state; the horizontal reaction by its parts along and across the lean of the axis."""
-    s = free_scalars(q, b)
+    s = reduced_kinematics(q, b)
     along, across = reaction.push_along(s, b), b.I3 * reaction.spin_rate(s, b) / b.R
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
-    grip2 = (along**2 + across**2) / s.s2
-    return reaction.Scalars(s.z, s.s2, s.z_dot, s.fall, s.precession, s.axis_speed2, s.L3, s.Lz, speed2, grip2)
+    friction_force2 = (along**2 + across**2) / s.s2
+    return reaction.Scalars(
+        s.z, s.s2, s.z_dot, s.z_ddot_free, s.phi_dot_s2, s.axis_speed2, s.L3, s.Lz, speed2, friction_force2
+    )
 
 
 @formula
 def reduced_rates(q, b):
     """z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
-    s = free_scalars(q, b)
-    sine, phi_dot = sqrt(s.s2), s.precession / s.s2
+    return ReducedState(q.z_dot, reaction.z_dot2(reduced_kinematics(q, b), b), 0 * q.D, 0 * q.lam)
+
+
+@formula
+def phi_rate(q, carried, b):
+    """phi' [rad/s]."""
+    s = reduced_kinematics(q, b)
+    return s.phi_dot_s2 / s.s2
+
+
+@formula
+def psi_rate(q, carried, b):
+    """psi' = omega_3 - phi' cos(theta) [rad/s]."""
+    s = reduced_kinematics(q, b)
+    return s.L3 / b.I3 - s.phi_dot_s2 / s.s2 * q.z
+
+
+@formula
+def sine_and_cosine(q):
+    """sin(theta), cos(theta)."""
+    return sqrt((1 - q.z) * (1 + q.z)), q.z
+
+
+@formula
+def velocity(q, carried, b):
+    """x', y' of the centre of mass [m/s]."""
+    s = reduced_kinematics(q, b)
+    sine, phi_dot = sqrt(s.s2), s.phi_dot_s2 / s.s2
     along_e, along_2 = contact.rolling_velocity(-(q.z_dot / sine), phi_dot, s.L3 / b.I3, sine, q.z, b)
-    ex, ey = cos(q.phi), sin(q.phi)
-    return ReducedState(
-        q.z_dot,
-        reaction.z_dot2(s, b),
-        0 * q.D,
-        0 * q.lam,
-        phi_dot,
-        along_e * ex - along_2 * ey,
-        along_e * ey + along_2 * ex,
-        reaction.normal_force(s, b),
-    )
+    ex, ey = cos(carried.phi), sin(carried.phi)
+    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
 
 
 @formula
 def reduced_of_angles(e, s, z, b):
-    """The reduced state of an Euler-angle state."""
+    """The reduced state of the angles."""
     c = rolling_euler.euler_scalars(e, b)
-    return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b), e.phi, e.x, e.y, e.impulse)
+    return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b))
 
 
 @formula
-def angles_of_reduced(q, b):
-    """The Euler-angle state of a reduced state, phi in (-pi, pi]."""
-    c = free_scalars(q, b)
+def angles_of_reduced(q, carried, b):
+    """The angles of a reduced state, phi in (-pi, pi]."""
+    c = reduced_kinematics(q, b)
     s = sqrt(c.s2)
-    phi = atan2(sin(q.phi), cos(q.phi))
-    return rolling_euler.EulerState(
-        atan2(s, q.z), -(q.z_dot / s), c.precession / c.s2, c.L3 / b.I3, phi, q.x, q.y, q.impulse
-    )
+    phi = atan2(sin(carried.phi), cos(carried.phi))
+    rates = (-(q.z_dot / s), c.phi_dot_s2 / c.s2, c.L3 / b.I3)
+    return rolling_euler.Angles(atan2(s, q.z), *rates, phi, carried.x, carried.y, carried.impulse)
 
 
 REDUCED = Form(
@@ -110,8 +126,14 @@ REDUCED = Form(
     reduced_scalars,
     reduced_of_angles,
     angles_of_reduced,
-    ("phi", "x", "y", "impulse"),
-    (POLE,),
-    STRETCH,
-    ("R",),
+    integrals=(
+        integral("phi", phi_rate),
+        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
+        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        integral("impulse", lambda q, carried, b: reaction.normal_force(reduced_kinematics(q, b), b)),
+    ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
+    domains=(POLE,),
+    length_unit=LENGTH_UNIT,
+    not_normalised=("R",),
 )

@@ -5,12 +5,14 @@ from typing import Any
 
 from ...events import Event, Kept
 from ...operand import formula
-from ...system import Alternative, Form, Hazard, Parameter, Quantity
+from ...system import Alternative, Domain, Form, Integral, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
-from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
+from ..body import Body, contact_mobility, energy, friction_loss, friction_power, g_n, jellett, modified_energy
+from ..integrals import integral
+from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
-from .euler import EULER_UNITS, EulerState, centre_velocity, euler_rates, euler_scalars
-from .vector import QUADRATURES, VECTOR_UNITS, vector_rates, vector_scalars
+from .euler import EULER_UNITS, Angles, centre_velocity, euler_rates, euler_scalars, psi_rate, sine_and_cosine, velocity
+from .vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
 
 
 INITIAL = {
@@ -24,6 +26,7 @@ INITIAL = {
     "x": Parameter(METRE, "x of the centre of mass"),
     "y": Parameter(METRE, "y of the centre of mass"),
     "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3"),
+    "psi": Parameter(RADIAN, "turn psi of the body about its axis"),
 }
 BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
 ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))
@@ -35,9 +38,9 @@ def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
-    e = given_angles(EulerState, data, z)
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+    """The angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
+    e = given_angles(Angles, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
         e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
@@ -50,11 +53,34 @@ def away_from_pole(s, b):
     return s.s2
 
 
-JAMMED = Hazard(yielding, "the friction jams the contact (denominator of g_n not positive): no solution of the model")
-POLE = Hazard(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
+JAMMED = Domain(
+    contact_mobility, "the friction jams the contact (denominator of g_n not positive): no solution of the model"
+)
+POLE = Domain(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
+
+
+def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
+    """The integrals of friction power and normal force of a form with these scalars."""
+    return (
+        integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
+        integral("impulse", lambda q, carried, b: g_n(scalars(q, b), b)),
+    )
+
 
 VECTOR = Form(
-    "vector", VECTOR_UNITS, vector_rates, vector_scalars, vector_of_angles, angles_of_vector, QUADRATURES, (JAMMED,)
+    "vector",
+    VECTOR_UNITS,
+    vector_rates,
+    vector_scalars,
+    vector_of_angles,
+    angles_of_vector,
+    integrals=(
+        integral("x", lambda q, carried, b: q.rx_dot),
+        integral("y", lambda q, carried, b: q.ry_dot),
+        *work_and_impulse(vector_scalars),
+    ),
+    orientation=carried_along(axis, axis_rate, lambda q, b: q.L3 / b.I3),
+    domains=(JAMMED,),
 )
 EULER = Form(
     "euler",
@@ -63,10 +89,17 @@ EULER = Form(
     euler_scalars,
     euler_of_angles,
     angles_of_euler,
-    ("phi", *QUADRATURES),
-    (JAMMED, POLE),
+    integrals=(
+        integral("phi", lambda q, carried, b: q.phi_dot),
+        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
+        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        *work_and_impulse(euler_scalars),
+    ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
+    domains=(JAMMED, POLE),
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}
+UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")
 VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
 LONG_NAMES = {
     **{name: parameter.long_name for name, parameter in INITIAL.items()},

@@ -1,7 +1,7 @@
 """The chart between Euler angles and vectors. [T 3.20-3.22; section 3.4 of the derivation]"""
 
 from ...operand import Vector, atan2, cos, formula, sin, sqrt
-from .euler import EulerState, centre_velocity
+from .euler import Angles, EulerState, centre_velocity
 from .vector import VectorState, axis, vector_scalars
 
 
@@ -16,7 +16,7 @@ def axis_and_momentum(e, s, z, I1, I3):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The vector state of an Euler-angle state; s, z are its sin(theta), cos(theta), exact at the poles. [section 1]"""
+    """The vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles. [section 1]"""
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     along_e, along_2 = centre_velocity(e, s, z, b)
     ex, ey = cos(e.phi), sin(e.phi)
@@ -30,10 +30,6 @@ def vector_of_angles(e, s, z, b):
         b.I3 * e.omega3,
         along_e * ex - along_2 * ey,
         along_e * ey + along_2 * ex,
-        e.x,
-        e.y,
-        e.work,
-        e.impulse,
     )
 
 
@@ -42,31 +38,34 @@ def axis_angles(c, u):
     """theta, theta', phi', phi of the axis u with the scalars c; 0/0 exactly at a pole, where phi and what is taken
     along it mean nothing. theta is atan2(sin, cos): no digits are lost near the poles. [section 3.4]"""
     s = sqrt(c.s2)
-    return atan2(s, c.z), -c.z_dot / s, c.precession / c.s2, atan2(u.y, u.x)
+    return atan2(s, c.z), -c.z_dot / s, c.phi_dot_s2 / c.s2, atan2(u.y, u.x)
 
 
 @formula
-def gliding_angles(c, u, q, b):
-    """The Euler-angle state of a gliding body's state q, with the axis u and the scalars c."""
+def gliding_angles(c, u, carried, b):
+    """The angles of a gliding body with the axis u and the scalars c."""
     theta, theta_dot, phi_dot, phi = axis_angles(c, u)
     s = sqrt(c.s2)
     omega3, nu_x, nu_y = c.L3 / b.I3, c.v_u / s, c.v_n / s
-    return EulerState(theta, theta_dot, phi_dot, omega3, nu_x, nu_y, phi, q.x, q.y, q.work, q.impulse)
+    place_and_integrals = (carried.x, carried.y, carried.work, carried.impulse)
+    return Angles(theta, theta_dot, phi_dot, omega3, nu_x, nu_y, phi, *place_and_integrals)
 
 
 @formula
-def angles_of_vector(q, b):
-    """The Euler-angle state of a vector state."""
-    return gliding_angles(vector_scalars(q, b), axis(q), q, b)
+def angles_of_vector(q, carried, b):
+    """The angles of a vector state."""
+    return gliding_angles(vector_scalars(q, b), axis(q), carried, b)
 
 
 @formula
 def euler_of_angles(e, s, z, b):
-    """The Euler form is its own chart."""
-    return e
+    """The Euler-angle state of the angles."""
+    return EulerState(e.theta, e.theta_dot, e.phi_dot, e.omega3, e.nu_x, e.nu_y)
 
 
 @formula
-def angles_of_euler(e, b):
+def angles_of_euler(q, carried, b):
     """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
-    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), b)
+    moving = (q.theta, q.theta_dot, q.phi_dot, q.omega3, q.nu_x, q.nu_y)
+    e = Angles(*moving, carried.phi, carried.x, carried.y, carried.work, carried.impulse)
+    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)

@@ -5,11 +5,11 @@ from typing import NamedTuple
 from ...friction import slip_coefficient
 from ...operand import Operand, cos, formula, sin
 from ...units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, RADIAN, RADIAN_PER_SECOND
-from ..body import Scalars, friction_power, g_n, rolling_velocity, torque_free
+from ..body import Scalars, g_n, rolling_velocity, torque_free
 
 
-class EulerState(NamedTuple):
-    """theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat; then what the equations do not read."""
+class Angles(NamedTuple):
+    """What users give and read: theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat, phi; then the integrals."""
 
     theta: Operand
     theta_dot: Operand
@@ -24,9 +24,23 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState._make(
+ANGLES = Angles._make(
     (RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 2, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND)
 )
+
+
+class EulerState(NamedTuple):
+    """theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat."""
+
+    theta: Operand
+    theta_dot: Operand
+    phi_dot: Operand
+    omega3: Operand
+    nu_x: Operand
+    nu_y: Operand
+
+
+EULER_UNITS = EulerState._make(ANGLES[:6])
 
 
 @formula
@@ -42,17 +56,17 @@ def euler_scalars(e, b):
     s, z = sin(e.theta), cos(e.theta)
     along_e, along_2 = centre_velocity(e, s, z, b)
     L3 = b.I3 * e.omega3
-    precession = e.phi_dot * s**2
+    phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
     return Scalars(
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=torque_free(L3, precession, axis_speed2, z, b),
-        precession=precession,
+        z_ddot_free=torque_free(L3, phi_dot_s2, axis_speed2, z, b),
+        phi_dot_s2=phi_dot_s2,
         axis_speed2=axis_speed2,
         L3=L3,
-        Lz=b.I1 * precession + L3 * z,
+        Lz=b.I1 * phi_dot_s2 + L3 * z,
         v_u=e.nu_x * s,
         v_n=e.nu_y * s,
         v2=e.nu_x**2 + e.nu_y**2,
@@ -69,7 +83,6 @@ def euler_rates(e, b):
     k = slip_coefficient(scalars.v2, scalars.z, b.friction)
     Fx, Fy = -(k * N * e.nu_x), -(k * N * e.nu_y)  # along e and 2hat
     h, q = b.R - b.c * z, b.c - b.R * z
-    along_e, along_2 = centre_velocity(e, s, z, b)
     theta_dot2 = s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
     phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (b.I1 * s)
     nu_x_dot = (
@@ -89,9 +102,24 @@ def euler_rates(e, b):
         b.R * s * Fy / b.I3,
         nu_x_dot,
         nu_y_dot,
-        e.phi_dot,
-        along_e * cos(e.phi) - along_2 * sin(e.phi),
-        along_e * sin(e.phi) + along_2 * cos(e.phi),
-        friction_power(scalars, b),
-        N,
     )
+
+
+@formula
+def sine_and_cosine(q):
+    """sin(theta), cos(theta)."""
+    return sin(q.theta), cos(q.theta)
+
+
+@formula
+def psi_rate(q, carried, b):
+    """psi' = omega_3 - phi' cos(theta) [rad/s]. [T 3.22]"""
+    return q.omega3 - q.phi_dot * cos(q.theta)
+
+
+@formula
+def velocity(q, carried, b):
+    """x', y' of the centre of mass [m/s]."""
+    along_e, along_2 = centre_velocity(q, sin(q.theta), cos(q.theta), b)
+    ex, ey = cos(carried.phi), sin(carried.phi)
+    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex

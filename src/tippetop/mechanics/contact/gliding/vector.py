@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 from ...friction import slip_coefficient
 from ...operand import Operand, Vector, cross, dot, formula, plus, times
-from ...units import ANGULAR_MOMENTUM, JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, ONE
-from ..body import Scalars, friction_power, g_n
+from ...units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
+from ..body import Scalars, g_n
 
 
 class VectorState(NamedTuple):
-    """3hat, L and L_3 = L.3hat about the centre of mass, velocity and place of the centre of mass; then the integrals
-    of friction power and normal force. L_3 is carried because L_3' and L_z' are one product: it saves three."""
+    """3hat, L and L_3 = L.3hat about the centre of mass, velocity of the centre of mass. L_3 is carried because L_3'
+    and L_z' are one product: it saves three."""
 
     ux: Operand
     uy: Operand
@@ -21,16 +21,9 @@ class VectorState(NamedTuple):
     L3: Operand
     rx_dot: Operand
     ry_dot: Operand
-    x: Operand
-    y: Operand
-    work: Operand
-    impulse: Operand
 
 
-VECTOR_UNITS = VectorState._make(
-    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 4, *(METRE_PER_SECOND,) * 2, METRE, METRE, JOULE, NEWTON_SECOND)
-)
-QUADRATURES = ("x", "y", "work", "impulse")
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 4, *(METRE_PER_SECOND,) * 2))
 
 
 @formula
@@ -80,8 +73,8 @@ def vector_scalars(q, b):
         z=u.z,
         s2=u.x * u.x + u.y * u.y,
         z_dot=u_dot.z,
-        fall=torque_free_fall(q, b),
-        precession=u.x * u_dot.y - u.y * u_dot.x,
+        z_ddot_free=torque_free_fall(q, b),
+        phi_dot_s2=u.x * u_dot.y - u.y * u_dot.x,
         axis_speed2=dot(u_dot, u_dot),
         L3=dot(L, u),
         Lz=L.z,
@@ -110,8 +103,4 @@ def vector_rates(q, b):
         b.R * twist,
         F.x / b.m,
         F.y / b.m,
-        q.rx_dot,
-        q.ry_dot,
-        friction_power(scalars, b),
-        N,
     )

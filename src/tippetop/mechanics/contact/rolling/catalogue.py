@@ -7,12 +7,16 @@ from ...system import Form, Quantity
 from ...units import NEWTON, ONE
 from ..body import Body
 from ..gliding import catalogue as gliding
-from ..gliding import chart as gliding_chart
 from ..gliding.catalogue import given_angles
-from .chart import angles_of_euler, angles_of_vector, vector_of_angles
-from .euler import EULER_UNITS, EulerState, euler_rates, euler_scalars
+from ..gliding.euler import psi_rate, sine_and_cosine
+from ..gliding.vector import axis, axis_rate
+from ..integrals import integral
+from ..orientation import by_angles, carried_along
+from . import euler, vector
+from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
+from .euler import EULER_UNITS, Angles, euler_rates, euler_scalars
 from .reaction import friction_needed, horizontal_force, normal_force
-from .vector import QUADRATURES, VECTOR_UNITS, vector_rates, vector_scalars
+from .vector import VECTOR_UNITS, vector_rates, vector_scalars
 
 
 # --- initial data, events, quantities -------------------------------------------------------------------------------
@@ -20,22 +24,42 @@ from .vector import QUADRATURES, VECTOR_UNITS, vector_rates, vector_scalars
 INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what a person gave."""
-    return given_angles(EulerState, data, z)
+def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+    """The angles of what a person gave."""
+    return given_angles(Angles, data, z)
 
 
-VECTOR = Form("vector", VECTOR_UNITS, vector_rates, vector_scalars, vector_of_angles, angles_of_vector, QUADRATURES)
+VECTOR = Form(
+    "vector",
+    VECTOR_UNITS,
+    vector_rates,
+    vector_scalars,
+    vector_of_angles,
+    angles_of_vector,
+    integrals=(
+        integral("x", lambda q, carried, b: vector.velocity(q, carried, b).x),
+        integral("y", lambda q, carried, b: vector.velocity(q, carried, b).y),
+        integral("impulse", vector.vertical_force),
+    ),
+    orientation=carried_along(axis, axis_rate, vector.spin),
+)
 EULER = Form(
     "euler",
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    gliding_chart.euler_of_angles,
+    euler_of_angles,
     angles_of_euler,
-    ("phi", *QUADRATURES),
-    (gliding.POLE,),
+    integrals=(
+        integral("phi", lambda q, carried, b: q.phi_dot),
+        integral("x", lambda q, carried, b: euler.velocity(q, carried, b)[0]),
+        integral("y", lambda q, carried, b: euler.velocity(q, carried, b)[1]),
+        integral("impulse", euler.vertical_force),
+    ),
+    orientation=by_angles(sine_and_cosine, psi_rate),
+    domains=(gliding.POLE,),
 )
+UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 
 LIFTOFF = replace(

@@ -11,8 +11,8 @@ from .reaction import Scalars, spin_determinant
 # --- Euler-angle form: singular at the poles ------------------------------------------------------------------------
 
 
-class EulerState(NamedTuple):
-    """theta, theta', phi', omega_3; then what the equations do not read."""
+class Angles(NamedTuple):
+    """What users give and read: theta, theta', phi', omega_3, phi; then the integrals."""
 
     theta: Operand
     theta_dot: Operand
@@ -24,7 +24,19 @@ class EulerState(NamedTuple):
     impulse: Operand
 
 
-EULER_UNITS = EulerState._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, METRE, METRE, NEWTON_SECOND))
+ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, METRE, METRE, NEWTON_SECOND))
+
+
+class EulerState(NamedTuple):
+    """theta, theta', phi', omega_3."""
+
+    theta: Operand
+    theta_dot: Operand
+    phi_dot: Operand
+    omega3: Operand
+
+
+EULER_UNITS = EulerState._make(ANGLES[:4])
 
 
 @formula
@@ -72,19 +84,19 @@ def euler_scalars(e, b):
         e.theta_dot * z * turn + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
     )
     L3 = b.I3 * e.omega3
-    precession = e.phi_dot * s**2
+    phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
     return Scalars(
         z=z,
         s2=s**2,
         z_dot=-(e.theta_dot * s),
-        fall=contact.torque_free(L3, precession, axis_speed2, z, b),
-        precession=precession,
+        z_ddot_free=contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b),
+        phi_dot_s2=phi_dot_s2,
         axis_speed2=axis_speed2,
         L3=L3,
-        Lz=b.I1 * precession + L3 * z,
+        Lz=b.I1 * phi_dot_s2 + L3 * z,
         speed2=along_e**2 + along_2**2,
-        grip2=b.m**2 * (push_e**2 + push_2**2),
+        friction_force2=b.m**2 * (push_e**2 + push_2**2),
     )
 
 
@@ -93,14 +105,20 @@ def euler_rates(e, b):
     """The equations in Euler angles. [T 4.2-4.4]"""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
-    along_e, along_2 = contact.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
-    return EulerState(
-        e.theta_dot,
-        theta_dot2,
-        phi_dot2,
-        omega3_dot,
-        e.phi_dot,
-        along_e * cos(e.phi) - along_2 * sin(e.phi),
-        along_e * sin(e.phi) + along_2 * cos(e.phi),
-        b.m * (b.g + b.c * (theta_dot2 * s + e.theta_dot**2 * z)),
-    )
+    return EulerState(e.theta_dot, theta_dot2, phi_dot2, omega3_dot)
+
+
+@formula
+def velocity(q, carried, b):
+    """x', y' of the centre of mass [m/s]."""
+    along_e, along_2 = contact.rolling_velocity(q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b)
+    ex, ey = cos(carried.phi), sin(carried.phi)
+    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
+
+
+@formula
+def vertical_force(q, carried, b):
+    """Normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
+    s, z = sin(q.theta), cos(q.theta)
+    theta_dot2, _, _ = euler_accelerations(q, s, z, b)
+    return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))

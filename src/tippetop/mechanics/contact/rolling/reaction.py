@@ -10,36 +10,50 @@ from ...operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
 from .. import body as contact
 
 
-class Scalars(NamedTuple):
-    """Functions of the state that do not depend on the form; smooth at the poles. Names as in `gliding.Scalars`."""
+class Kinematics(NamedTuple):
+    """How the axis moves, and L: functions of the state that do not depend on the form; smooth at the poles. The names
+    are those of the scalars of a gliding body."""
 
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2
     z_dot: Operand  # -theta' sin(theta)
-    fall: Operand  # z'' of the axis if no torque about the centre of mass acted
-    precession: Operand  # phi' sin(theta)^2
+    z_ddot_free: Operand  # z'' of the axis if no torque about the centre of mass acted
+    phi_dot_s2: Operand  # phi' sin(theta)^2
     axis_speed2: Operand  # |3hat'|^2
     L3: Operand  # L.3hat
     Lz: Operand  # L.zhat, about the centre of mass
+
+
+class Scalars(NamedTuple):
+    """The kinematics, field by field, and what follows from v_A = 0."""
+
+    z: Operand
+    s2: Operand
+    z_dot: Operand
+    z_ddot_free: Operand
+    phi_dot_s2: Operand
+    axis_speed2: Operand
+    L3: Operand
+    Lz: Operand
     speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
-    grip2: Operand  # |F_h|^2, horizontal part of the reaction
+    friction_force2: Operand  # |F_h|^2, horizontal part of the reaction
 
 
 # --- the reaction ---------------------------------------------------------------------------------------------------
 
 
 @formula
-def swing(s, b):
+def motion_terms(s, b):
     """q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z: what v_A = 0 asks of F.3hat beyond z'' [m/s^2]."""
-    return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.precession
+    return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.phi_dot_s2
 
 
 @formula
 def z_dot2(s, b):
     """z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
     h = b.R - b.c * s.z
-    drive = b.c * (b.g * s.s2) + h * swing(s, b)
-    return (b.I1 * s.fall + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
+    drive = b.c * (b.g * s.s2) + h * motion_terms(s, b)
+    return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
 
 
 @formula
@@ -51,7 +65,7 @@ def normal_force(s, b):
 @formula
 def push_along(s, b):
     """F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
-    return b.m * (swing(s, b) - (b.R - b.c * s.z) * z_dot2(s, b))
+    return b.m * (motion_terms(s, b) - (b.R - b.c * s.z) * z_dot2(s, b))
 
 
 @formula
@@ -71,50 +85,48 @@ def spin_determinant(z, b):
 @formula
 def horizontal_force(s, b):
     """Size of the horizontal part of the reaction, |F_h| [N]."""
-    return sqrt(s.grip2)
+    return sqrt(s.friction_force2)
 
 
 @formula
 def friction_needed(s, b):
     """Coulomb friction coefficient that pure rolling needs, |F_h|/F_z."""
-    return sqrt(s.grip2) / normal_force(s, b)
+    return sqrt(s.friction_force2) / normal_force(s, b)
 
 
 @formula
-def free_scalars(u, L, u_dot, b):
-    """The scalars of an axis u, its rate and the momentum L about the centre of mass, without speed2 and grip2."""
-    return Scalars(
+def kinematics(u, L, u_dot, b):
+    """The kinematics of an axis u, its rate and the momentum L about the centre of mass."""
+    return Kinematics(
         z=u.z,
         s2=u.x * u.x + u.y * u.y,
         z_dot=u_dot.z,
-        fall=(L.x * u_dot.y - L.y * u_dot.x) / b.I1,
-        precession=u.x * u_dot.y - u.y * u_dot.x,
+        z_ddot_free=(L.x * u_dot.y - L.y * u_dot.x) / b.I1,
+        phi_dot_s2=u.x * u_dot.y - u.y * u_dot.x,
         axis_speed2=dot(u_dot, u_dot),
         L3=dot(L, u),
         Lz=L.z,
-        speed2=0,
-        grip2=0,
     )
 
 
 @formula
 def reaction(u, L, u_dot, s, b):
-    """The reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]; s are the free scalars.
+    """The reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]; s are the kinematics.
 
     From L' = a x F, 3hat'' = (L' x 3hat + L x 3hat')/I1 and s' = -omega x a; F.3hat and z'' are known in advance.
     """
-    q, N, fall = b.c - b.R * u.z, normal_force(s, b), z_dot2(s, b)
+    q, N, z_ddot = b.c - b.R * u.z, normal_force(s, b), z_dot2(s, b)
     F3 = push_along(s, b) + N * u.z  # F.3hat
     free = plus(cross(L, u_dot), times(-(b.c * F3), u))  # I1 3hat'' without q F and its vertical part
-    spin, w3, yielding = spin_rate(s, b), s.L3 / b.I3, 1 + b.m * q**2 / b.I1
-    x = q / b.I1 * free.x + b.R * (fall * u.x - spin * u.y - w3 * u_dot.y)
-    y = q / b.I1 * free.y + b.R * (fall * u.y + spin * u.x + w3 * u_dot.x)
-    return Vector(-(b.m * x) / yielding, -(b.m * y) / yielding, N)
+    spin, w3, contact_mobility = spin_rate(s, b), s.L3 / b.I3, 1 + b.m * q**2 / b.I1
+    x = q / b.I1 * free.x + b.R * (z_ddot * u.x - spin * u.y - w3 * u_dot.y)
+    y = q / b.I1 * free.y + b.R * (z_ddot * u.y + spin * u.x + w3 * u_dot.x)
+    return Vector(-(b.m * x) / contact_mobility, -(b.m * y) / contact_mobility, N)
 
 
 @formula
 def completed(s, v, F):
-    """Free scalars with the speed of the centre of mass and the horizontal force."""
+    """The scalars of kinematics s, velocity v of the centre of mass and horizontal force F."""
     return Scalars(
-        s.z, s.s2, s.z_dot, s.fall, s.precession, s.axis_speed2, s.L3, s.Lz, v.x**2 + v.y**2, F.x**2 + F.y**2
+        s.z, s.s2, s.z_dot, s.z_ddot_free, s.phi_dot_s2, s.axis_speed2, s.L3, s.Lz, v.x**2 + v.y**2, F.x**2 + F.y**2
     )

@@ -2,18 +2,17 @@
 
 from typing import NamedTuple
 
-from ...operand import Operand, Vector, formula
-from ...units import ANGULAR_MOMENTUM, METRE, NEWTON_SECOND, ONE
+from ...operand import Operand, Vector, dot, formula
+from ...units import ANGULAR_MOMENTUM, ONE
 from ..gliding.vector import axis, axis_rate, momentum
-from .reaction import completed, free_scalars, reaction
+from .reaction import completed, kinematics, normal_force, reaction
 
 
 # --- vector form: regular everywhere --------------------------------------------------------------------------------
 
 
 class VectorState(NamedTuple):
-    """3hat, and L about the centre of mass; then its place and the integral of the normal force. The velocity of the
-    centre of mass is -omega x a."""
+    """3hat, and L about the centre of mass. The velocity of the centre of mass is -omega x a."""
 
     ux: Operand
     uy: Operand
@@ -21,13 +20,9 @@ class VectorState(NamedTuple):
     Lx: Operand
     Ly: Operand
     Lz: Operand
-    x: Operand
-    y: Operand
-    impulse: Operand
 
 
-VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, METRE, METRE, NEWTON_SECOND))
-QUADRATURES = ("x", "y", "impulse")
+VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
 
 
 @formula
@@ -45,16 +40,16 @@ def centre_velocity(u, u_dot, w3, b):
 def vector_scalars(q, b):
     """The scalars of a vector state."""
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    s = free_scalars(u, L, u_dot, b)
+    s = kinematics(u, L, u_dot, b)
     return completed(s, centre_velocity(u, u_dot, s.L3 / b.I3, b), reaction(u, L, u_dot, s, b))
 
 
 @formula
 def vector_rates(q, b):
-    """3hat' = L x 3hat/I1, L' = a x F, r' = -(omega x a). [section 4]"""
+    """3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    s = free_scalars(u, L, u_dot, b)
-    v, F = centre_velocity(u, u_dot, s.L3 / b.I3, b), reaction(u, L, u_dot, s, b)
+    s = kinematics(u, L, u_dot, b)
+    F = reaction(u, L, u_dot, s, b)
     h = b.R - b.c * u.z
     return VectorState(
         u_dot.x,
@@ -63,7 +58,23 @@ def vector_rates(q, b):
         b.c * (u.y * F.z) + h * F.y,
         -(b.c * (u.x * F.z)) - h * F.x,
         b.c * (u.x * F.y - u.y * F.x),
-        v.x,
-        v.y,
-        F.z,
     )
+
+
+@formula
+def spin(q, b):
+    """omega_3 = L.3hat/I3 [rad/s]; of L about the centre of mass or about a point of the axis."""
+    return dot(momentum(q), axis(q)) / b.I3
+
+
+@formula
+def velocity(q, carried, b):
+    """Velocity of the centre of mass, r' = -(omega x a), (3,) [m/s]."""
+    u, u_dot = axis(q), axis_rate(q, b)
+    return centre_velocity(u, u_dot, kinematics(u, momentum(q), u_dot, b).L3 / b.I3, b)
+
+
+@formula
+def vertical_force(q, carried, b):
+    """Normal force F_z [N]."""
+    return normal_force(kinematics(axis(q), momentum(q), axis_rate(q, b), b), b)

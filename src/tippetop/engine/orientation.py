@@ -1,0 +1,37 @@
+"""Rotation matrices as unit quaternions, which have no pole."""
+
+import numpy as np
+
+
+def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
+    """The unit quaternion that turns body axes into space axes: v_space = q v_body q*.
+
+    Parameters
+    ----------
+    first, third
+        Axes 1 and 3 of the body in the space frame, (3, n).
+
+    Returns
+    -------
+    ndarray
+        (n, 4), components w, x, y, z. Of q and -q, which are one rotation, the one with w >= 0 (w = 0: the first other
+        component that is not 0 is positive), so that a row does not depend on those before it. To interpolate, flip the
+        sign of a row whose scalar product with the row before is negative.
+
+    Notes
+    -----
+    Each row of 4 q q^t is q times a number and linear in the matrix: the row whose number is largest is taken, so that
+    no digits are lost. With additions, products and square roots alone, the bits are the same wherever a row stands.
+    """
+    (a, d, g), (c, f, i) = first, third
+    b, e, h = f * g - i * d, i * a - c * g, c * d - f * a  # axis 2 is axis 3 x axis 1
+    products = np.empty((4, 4, len(a)), dtype=first.dtype)
+    products[0] = 1 + a + e + i, h - f, c - g, d - b
+    products[1] = h - f, 1 + a - e - i, b + d, c + g
+    products[2] = c - g, b + d, 1 - a + e - i, f + h
+    products[3] = d - b, c + g, f + h, 1 - a - e + i
+    largest = np.argmax([products[k, k] for k in range(4)], axis=0)
+    found = products[largest, :, np.arange(len(a))]
+    found = found / np.sqrt((found[:, 0] ** 2 + found[:, 1] ** 2) + (found[:, 2] ** 2 + found[:, 3] ** 2))[:, None]
+    leading = np.take_along_axis(found, np.argmax(found != 0, axis=1)[:, None], axis=1)
+    return np.where(leading < 0, -found, found)

@@ -1,0 +1,23 @@
+"""What is integrated beside the motion of a body on the plane: place, angles, work and impulse of the contact."""
+
+from collections.abc import Callable
+
+from ..operand import formula
+from ..system import Integral
+from ..units import JOULE, METRE, NEWTON_SECOND, RADIAN
+
+
+NAMED = {
+    "theta": (RADIAN, "angle theta of the axis of eccentricity, not wrapped"),
+    "phi": (RADIAN, "azimuth phi of the horizontal projection of the axis"),
+    "x": (METRE, "x of the centre of mass"),
+    "y": (METRE, "y of the centre of mass"),
+    "work": (JOULE, "energy taken by friction since the start"),
+    "impulse": (NEWTON_SECOND, "integral of the normal force since the start"),
+}
+
+
+def integral(name: str, rate: Callable) -> Integral:
+    """The integral of this name with rate(q, carried, b)."""
+    unit, long_name = NAMED[name]
+    return Integral(name, unit, long_name, formula(rate))

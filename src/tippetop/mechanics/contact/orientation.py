@@ -1,0 +1,113 @@
+"""Which way the whole body is turned: its axes 1 and 3 in the space frame, and so the Euler angle psi. [section 1]
+
+Angles are phi, theta, psi about z, y, z: the body's axes are R_z(phi) R_y(theta) R_z(psi) of those of space, so that
+axis 3 is 3hat with azimuth phi, and axis 1 is 1hat cos(psi) + 2hat sin(psi) with 1hat = cos(theta) e - sin(theta) zhat.
+(The angles of the source are about z, x, z: its phi is ours + pi/2, its psi ours - pi/2.)
+
+Forms that pass the poles carry a transverse unit vector f that follows the axis without spin about it, and the angle
+`turn` from f to axis 1, turn' = omega_3: both are regular everywhere, and f is as slow as the axis.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from ..operand import Vector, atan2, cos, cross, dot, formula, plus, sin, sqrt, times
+from ..system import Integral, Orientation
+from ..units import ONE, RADIAN
+
+
+@formula
+def transport(f, u, u_dot):
+    """f' = -(f.3hat') 3hat [1/s]: f stays transverse, and its angular velocity has no part along the axis."""
+    return times(-dot(f, u_dot), u)
+
+
+@formula
+def turned(f, turn, u):
+    """The unit vector at the angle `turn` from f about the axis u, (3,); f is made transverse first, u has length 1."""
+    across = plus(f, times(-dot(f, u), u))
+    v = plus(times(cos(turn), across), times(sin(turn), cross(u, across)))
+    return times(1 / sqrt(dot(v, v)), v)
+
+
+@formula
+def axes_of_angles(s, z, phi, psi):
+    """Axes 1 and 3 of the body, (3,) each, by sin(theta), cos(theta), phi, psi."""
+    ex, ey, along, across = cos(phi), sin(phi), cos(psi), sin(psi)
+    first = Vector(along * (z * ex) - across * ey, along * (z * ey) + across * ex, -(along * s))
+    return first, Vector(s * ex, s * ey, z)
+
+
+@formula
+def psi_of_axes(first, u):
+    """psi in (-pi, pi], of axes 1 and 3; 0/0 in meaning exactly at a pole, as phi."""
+    return atan2(u.x * first.y - u.y * first.x, -first.z)
+
+
+def _start(component: int) -> Callable:
+    """A component of f at the start: 1hat."""
+
+    def start(data: dict[str, Any], s: Any, z: Any) -> Any:
+        phi = data.get("phi", 0 * z)
+        return (z * cos(phi), z * sin(phi), 0 * phi - s)[component]
+
+    return start
+
+
+def _psi(data: dict[str, Any], s: Any, z: Any) -> Any:
+    return data.get("psi", 0 * z)
+
+
+def carried_along(axis: Callable, axis_rate: Callable, spin: Callable) -> Orientation:
+    """The orientation in a form that passes the poles.
+
+    Parameters
+    ----------
+    axis, axis_rate
+        axis(q) -> 3hat and axis_rate(q, b) -> 3hat' [1/s].
+    spin
+        spin(q, b) -> omega_3 [rad/s].
+    """
+
+    def f(carried: Any) -> Vector:
+        return Vector(carried.fx, carried.fy, carried.fz)
+
+    def rate(component: int) -> Callable:
+        return lambda q, carried, b: transport(f(carried), axis(q), axis_rate(q, b))[component]
+
+    def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
+        return turned(f(carried), carried.turn, axis(q)), axis(q)
+
+    text = "transverse unit vector that follows the axis without spin, {} component"
+    transverse = (Integral(f"f{c}", ONE, text.format(c), rate(i), _start(i)) for i, c in enumerate("xyz"))
+    turn = Integral("turn", RADIAN, "angle from f to body axis 1", lambda q, carried, b: spin(q, b), _psi)
+    return Orientation(axes, (*transverse, turn), psi_of_axes)
+
+
+def by_angles(theta: Callable, rate: Callable) -> Orientation:
+    """The orientation in a form of angles, whose integral phi it reads.
+
+    Parameters
+    ----------
+    theta
+        theta(q) -> sin(theta), cos(theta).
+    rate
+        rate(q, carried, b) -> psi' = omega_3 - phi' cos(theta) [rad/s].
+    """
+
+    def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
+        s, z = theta(q)
+        return axes_of_angles(s, z, carried.phi, carried.psi)
+
+    integral = Integral("psi", RADIAN, "turn psi of the body about its axis, not wrapped", rate, _psi)
+    return Orientation(axes, (integral,), psi_of_axes)
+
+
+def planar(theta: Callable) -> Orientation:
+    """The orientation of a cylinder: it turns by theta about the horizontal y, which is phi = psi = 0 of a top."""
+
+    def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
+        s, z = theta(q)
+        return axes_of_angles(s, z, 0 * z, 0 * z)
+
+    return Orientation(axes)

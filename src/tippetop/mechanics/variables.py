@@ -1,0 +1,99 @@
+"""What is integrated: the state that moves, then the integrals, scaled. The one place that knows the scale."""
+
+from collections import namedtuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+from .system import Form, Integral
+from .units import Scales, Unit
+
+
+INTEGRAL_SCALE = 2.0**-32
+"""Factor on integrals among the variables: too small to control the step; a power of two, so that it costs no bit."""
+
+
+@dataclass(frozen=True)
+class Variables:
+    """The variables of an integrator, in order: the state record of a form, then its integrals times `INTEGRAL_SCALE`.
+
+    Parameters
+    ----------
+    form
+        The form that is integrated.
+    orientation
+        Whether what the orientation of the body needs is integrated too; it comes last.
+    """
+
+    form: Form
+    orientation: bool = True
+
+    @cached_property
+    def integrals(self) -> tuple[Integral, ...]:
+        """What is integrated beside the state."""
+        turning = self.form.orientation.integrals if self.orientation and self.form.orientation else ()
+        return (*self.form.integrals, *turning)
+
+    @cached_property
+    def units(self) -> dict[str, Unit]:
+        """The unit of each variable, by name, in order."""
+        return {**self.form.units._asdict(), **{integral.name: integral.unit for integral in self.integrals}}
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The names of the variables, in order."""
+        return tuple(self.units)
+
+    @property
+    def moving(self) -> int:
+        """How many of them move; they come first."""
+        return len(self.form.units)
+
+    @cached_property
+    def carried(self) -> Any:
+        """The type of the record of the integrals."""
+        return _record(tuple(integral.name for integral in self.integrals))
+
+    def split(self, values: Any) -> tuple[Any, Any]:
+        """The state record and the record of the integrals, whole again.
+
+        Parameters
+        ----------
+        values
+            A sequence or an array whose first axis is the variables: numbers, arrays or expressions.
+        """
+        n = self.moving
+        return type(self.form.units)(*values[:n]), self.carried(*(v / INTEGRAL_SCALE for v in values[n:]))
+
+    def join(self, q: Sequence, carried: Sequence) -> list:
+        """The variables, of state and integrals, or of their rates: what `split` undoes."""
+        return [*q, *(INTEGRAL_SCALE * v for v in carried)]
+
+    def rates(self, q: Any, carried: Any, b: Any) -> list:
+        """The time derivatives of the variables."""
+        return self.join(self.form.rates(q, b), [integral.rate(q, carried, b) for integral in self.integrals])
+
+    def start(self, data: dict[str, Any], angles: Any, s: Any, z: Any, b: Any) -> tuple[Any, Any]:
+        """State and integrals at the start, in the units of the initial data."""
+        carried = [
+            integral.start(data, s, z) if integral.start else getattr(angles, integral.name)
+            for integral in self.integrals
+        ]
+        return self.form.of_angles(angles, s, z, b), self.carried(*carried)
+
+    def weights(self, scales: Scales) -> list:
+        """SI value of one internal unit of each variable."""
+        units = [scales.of(unit) for unit in self.units.values()]
+        return [*units[: self.moving], *(unit / INTEGRAL_SCALE for unit in units[self.moving :])]
+
+    def coefficients(self, name: str, coefficients: Any) -> Any:
+        """Taylor coefficients (n, order + 1) of an integral, whole again, among those of all variables, (n, variables,
+        order + 1)."""
+        return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
+
+
+@lru_cache
+def _record(names: tuple[str, ...]) -> Any:
+    """A record with these fields: the same type for the same names."""
+    return namedtuple("Carried", names)

@@ -1,0 +1,174 @@
+"""Which way the body is turned: psi and the quaternion, against an integration of their own and against each other."""
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import examples
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import make_interp_spline
+from scipy.spatial.transform import Rotation
+
+from tippetop.engine.orientation import quaternion
+from tippetop.problem import Problem
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+
+
+STEP = 2e-4
+
+
+def load(preset: str, *settings: str, until: float = 0.6) -> Problem:
+    """A preset with rows so dense that omega can be interpolated to rounding."""
+    return build.load(preset, [*settings, f"run.output_step={STEP}"], until)
+
+
+def matrices(columns: dict[str, np.ndarray]) -> np.ndarray:
+    """The rotations of the column `orientation` as matrices, (n, 3, 3)."""
+    return Rotation.from_quat(np.roll(columns["orientation"], -1, axis=1)).as_matrix()
+
+
+def omega(problem: Problem, columns: dict[str, np.ndarray]) -> Callable:
+    """The angular velocity of a run as a function of time, by L and the axis alone."""
+    b = problem.body()
+    transverse = b.I1 + (b.m * b.c**2 if problem.system.name == "heavy-top" else 0.0)  # whose L is about the tip
+    u, L = columns["axis"], columns["L"]
+    along = np.sum(u * L, axis=1)[:, None] * u
+    return make_interp_spline(columns["time"], (L - along) / transverse + along / b.I3, k=7)
+
+
+POLES = ("initial.theta=0.0", "initial.theta_dot=2.0")
+WAYS = [
+    ("inverting", ()),
+    ("inverting", ("form=euler",)),
+    ("inverting", POLES),
+    ("inverting", ("initial.theta=3.141592653589793", "initial.theta_dot=2.0", "initial.psi=0.3")),
+    ("rolling", ()),
+    ("rolling", ("form=reduced",)),
+    ("rolling", ("form=euler", "initial.psi=-2.0")),
+    ("gliding-heavy-top", ()),
+    ("gliding-heavy-top", ("form=contact", "initial.psi=1.0")),
+    ("heavy-top", ()),
+    ("heavy-top", ("form=euler",)),
+]
+
+
+@pytest.mark.parametrize(("preset", "settings"), WAYS)
+def test_the_body_turns_with_its_angular_velocity(preset: str, settings: tuple) -> None:
+    """R' = omega x R, integrated by SciPy from the first row, gives the last one."""
+    problem = load(preset, *settings, until=0.3)
+    columns = examples.columns(solve(problem))
+    R, w = matrices(columns), omega(problem, columns)
+    end = columns["time"][-1]
+    found = solve_ivp(
+        lambda t, y: np.cross(w(t), y.reshape(3, 3), axisb=0, axisc=0).ravel(),
+        (0.0, end),
+        R[0].ravel(),
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-12,
+    )
+    assert np.abs(found.y[:, -1].reshape(3, 3) - R[-1]).max() < 1e-9
+    np.testing.assert_allclose(R[:, :, 2], columns["axis"], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(np.sum(columns["orientation"] ** 2, axis=1), 1.0, rtol=0, atol=1e-15)
+    assert (columns["orientation"][:, 0] >= 0).all()
+
+
+@pytest.mark.parametrize(
+    ("preset", "forms"),
+    [
+        ("inverting", ("vector", "euler")),
+        ("rolling", ("vector", "reduced", "euler")),
+        ("gliding-heavy-top", ("vector", "contact", "euler")),
+        ("heavy-top", ("vector", "euler")),
+    ],
+)
+def test_forms_agree(preset: str, forms: tuple[str, ...]) -> None:
+    """And psi is the last of the angles about z, y, z."""
+    first, *others = (
+        examples.columns(solve(load(preset, f"form={form}", "initial.psi=0.4", until=0.3))) for form in forms
+    )
+    assert first["psi"][0] == pytest.approx(0.4, abs=1e-14)
+    by_angles = Rotation.from_euler("ZYZ", np.stack([first[n] for n in ("phi", "theta", "psi")], axis=1)).as_matrix()
+    np.testing.assert_allclose(by_angles, matrices(first), rtol=0, atol=1e-13)
+    for other in others:
+        np.testing.assert_allclose(matrices(other), matrices(first), rtol=0, atol=1e-9)
+        apart = (other["psi"] - first["psi"] + math.pi) % (2 * math.pi) - math.pi
+        np.testing.assert_allclose(apart, 0.0, rtol=0, atol=1e-9)
+
+
+def test_an_inverting_top_is_followed_to_the_other_pole() -> None:
+    """Eight seconds and 180 turns; psi is NaN where theta is 0 exactly, the orientation is not."""
+    problem = build.load("inverting", [*POLES[:1], "initial.theta_dot=1.0", "run.output_step=2e-4"], 8.0)
+    columns = examples.columns(solve(problem))
+    assert columns["theta"][-1] > 3.1
+    assert np.isnan(columns["psi"]).tolist() == [True] + [False] * (len(columns["time"]) - 1)
+    assert np.isfinite(columns["orientation"]).all()
+    R, w = matrices(columns), omega(problem, columns)
+    times = columns["time"]
+    nodes, _ = np.polynomial.legendre.leggauss(3)  # Magnus' series to sixth order, step by step
+    h = np.diff(times)[:, None]
+    a = np.array([h * w(times[:-1] + (1 + x) / 2 * h[:, 0]) for x in nodes])
+    A1, A2, A3 = a[1], np.sqrt(15) / 3 * (a[2] - a[0]), 10 / 3 * (a[2] - 2 * a[1] + a[0])
+    C1 = np.cross(A1, A2)
+    C2 = -np.cross(A1, 2 * A3 + C1) / 60
+    steps = Rotation.from_rotvec(A1 + A3 / 12 + np.cross(-20 * A1 - A3 + C1, A2 + C2) / 240)
+    now = Rotation.from_matrix(R[0])
+    worst = 0.0
+    for i, step in enumerate(steps):
+        now = step * now
+        if i % 500 == 499:
+            worst = max(worst, np.abs(now.as_matrix() - R[i + 1]).max())
+    assert worst < 1e-8
+
+
+@pytest.mark.parametrize("preset", ["gliding-cylinder", "rolling-cylinder"])
+def test_a_cylinder_turns_about_the_horizontal(preset: str) -> None:
+    columns = examples.columns(solve(load(preset)))
+    assert "psi" not in columns
+    np.testing.assert_allclose(
+        matrices(columns), Rotation.from_euler("y", columns["theta"][:, None]).as_matrix(), rtol=0, atol=1e-14
+    )
+
+
+@pytest.mark.parametrize("preset", ["inverting", "rolling", "gliding-heavy-top", "heavy-top"])
+def test_the_orientation_has_no_effect_on_the_run(preset: str) -> None:
+    """Left out or turned by psi: the same steps and the same bits of all other columns and events."""
+    problem = load(preset)
+    runs = [solve(p) for p in (problem, dataclasses.replace(problem, orientation=False))]
+    turned = solve(load(preset, "initial.psi=2.5"))
+    columns, plain = (examples.columns(run) for run in runs)
+    assert columns.keys() - plain.keys() == {"psi", "orientation"}
+    for name, values in plain.items():
+        assert values.tobytes() == columns[name].tobytes(), name
+        assert values.tobytes() == examples.columns(turned)[name].tobytes(), name
+    for one, other in zip(runs[0].events, runs[1].events, strict=True):
+        assert one.tobytes() == other.tobytes()
+    assert runs[0].report["steps"] == runs[1].report["steps"]
+    twist = Rotation.from_rotvec([0.0, 0.0, 2.5]).as_matrix()
+    np.testing.assert_allclose(matrices(examples.columns(turned)), matrices(columns) @ twist, rtol=0, atol=1e-13)
+
+
+def test_mirrored_runs_have_mirrored_orientations() -> None:
+    """Reflection in y = 0 maps R to M R M with M = diag(1, -1, 1)."""
+    mirrored = ("initial.omega3=-155.0", "initial.psi=-0.7")
+    one = examples.columns(solve(load("inverting", "initial.omega3=155.0", "initial.psi=0.7")))
+    other = examples.columns(solve(load("inverting", *mirrored)))
+    M = np.diag([1.0, -1.0, 1.0])
+    np.testing.assert_allclose(matrices(other), M @ matrices(one) @ M, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(other["psi"], -one["psi"], rtol=0, atol=1e-9)
+
+
+def test_quaternions_of_rotations(rng: np.random.Generator) -> None:
+    """As SciPy gives them, up to the sign; half turns too, where w = 0."""
+    turns = Rotation.concatenate(
+        [Rotation.random(1000, random_state=rng), Rotation.from_rotvec(math.pi * np.eye(3)), Rotation.identity(1)]
+    )
+    R = turns.as_matrix()
+    found = quaternion(R[:, :, 0].T, R[:, :, 2].T)
+    expected = np.roll(turns.as_quat(), 1, axis=1)
+    assert np.abs(np.abs(np.sum(found * expected, axis=1)) - 1).max() < 1e-15
+    assert (found[:, 0] >= 0).all()
+    assert Rotation.from_quat(np.roll(found, -1, axis=1)).approx_equal(turns, atol=1e-14).all()

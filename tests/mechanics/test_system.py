@@ -1,0 +1,97 @@
+"""Systems as data: phases, exits, and what makes a system contradict itself."""
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import pytest
+
+from tippetop.mechanics.system import Event, Exit, Form, Phase, System, inconsistencies
+from tippetop.mechanics.systems import SYSTEMS, tippe_top
+from tippetop.mechanics.units import METRE, METRE_PER_SECOND
+
+
+class Height(NamedTuple):
+    """Height and its rate of a ball that bounces."""
+
+    y: Any
+    y_dot: Any
+
+
+class Still(NamedTuple):
+    """A ball at rest."""
+
+    y: Any
+
+
+FALL = Form(
+    "height",
+    Height(METRE, METRE_PER_SECOND),
+    lambda q, b: Height(q.y_dot, -b.g),
+    lambda q, b: q,
+    lambda e, s, z, b: Height(*e),
+    lambda q, carried, b: q,
+)
+REST = Form(
+    "height", Still(METRE), lambda q, b: Still(0), lambda q, b: q, lambda e, s, z, b: Still(0), lambda q, c, b: q
+)
+LANDING = Event("landing", "y = 0", lambda q, b: q.y, -1)
+
+
+def land(q: Height, carried: Any, b: Any) -> tuple[str, Any]:
+    """Half the speed remains; a slow ball stays."""
+    return ("flight", Height(0.0, -q.y_dot / 2)) if q.y_dot < -0.1 else ("rest", Still(0.0))
+
+
+FLIGHT = Phase({"height": FALL}, (), (LANDING,), (Exit("landing", ("flight", "rest"), land),))
+BALL = dataclasses.replace(
+    SYSTEMS["tippe-top"], name="ball", phases={"flight": FLIGHT, "rest": Phase({"height": REST}, (), ())}, integrals=()
+)
+
+
+@pytest.mark.parametrize("system", [*SYSTEMS.values(), BALL], ids=lambda system: system.name)
+def test_systems_are_consistent(system: System) -> None:
+    assert inconsistencies(system) == []
+
+
+def test_the_first_phase_speaks_for_a_system() -> None:
+    assert (BALL.forms, BALL.events, BALL.quantities) == (FLIGHT.forms, FLIGHT.events, ())
+    assert all(len(system.phases) == 1 for system in SYSTEMS.values())
+
+
+def test_a_jump_names_the_phase_that_follows() -> None:
+    (way,) = BALL.phase.exits
+    for speed in (-1.0, -0.01):
+        name, state = way.jump(Height(0.0, speed), None, None)
+        assert name in way.to
+        assert isinstance(state, type(BALL.phases[name].forms["height"].units))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        (
+            {"exits": (Exit("liftoff", ("rest",), land),)},
+            "must end in an event of its own, but has an exit by 'liftoff'",
+        ),
+        ({"exits": (Exit("landing", ("roll",), land),)}, "must lead to phases of the system, but leads to 'roll'"),
+        ({"exits": (Exit("landing", (), land),)}, "must lead somewhere by 'landing'"),
+        ({"exits": FLIGHT.exits * 2}, "exit by the event 'landing' must be there once, but is there 2 times"),
+        ({"events": (LANDING, LANDING)}, "event 'landing' must be there once"),
+        ({"forms": {"vector": FALL}}, "must call the form 'height' by its name"),
+        ({"forms": {}}, "must have a form, but has none"),
+        ({"quantities": tippe_top.QUANTITIES[:1] * 2}, "quantity 'jellett' must be there once"),
+    ],
+)
+def test_contradictions_are_named(changes: dict[str, Any], sentence: str) -> None:
+    broken = dataclasses.replace(BALL, phases={**BALL.phases, "flight": dataclasses.replace(FLIGHT, **changes)})
+    (fault,) = inconsistencies(broken)
+    assert sentence in fault
+
+
+def test_a_variable_has_one_meaning() -> None:
+    (phase,) = SYSTEMS["tippe-top"].phases.values()
+    vector = phase.forms["vector"]
+    twice = dataclasses.replace(vector, integrals=vector.integrals + vector.integrals[:1])
+    broken = dataclasses.replace(phase, forms={**phase.forms, "vector": twice})
+    (fault,) = inconsistencies(dataclasses.replace(SYSTEMS["tippe-top"], phases={"slip": broken}))
+    assert "variable 'x' must be there once" in fault
