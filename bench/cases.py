@@ -7,9 +7,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from . import ensemble, formulations, landscape, precision, scaling, startup, storing, sweeps
+from . import (
+    case_ensemble,
+    case_formulations,
+    case_precision,
+    case_scaling,
+    case_startup,
+    case_storing,
+    case_surface,
+    case_sweep,
+)
+from .case_precision import Course
 from .measure import machine
-from .precision import Course
 
 
 COURSES = {
@@ -19,14 +28,14 @@ COURSES = {
     "cylinder": Course("An eccentric cylinder that glides", "gliding-cylinder", 4.0, 4.0, "longdouble", True),
 }
 CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
-    **{name: partial(precision.compare, course) for name, course in COURSES.items()},
-    "ensemble": ensemble.compare,
-    "formulations": formulations.compare,
-    "sweep": sweeps.compare,
-    "surface": landscape.compare,
-    "storing": storing.compare,
-    "startup": startup.compare,
-    "scaling": scaling.compare,
+    **{name: partial(case_precision.compare, course) for name, course in COURSES.items()},
+    "ensemble": case_ensemble.compare,
+    "formulations": case_formulations.compare,
+    "sweep": case_sweep.compare,
+    "surface": case_surface.compare,
+    "storing": case_storing.compare,
+    "startup": case_startup.compare,
+    "scaling": case_scaling.compare,
 }
 
 

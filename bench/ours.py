@@ -10,8 +10,8 @@ import numpy as np
 
 from tippetop.engine import taylor
 from tippetop.engine.expressions import variables
+from tippetop.mechanics.events import Event
 from tippetop.mechanics.operand import leaves
-from tippetop.mechanics.system import Event
 from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem
 from tippetop.runs.integration import Integration
@@ -58,8 +58,8 @@ def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver
     scalars = problem.form.scalars(record, body)
     wanted = [event for event in problem.system.events if event.name in kinds]
     hooks = {
-        "nt_events": [_event(hy.nt_event, e, scalars, body, taylor.Log(e.name)) for e in wanted if not e.stops],
-        "t_events": [_event(hy.t_event, e, scalars, body) for e in wanted if e.stops],
+        "nt_events": [_event(hy.nt_event, e, scalars, body, taylor.Log(e.name)) for e in wanted if not e.ends],
+        "t_events": [_event(hy.t_event, e, scalars, body) for e in wanted if e.ends],
     }
 
     def solver(tolerance: float) -> Solver:

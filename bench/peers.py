@@ -7,7 +7,7 @@ import ctypes
 import importlib.util
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -49,6 +49,22 @@ class Peer(NamedTuple):
         if self.needs and importlib.util.find_spec(self.needs) is None:
             return f"{self.package or self.needs} is not installed"
         return None
+
+
+def entries(peers: Iterable[Peer], enter: Callable[[dict[str, Any], Peer], None]) -> dict[str, dict[str, Any]]:
+    """What each peer enters, by its name; one that is missing, or breaks, says why: that is a result, and not the end
+    of the others."""
+    found: dict[str, dict[str, Any]] = {}
+    for peer in peers:
+        entry = found[peer.name] = {"kind": peer.kind}
+        try:
+            if peer.missing:
+                entry["missing"] = peer.missing
+            else:
+                enter(entry, peer)
+        except Exception as error:
+            entry["missing"] = sentence(error)
+    return found
 
 
 def sentence(error: Exception) -> str:

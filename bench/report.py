@@ -249,7 +249,7 @@ def filled(text: str, made: dict[str, str]) -> str:
 
 def main() -> None:
     """Writes the pages and the figures."""
-    from .figures import draw
+    from .drawing import draw
 
     parser = argparse.ArgumentParser(prog="python -m bench.report", description="Writes the tables and figures.")
     parser.add_argument("--results", type=Path, default=RESULTS, metavar="FOLDER", help="where the JSON files are")

@@ -12,13 +12,13 @@ from tippetop.engine.expressions import variables
 from tippetop.scenario import build
 
 from . import report
+from .case_precision import reference
 from .cases import COURSES
 from .dop853 import Compiled
 from .equal import common, ratio, seconds
 from .minimal import COMPILER, Minimal
 from .ours import start_by_hand, tippe_top_by_hand
 from .peers import Peer
-from .precision import reference
 
 
 compiler = pytest.mark.skipif(COMPILER is None, reason="no C++ compiler")

@@ -32,9 +32,10 @@ from .library.theory import nutation as nutation
 from .library.theory import reconstruct as reconstruct
 from .library.theory import regime as regime
 from .library.theory import thresholds as thresholds
+from .mechanics.events import Event as Event
+from .mechanics.events import Kept as Kept
 from .mechanics.friction import LAWS as LAWS
 from .mechanics.friction import Law as Law
-from .mechanics.system import Event as Event
 from .mechanics.system import Parameter as Parameter
 from .mechanics.system import Quantity as Quantity
 from .mechanics.system import System as System

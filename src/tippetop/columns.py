@@ -34,5 +34,11 @@ def column(values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",)
     return Column(dims, np.asarray(values, dtype=np.float64), {"units": unit.symbol, "long_name": long_name, **extra})
 
 
+def flagged(flags: Any, name: str) -> np.ndarray:
+    """Where a column of flags, with its `flag_meanings`, has the value of this name; (n,) of bool."""
+    meanings = flags.attrs["flag_meanings"].split()
+    return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
+
+
 def flag_attributes(names: tuple[str, ...], text: str) -> dict[str, Any]:
     return {"flag_values": list(range(len(names))), "flag_meanings": " ".join(names), "long_name": text, "units": "1"}

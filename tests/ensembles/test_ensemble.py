@@ -8,13 +8,14 @@ import pytest
 import xarray as xr
 
 import tippetop
+from tippetop.engine.status import Status
 from tippetop.ensembles import lanes, outcomes
 from tippetop.ensembles.ensemble import measure, tops_of
-from tippetop.ensembles.outcomes import CLASSES, STATUSES
-from tippetop.ensembles.tops import Tops
+from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
-from tippetop.mechanics.operand import leaves
+from tippetop.mechanics.events import Event, Kept
 from tippetop.mechanics.systems import SYSTEMS
+from tippetop.problem import Problem, Problems
 from tippetop.runs.run import solve
 from tippetop.scenario import build, reading
 
@@ -47,20 +48,6 @@ def mixed() -> dict[str, np.ndarray]:
 @pytest.fixture(scope="module")
 def found(mixed: dict[str, np.ndarray]) -> xr.Dataset:
     return tippetop.ensemble("inverting", mixed, threads=1)
-
-
-def test_tops_are_those_of_single_problems(mixed: dict[str, np.ndarray]) -> None:
-    """Starts, parameters and ends are the same to the bit, at other sizes too (other units inside)."""
-    columns = {**mixed, "parameters.R": np.geomspace(0.002, 0.5, 40)}
-    scale = (columns["parameters.R"] / 0.02) ** 2
-    columns |= {"parameters.I1": 3e-6 * scale, "parameters.I3": 3.2e-6 * scale}
-    tops = Tops(build.load("inverting"), columns)
-    for i in range(40):
-        problem = build.load("inverting", [f"{key}={column[i]!r}" for key, column in plain(columns).items()])
-        assert problem.start().tobytes() == tops.start[:, i].copy().tobytes()
-        numbers = [float(v) for v in leaves(problem.internal_body)]
-        assert numbers == tops.pars[:, i].tolist()
-        assert problem.until / float(problem.scales.time) == tops.end[i]
 
 
 def plain(columns: dict[str, np.ndarray]) -> dict[str, list[float]]:
@@ -108,13 +95,14 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
 
 @pytest.mark.parametrize("lanes", [4, 8])
 def test_the_number_of_lanes_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset, lanes: int) -> None:
-    measured = measure(tops_of("inverting", mixed, None)[0], threads=1, lanes=lanes)
+    measured = measure(tops_of("inverting", mixed, None), threads=1, lanes=lanes)
     assert same(outcomes.dataset(measured, []), found)
 
 
 def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
-    """Every third top's parameters are spoilt past the door: the others do not notice."""
-    tops, _ = tops_of("inverting", mixed, None)
+    """Every third top's parameters are spoilt after validation: the others do not notice."""
+    tops = tops_of("inverting", mixed, None)
+    assert tops.valid.all()
     spoilt = np.arange(40) % 3 == 1
     tops.pars[3, spoilt] = np.where(np.arange(spoilt.sum()) % 2, np.nan, 1e-280)
     other = outcomes.dataset(measure(tops, threads=1), [])
@@ -124,7 +112,7 @@ def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: 
     assert same(other.isel(top=~spoilt), found.isel(top=~spoilt))
 
 
-def test_absurd_tops_are_named_and_the_others_run() -> None:
+def test_invalid_tops_are_named_and_the_others_run() -> None:
     spins = np.array([155.0, np.nan, 160.0, 1e300])
     moments = np.array([3.2e-6, 3.2e-6, 7e-6, 3.2e-6])
     found = tippetop.ensemble("inverting", {"initial.omega3": spins, "parameters.I3": moments}, until=0.5)
@@ -189,13 +177,117 @@ def test_progress_tells_every_top() -> None:
     assert seen == [(i + 1, 40) for i in range(40)]
 
 
-def test_names_of_ends() -> None:
-    assert len(set(STATUSES)) == len(STATUSES)
-    assert set(CLASSES) >= {"upright", "tumbling", "inverted", "lifted-off"}
-
-
 def test_the_end_of_a_top_is_called_what_its_system_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     starts = {"initial.theta": np.array([0.01, 3.1])}
     assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "inverted"]
     monkeypatch.setitem(SYSTEMS, "heavy-top", dataclasses.replace(SYSTEMS["heavy-top"], classes=("upright",)))
     assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "under-way"]
+
+
+def test_numbers_of_ends_in_a_store_are_those_of_status() -> None:
+    """Stores that exist have these words in this order."""
+    words = ("todo", "finished", "liftoff", "fallen", "settled", "non-finite", "stalled", "invalid")
+    for system in SYSTEMS.values():
+        assert outcomes.statuses_of(system) == words
+    assert [Status(word).code for word in words] == list(range(8))
+
+
+def test_every_ending_gets_its_number(found: xr.Dataset) -> None:
+    """Status by number and by the events that made it."""
+    lifted = found["status"].values == Status.LIFTOFF.code
+    assert lifted.any()
+    assert np.array_equal(lifted, np.isfinite(found["lifted_at"].values))
+    assert np.array_equal(lifted, found["class"].values == CLASSES.index("lifted-off"))
+
+
+# --- events of a system's own -----------------------------------------------------------------------------------------
+
+HIGH = Event(
+    "high",
+    "theta = 0.3",
+    lambda s, b: s.z - np.cos(0.3),
+    kept=(
+        Kept("first_high", "first", "first passage of theta = 0.3"),
+        Kept("last_risen", "last", "last rise of theta through 0.3", direction=-1),
+        Kept("highs", "count", "passages of theta = 0.3"),
+        Kept("rises", "count", "rises of theta through 0.3", direction=-1),
+    ),
+)
+QUICK = Event(  # neither a variable nor the rate of one: its integral is integrated too
+    "quick", "z' z falls to 0.01", lambda s, b: s.z_dot * s.z - 0.01, -1, kept=(Kept("quicks", "count", "how often"),)
+)
+TIPPED = Event("tipped", "theta = 0.6", lambda s, b: s.z - np.cos(0.6), -1, ends="tipped over")
+
+
+def toy(*events: Event) -> Problem:
+    """The inverting top, of a system with more events."""
+    base = build.load("inverting", until=5.0)
+    system = dataclasses.replace(base.system, name="toy-top", events=(*base.system.events, *events))
+    return dataclasses.replace(base, system=system, events=tuple(event.name for event in system.events))
+
+
+def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None:
+    base = toy(HIGH, QUICK)
+    spins, tilts = np.linspace(100, 160, 6), np.linspace(0.05, 0.4, 6)
+    tops = Problems(base, {"initial.omega3": spins, "initial.theta": tilts})
+    assert not tops.faults()
+    rows = outcomes.table(measure(tops, threads=1, lanes=4))
+    assert base.system.kinds == ("turning", "liftoff", "equator", "inverted", "settled", "high", "quick")
+    for i in range(6):
+        initial = {**base.initial, "omega3": float(spins[i]), "theta": float(tilts[i])}
+        run = solve(dataclasses.replace(base, initial=initial))
+        counts, kept = run.report["event_counts"], run.report["kept"]
+        assert rows["highs"].values[i] == kept["highs"] == counts.get("high", 0) == len(run.events.of("high").time)
+        assert rows["quicks"].values[i] == kept["quicks"] == counts.get("quick", 0)
+        assert rows["rises"].values[i] == kept["rises"]
+        assert 2 * kept["rises"] - kept["highs"] in (-1, 0, 1)  # theta rises and falls in turn
+        for name in ("first_high", "last_risen"):
+            expected = np.nan if kept[name] is None else kept[name]
+            assert rows[name].values[i] == pytest.approx(expected, abs=1e-11, nan_ok=True)
+        assert rows["turnings"].values[i] == counts["turning_significant"]
+    assert rows["highs"].values.max() > 10
+    assert rows["quicks"].values.max() > 10
+
+
+def test_other_events_do_not_change_what_is_kept_of_these(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
+    tops = Problems(toy(HIGH), mixed)
+    assert not tops.faults()
+    again = outcomes.dataset(measure(tops, threads=1), [])
+    assert same(found, again[list(found)])
+
+
+def test_an_event_of_ones_own_ends_tops_alike_in_lanes_and_alone() -> None:
+    base = toy(TIPPED)
+    spins = np.array([110.0, 155.0])
+    tops = Problems(base, {"initial.omega3": spins})
+    assert not tops.faults()
+    rows = outcomes.table(measure(tops, threads=1, lanes=4))
+    words = rows["status"].attrs["flag_meanings"].split()
+    for i, spin in enumerate(spins.tolist()):
+        run = solve(dataclasses.replace(base, initial={**base.initial, "omega3": spin}))
+        assert words[rows["status"].values[i]] == run.status.value
+        assert rows["t_end"].values[i] == pytest.approx(run.report["t_end"], abs=1e-11)
+        assert rows["theta_end"].values[i] == pytest.approx(run.report["theta_end"], abs=1e-11)
+    assert "ended" in {words[code] for code in rows["status"].values}
+
+
+def test_gliding_heavy_tops_fall_alike_in_lanes_and_alone() -> None:
+    """The fall is an event that ends a run, which is no liftoff."""
+    spins = np.array([5.0, 40.0, 200.0])
+    tops = tippetop.ensemble("gliding-heavy-top", {"initial.omega3": spins}, threads=1)
+    for i, spin in enumerate(spins.tolist()):
+        run = solve(build.load("gliding-heavy-top", [f"initial.omega3={spin!r}"]))
+        assert kinds(tops, "status")[i] == run.status.value
+        assert float(tops["t_end"][i]) == pytest.approx(run.report["t_end"], abs=1e-11)
+    assert "fallen" in kinds(tops, "status")
+
+
+def test_a_top_that_will_leave_its_pole_has_not_settled_in_a_lane() -> None:
+    """The same rule as for a single run: sliding dies at 1.67 s, and returns when the unstable mode has grown."""
+    sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
+    problem = build.load("inverting", sets, until=400.0)
+    tops = Problems(problem, {"friction.mu": np.array([0.03])})
+    assert not tops.faults()
+    made = measure(tops, threads=1, lanes=4)
+    assert made.status[0] == Status.SETTLED.code
+    assert made.columns["theta_end"][0] > np.pi - 1e-6

@@ -30,13 +30,13 @@ def problem(
     friction: tuple[str, dict[str, float]] = ("none", {}),
     **options: Any,
 ) -> Problem:
-    """A problem without going through the door."""
+    """A problem without validation."""
     used = SYSTEMS[system]
     law = used.laws.get(friction[0])
-    record, units = (law.record(**friction[1]), law.units()) if law else (Frictionless(), Frictionless())
+    record = law.record(**friction[1]) if law else Frictionless()
     form = used.forms[options.pop("form", next(iter(used.forms)))]
     options = {"times": np.linspace(0, until, 101), "events": tuple(e.name for e in used.events), **options}
-    return Problem(used, form, parameters, record, units, initial, until, **options)
+    return Problem(used, form, parameters, record, initial, until, **options)
 
 
 def run(*arguments: Any, **options: Any) -> Solution:

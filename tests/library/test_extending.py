@@ -79,7 +79,7 @@ def test_it_means_the_same_inside_numba(own) -> None:
 
 def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     run = tt.run(
-        "inverting", events=[own.EIGHTH], columns=[own.SPIN_ENERGY], start={"theta": 0.7}, until=3.0, output_step=0.001
+        "inverting", events=[own.EIGHTH], columns=[own.SPIN_ENERGY], start={"theta": 0.8}, until=3.0, output_step=0.001
     )
     kinds = run.events["kind"].attrs["flag_meanings"].split()
     log = run.events.isel(event=run.events["kind"].values == kinds.index("eighth"))
@@ -91,7 +91,7 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     np.testing.assert_allclose(rows["spin_energy"], 3.2e-6 * rows["omega3"] ** 2 / 2, rtol=1e-13)
     assert rows["spin_energy"].attrs["units"] == "J"
     assert run.summary.event_counts.eighth == log.sizes["event"]
-    plain = tt.run("inverting", start={"theta": 0.7}, until=3.0, output_step=0.001)
+    plain = tt.run("inverting", start={"theta": 0.8}, until=3.0, output_step=0.001)
     np.testing.assert_array_equal(rows["theta"], plain.trajectory["theta"], "what is watched does not change a bit")
     run.save(tmp_path / "own.zarr")
     stored = tt.open(tmp_path / "own.zarr")

@@ -225,10 +225,17 @@ def test_every_system_of_ours_has_an_outlook() -> None:
 def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """No threshold, no regime, no fate, no inversion: knowledge comes with the record, not with a name."""
     toy = dataclasses.replace(
-        SYSTEMS[name], name=f"toy-{name}", outlook=None, motion=None, borders=None, landscape=None, inverts=False
+        SYSTEMS[name],
+        name=f"toy-{name}",
+        outlook=None,
+        motion=None,
+        borders=None,
+        landscape=None,
+        inverts=False,
+        long_form="",
     )
     monkeypatch.setitem(SYSTEMS, toy.name, toy)
-    made = dataclasses.replace(start_of(name), system=toy)
+    made = dataclasses.replace(start_of(name), system=toy, until=1e6)
     found = forecast.assessment(made)
     assert set(found) == {"at_start", "expected"}
     assert forecast.remarks(made) == {}

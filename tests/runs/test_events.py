@@ -6,7 +6,10 @@ from examples import turning_times
 
 import tippetop
 from tippetop.engine.status import Status
-from tippetop.mechanics.system import NOISE_FLOOR
+from tippetop.engine.zeros import sign_changes
+from tippetop.ensembles.observer import take_turning
+from tippetop.ensembles.tallies import EVENT_RECORD, NUMBER_RECORD, EventRows, new_tallies
+from tippetop.mechanics.events import NOISE_FLOOR
 from tippetop.runs.events import Confirmation
 from tippetop.runs.run import solve
 from tippetop.scenario import build
@@ -36,6 +39,48 @@ class TestSignificance:
     def test_the_last_turning_counts_only_if_theta_comes_back_from_it(self, pieces: int) -> None:
         assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR / 10, pieces) == [0]
         assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR * 10, pieces) == [0, 1]
+
+
+def test_lanes_and_single_runs_confirm_the_same_turnings(rng: np.random.Generator) -> None:
+    """One by one, in pieces, and by the compiled observer of lanes: swings of all sizes around the floor."""
+    for _ in range(50):
+        swings = NOISE_FLOOR * 10.0 ** rng.uniform(-1, 3, 30)
+        sign = np.where(np.arange(30) % 2, 1, -1)
+        theta = 1.0 + np.cumsum(-sign * swings)
+        tally = new_tallies(EventRows(np.zeros(0, EVENT_RECORD), np.zeros(0, NUMBER_RECORD), np.zeros(3, int)), 1).lane[
+            0
+        ]
+        for way, angle in zip(sign.tolist(), theta.tolist(), strict=True):
+            take_turning(tally, way, angle)
+        end = float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR)
+        take_turning(tally, 0, end)
+        rows = confirmed(theta.tolist(), sign.tolist(), end)
+        assert rows == confirmed(theta.tolist(), sign.tolist(), end, 7)
+        assert int(tally["turnings"]) == len(rows)
+        assert (float(tally["theta_min"]), float(tally["theta_max"])) == (theta[rows].min(), theta[rows].max())
+
+
+def test_turnings_all_above_the_floor_are_confirmed_one_after_the_other(rng: np.random.Generator) -> None:
+    """The short cut for them gives what the rule gives."""
+    sign = np.where(np.arange(40) % 2, 1, -1)
+    theta = 1.0 - sign * rng.uniform(0.1, 0.3, 40)
+    singly = confirmed(theta.tolist(), sign.tolist(), 1.0, 40)
+    assert confirmed(theta.tolist(), sign.tolist(), 1.0) == singly == list(range(40))
+
+
+def test_zeros_are_bisected_to_neighbouring_numbers() -> None:
+    found = sign_changes(np.sin, np.linspace(0.5, 10.0, 50))
+    assert [sign for _, sign in found] == [-1, 1, -1]
+    assert np.abs(np.array([when for when, _ in found]) / np.pi - [1, 2, 3]).max() < 1e-15
+
+
+def test_settling_does_not_need_to_be_logged() -> None:
+    sets = ["friction.mu=0.1", "initial.theta=0.1", "run.stop_when=settled"]
+    both = [
+        solve(build.load("inverting", [*sets, *more], 400.0), keep=False) for more in ([], ['run.events=["liftoff"]'])
+    ]
+    assert both[0].status is both[1].status is Status.SETTLED
+    assert both[0].reason == both[1].reason
 
 
 def test_amplitude_is_the_swing_since_the_turning_before() -> None:
@@ -105,7 +150,7 @@ def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.Monk
     run = solve(problem, keep=False)
     assert run.status is Status.SETTLED
     assert run.report["theta_end"] > np.pi - 1e-6
-    monkeypatch.setattr("tippetop.runs.integration.will_leave", lambda *_: False)
+    monkeypatch.setattr("tippetop.engine.settling.will_leave", lambda *_: False)
     assert solve(problem, keep=False).report["theta_end"] < 1e-5
 
 

@@ -201,7 +201,7 @@ def test_a_store_equals_the_run_in_memory(undisturbed: Path) -> None:
     for name, column in columns.items():
         np.testing.assert_array_equal(trajectory[name].values, column.values, err_msg=name)
     events = xr.open_zarr(undisturbed, group="events", consolidated=False)
-    for name, values in run.events._asdict().items():
+    for name, values in run.events.columns().items():
         np.testing.assert_array_equal(events[name].values, values, err_msg=name)
     report = root.attributes(undisturbed)["report"]
     assert report == root.finite(run.report)

@@ -100,8 +100,7 @@ def check(
 
         print(json.dumps(finite(found), allow_nan=False))
         return 0
-    units = {name: p.unit.symbol for name, p in {**problem.system.parameters, **problem.system.initial}.items()}
-    units |= _units(found)
+    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()} | _units(found)
     table = Table.grid(padding=(0, 2))
     for name, value in found.items():
         if name == "regularisation":

@@ -10,17 +10,29 @@ from ..mechanics.system import Form, System
 from ..problem import QUADRATURE_SCALE
 
 
-def variables(system: System, form: Form, friction: Any) -> tuple[Any, Any, list[tuple]]:
-    """State and body as heyoka expressions, and the equations of motion, in internal units.
+def symbolic_body(system: System, form: Form, friction: Any, *, by_parameters: bool = False) -> Any:
+    """The body in run-time parameters, internal units.
 
-    What is 0 or 1 by construction is a number, so that expressions fold; everything else is a run-time parameter.
+    These are the leaves of the body, `Problems.pars`; what is 0 or 1 by construction is a number, so that expressions
+    fold. `by_parameters`: they are what the user gives, `Problems.parameters`, and all of it: for derivatives by alpha,
+    m, R, mu, ..., in fixed units.
     """
+    if by_parameters:
+        pars = iter(hy.par[i] for i in range(len(system.parameters) + len(friction._fields)))
+        return system.body_of({name: next(pars) for name in system.parameters}, friction(*pars))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    count = iter(range(len(leaves(template))))
+    return refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
+
+
+def variables(
+    system: System, form: Form, friction: Any, *, by_parameters: bool = False
+) -> tuple[Any, Any, list[tuple]]:
+    """State and body as heyoka expressions, and the equations of motion, in internal units; see `symbolic_body`."""
     state = hy.make_vars(*form.units._fields)
     scaled = [v / QUADRATURE_SCALE if v_ in form.quadratures else v for v, v_ in zip(state, form.units._fields)]  # noqa: B905
     record = type(form.units)(*scaled)
-    template = system.body({name: 1.0 for name in system.parameters}, friction(*(1.0 for _ in friction._fields)))
-    count = iter(range(len(leaves(template))))
-    body = refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
+    body = symbolic_body(system, form, friction, by_parameters=by_parameters)
     rates = form.rates(record, body)
     equations = [
         (v, hy.expression(0.0) + (QUADRATURE_SCALE * rate if name in form.quadratures else rate))

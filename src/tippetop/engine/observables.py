@@ -7,7 +7,7 @@ import numpy as np
 from ..columns import Column, column
 from ..mechanics.operand import leaves
 from ..mechanics.units import SECOND, Unit
-from ..problem import Problem
+from ..problem import Problem, Problems
 from .expressions import observed, table
 
 
@@ -102,6 +102,19 @@ class View:
             low = (values - high).astype(np.float64)
             columns[f"{name}_lo"] = column(low, unit, f"{long_name}: low part, to be added", *dims)
         return columns
+
+
+def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
+    """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,) each, doubles.
+
+    The last column is repeated to fill whole SIMD batches: so the bits of a column do not depend on its neighbours.
+    """
+    base, k = problems.base, states.shape[1]
+    names, function = table(base.system, base.form.name, base.friction.__class__)
+    fill = ((0, 0), (0, -k % function.batch_size))
+    padded = np.ascontiguousarray(np.pad(states, fill, mode="edge"))
+    pars = np.ascontiguousarray(np.pad(problems.pars[: function.nparams, which], fill, mode="edge"))
+    return dict(zip(names, function(padded, pars=pars)[:, :k], strict=True))
 
 
 BLOCK = 2048  # rows that are evaluated at a time: they stay in the second-level cache

@@ -4,15 +4,36 @@ from enum import Enum
 
 
 class Status(Enum):
-    """How a run ended. All are ordinary ends but NON_FINITE and STALLED."""
+    """How a run ended. All are ordinary ends but NON_FINITE and STALLED.
 
+    The value is the word in stores; `code` is the number in the lanes of ensembles and in the stores of sweeps.
+    """
+
+    TODO = "todo"  # of a top of a sweep: not yet computed
     FINISHED = "finished"
     LIFTOFF = "liftoff"
     FALLEN = "fallen"
+    SETTLED = "settled"
     NON_FINITE = "non-finite"
     STALLED = "stalled"
-    SETTLED = "settled"
+    INVALID = "invalid"  # of a top of an ensemble: its numbers allow no motion
+    ENDED = "ended"  # by an event whose ending has no name of its own here
     RUNNING = "running"  # a store that is being written, or waits for `tippetop resume`
 
+    @property
+    def code(self) -> int:
+        """The number of the status: its place in the list above."""
+        return _CODES[self]
 
-SETTLED_FOR = 200.0  # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
+    @property
+    def ordinary(self) -> bool:
+        """Whether a run has come to an end that says something of the top."""
+        return self in (Status.FINISHED, Status.LIFTOFF, Status.FALLEN, Status.SETTLED, Status.ENDED)
+
+    @classmethod
+    def of_event(cls, ends: str) -> "Status":
+        """The status of a run that an event with this ending has ended."""
+        return cls(ends) if ends in {status.value for status in cls} else cls.ENDED
+
+
+_CODES = {status: code for code, status in enumerate(Status)}

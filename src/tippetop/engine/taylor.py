@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
+from ..mechanics.events import Event
 from ..mechanics.operand import leaves
-from ..mechanics.system import KINDS, System
+from ..mechanics.system import System
 from ..problem import PRECISIONS, Problem
 from .expressions import variables
 from .status import Status
@@ -35,14 +36,14 @@ def silence() -> None:
 
 
 class Compiled(NamedTuple):
-    """An integrator to be copied, the expressions it was made of, and the log its events write to."""
+    """An integrator to be copied, and the events that end its runs, in heyoka's order."""
 
     integrator: Any
-    kinds: tuple[str, ...]
+    endings: tuple[Event, ...]
 
 
 class Log:
-    """What heyoka calls at an event. Copies are the object itself: heyoka copies callbacks deeply."""
+    """What heyoka calls at an event that ends no run. heyoka copies it deeply: each copy has zeros of its own."""
 
     def __init__(self, kind: str):
         self.kind = kind
@@ -53,6 +54,20 @@ class Log:
 
     def __call__(self, integrator: Any, t: Any, sign: int) -> None:
         self.zeros.append(Zero(t, self.kind, sign))
+
+
+class Stop:
+    """What heyoka calls at an event that ends a run: keeps the sign of the crossing, and stops."""
+
+    def __init__(self) -> None:
+        self.sign = 0
+
+    def __deepcopy__(self, memo: dict) -> "Stop":
+        return Stop()
+
+    def __call__(self, integrator: Any, sign: int) -> bool:
+        self.sign = sign
+        return False
 
 
 @lru_cache(maxsize=32)  # 0.1 to 4 MB each, measured; the one that was used least lately goes
@@ -67,13 +82,13 @@ def compiled(
     compact: bool,
 ) -> Compiled:
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
-    heyoka). `events` are the kinds to detect; liftoff ends the run if `stop`. `compact` code compiles at once, and
+    heyoka). `events` are the kinds to detect; some of them end the run if `stop`. `compact` code compiles at once, and
     runs a third slower."""
     form = system.forms[form_name]
     record, body, equations = variables(system, form, friction)
     scalars, number = form.scalars(record, body), PRECISIONS[precision]
     number = float if number is np.float64 else number
-    passing, terminal, kinds = [], [], []
+    passing, terminal, endings = [], [], []
     for event in system.events:
         if event.name not in events:
             continue
@@ -81,11 +96,11 @@ def compiled(
         if not hy.get_variables(expression):  # it never changes: without friction, sliding dissipates nothing
             continue
         options = {"direction": DIRECTIONS[event.direction], "fp_type": number}
-        if event.stops and stop:
-            terminal.append(hy.t_event(expression, **options))
+        if event.ends and stop:
+            terminal.append(hy.t_event(expression, callback=Stop(), **options))
+            endings.append(event)
         else:
             passing.append(hy.nt_event(expression, Log(event.name), **options))
-            kinds.append(event.name)
     integrator = hy.taylor_adaptive(
         equations,
         np.zeros(len(equations), dtype=PRECISIONS[precision]),
@@ -97,7 +112,7 @@ def compiled(
         compact_mode=compact,
         fp_type=number,
     )
-    return Compiled(integrator, tuple(kinds))
+    return Compiled(integrator, tuple(endings))
 
 
 @dataclass
@@ -113,41 +128,41 @@ class Slice:
     wall: float  # [s] spent inside heyoka
 
 
+def _compiled_for(problem: Problem) -> Compiled:
+    """What is compiled of a problem. Turnings are many, and nothing else needs them: they are detected if logged."""
+    detected = tuple(e.name for e in problem.system.events if not e.sense or e.name in problem.events)
+    return compiled(
+        problem.system,
+        problem.form.name,
+        problem.friction.__class__,
+        problem.precision,
+        problem.tolerance,
+        detected,
+        problem.on_liftoff == "stop",
+        problem.precision != "double" and float(problem.internal_time(problem.until)) < LONG,
+    )
+
+
 def integrator_of(problem: Problem) -> Any:
     """A fresh integrator of the problem, at its start."""
-    detected = tuple(k for k in KINDS if k != "turning" or k in problem.events)
-    integrator = copy.deepcopy(
-        compiled(
-            problem.system,
-            problem.form.name,
-            problem.friction.__class__,
-            problem.precision,
-            problem.tolerance,
-            detected,
-            problem.on_liftoff == "stop",
-            problem.precision != "double" and float(problem.internal_time(problem.until)) < LONG,
-        ).integrator
-    )
+    integrator = copy.deepcopy(_compiled_for(problem).integrator)
     integrator.pars[:] = [problem.number(leaf) for leaf in leaves(problem.internal_body)]
     integrator.state[:] = problem.start()
     return integrator
 
 
-def terminal_kinds(problem: Problem) -> tuple[str, ...]:
-    """The kinds of the events that end a run, in heyoka's order."""
-    return tuple(e.name for e in problem.system.events if e.stops and problem.on_liftoff == "stop")
+def endings_of(problem: Problem) -> tuple[Event, ...]:
+    """The events that end a run of the problem, in the order of its integrator."""
+    return _compiled_for(problem).endings
 
 
-def slices(
-    integrator: Any, end: Any, terminal: tuple[str, ...] = ("liftoff",), steps: int | None = None
-) -> Iterator[Slice]:
+def slices(integrator: Any, end: Any, endings: tuple[Event, ...] = (), steps: int | None = None) -> Iterator[Slice]:
     """Drives an integrator to the internal time `end`, so many steps at a time; the last slice carries the status.
-    `terminal` are the kinds of the events that end it.
+    `endings` are the events that end it, in its order.
 
     Slices of a number of steps are bit-identical to one long call; slices of time would not be.
     """
-    stop, steps = hy.taylor_outcome, steps or STEPS_PER_SLICE
-    status: Status | None
+    steps = steps or STEPS_PER_SLICE
     logs = [event.callback for event in integrator.nt_events] if integrator.with_events else []
     while True:
         for log in logs:
@@ -156,16 +171,12 @@ def slices(
         outcome, *_, output, _ = integrator.propagate_until(end, max_steps=steps, c_output=True)
         wall = time.perf_counter() - clock
         zeros = [zero for log in logs for zero in log.zeros]
-        if outcome == stop.time_limit:
-            status = Status.FINISHED
-        elif outcome == stop.err_nf_state:
-            status = Status.NON_FINITE
-        elif outcome == stop.step_limit:
-            status = Status.STALLED if output.times[-1] - start < steps * 1e-10 else None
-        else:
-            kind = terminal[-int(outcome) - 1]  # heyoka numbers the terminal events -1, -2, ...
-            status = Status.LIFTOFF if kind == "liftoff" else Status.FALLEN
-            zeros.append(Zero(integrator.time, kind, -1))
+        status, last_event = _decoded(outcome, endings)
+        if outcome == hy.taylor_outcome.step_limit and output.times[-1] - start < steps * 1e-10:
+            status = Status.STALLED
+        if last_event is not None:
+            sign = integrator.t_events[endings.index(last_event)].callback.sign
+            zeros.append(Zero(integrator.time, last_event.name, sign))
         if output is None:  # not one step was possible
             none = np.zeros((0, len(integrator.state), 2))
             yield Slice(np.array([start]), _nothing, none, none[:, :, 0], [], status, wall)
@@ -176,6 +187,20 @@ def slices(
         yield Slice(output.times, output, coefficients, ends, sorted(zeros, key=lambda z: z.time), status, wall)
         if status is not None:
             return
+
+
+def _decoded(outcome: Any, endings: tuple[Event, ...]) -> tuple[Status | None, Event | None]:
+    """The status that an outcome of heyoka means, None if there are steps to be made; and the event that ended it."""
+    known = {
+        hy.taylor_outcome.time_limit: Status.FINISHED,
+        hy.taylor_outcome.err_nf_state: Status.NON_FINITE,
+        hy.taylor_outcome.step_limit: None,
+    }
+    if outcome in known:
+        return known[outcome], None
+    event = endings[-1 - int(outcome)]  # heyoka gives -1 for the first event that stops, -2 for the second, ...
+    assert event.ends is not None
+    return Status.of_event(event.ends), event
 
 
 def _nothing(times: np.ndarray) -> np.ndarray:

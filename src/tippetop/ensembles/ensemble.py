@@ -1,5 +1,6 @@
 """Many tops of one scenario, in memory: a Dataset with one row per top."""
 
+import itertools
 import os
 import threading
 import time
@@ -10,16 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..engine.invariants import invariants, size
+from ..engine.observables import values_of
 from ..engine.status import Status
 from ..errors import InputError
-from ..mechanics.system import KINDS
-from ..problem import Problem
+from ..mechanics.events import ON_ZERO
+from ..problem import Problem, Problems, variation_faults
 from ..progress import reporting
 from ..scenario import build
-from . import observer
 from .lanes import LANES, Lanes
-from .outcomes import STATUSES, TIMES, Measured, _conclude, dataset
-from .tops import Tops, known
+from .observer import take_turning
+from .outcomes import Outcomes, _conclude, dataset
+from .tallies import LEAST, MOST, SIGN
 
 
 if TYPE_CHECKING:
@@ -42,114 +44,133 @@ class _Queue:
             return next(self._numbers)
 
 
-class _Worker(Lanes):
-    """Lanes that write their lines into the common arrays."""
+class _Worker:
+    """A thread's lanes, and the observer that writes the rows of their tops into the common arrays."""
 
-    def __init__(self, measured: Measured, starts: dict[str, np.ndarray], signs: tuple, lanes: int):
-        super().__init__(measured.tops, lanes)
-        self.measured, self.starts, self.signs = measured, starts, signs
-        self.variables = len(measured.final)
+    def __init__(
+        self,
+        outcomes: Outcomes,
+        starts: dict[str, np.ndarray],
+        functions: np.ndarray,
+        lanes: int,
+        ended: Callable[[], None],
+    ):
+        self.outcomes, self.starts, self.functions, self.ended = outcomes, starts, functions, ended
+        self.lanes = Lanes(outcomes.tops, lanes)
+        self.variables = len(outcomes.final)
+        self.events = outcomes.tops.base.system.events
         self.processor = 0.0
 
     def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
-        """Signs of the event functions of a top at its start."""
-        return self.signs[0][top], self.signs[1][top]
+        """Signs of the event functions of a top at its start, and which of them are on their zero."""
+        at_start = self.functions[top]
+        return np.where(at_start > 0, 1.0, -1.0), np.abs(at_start) < ON_ZERO
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         """Compares invariants with the start."""
-        values = invariants(self.tops.base, self.tops.values(states[: self.variables], tops))
+        every = self.outcomes.tops
+        values = invariants(every.base, values_of(every, states[: self.variables], tops))
         for name, found in values.items():
             start = self.starts[name][tops]
-            np.maximum.at(self.measured.drift[name], tops, np.abs(found - start) / size(start))
+            np.maximum.at(self.outcomes.drift[name], tops, np.abs(found - start) / size(start))
 
     def done(self, lane: int, status: Status) -> None:
-        """Writes the line of a top that has ended."""
-        measured, top, book = self.measured, self.top[lane], self.books[lane]
-        measured.status[top] = STATUSES.index(status.value)
-        measured.final[:, top] = self.final[lane, : self.variables]
-        columns = measured.columns
-        columns["t_end"][top] = self.end[lane] if status is Status.FINISHED else book["t"]
-        columns["turnings"][top] = book["significant"]
-        for name in (*TIMES, "equators", "theta_min", "theta_max", "steps"):
-            columns[name][top] = book[name]
-        columns["normal_force_min"][top] = book["force_min"]
-        columns["normal_force_max"][top] = book["force_max"]
-        measured.settled[top] = not book["positive"][KINDS.index("settled")]
+        """Writes the row of a top that has ended. The end may confirm the turning that waits."""
+        lanes, outcomes, columns = self.lanes, self.outcomes, self.outcomes.columns
+        rows, tallies, top = lanes.rows, lanes.tallies, lanes.top[lane]
+        tally, functions, final = tallies.lane[lane], tallies.functions[:, :, lane], lanes.final[lane]
+        x, y, z = final[lanes.batch.variables[rows.axis]]
+        take_turning(tally, 0, float(np.arctan2(np.sqrt(x * x + y * y), z)))
+        outcomes.status[top] = status.code
+        outcomes.final[:, top] = final[: self.variables]
+        columns["t_end"][top] = lanes.end[lane] if status is Status.FINISHED else tally["t"]
+        for name in ("turnings", "theta_min", "theta_max", "steps"):
+            columns[name][top] = tally[name]
+        for m, kept in enumerate(kept for event in self.events for kept in event.kept):
+            columns[kept.name][top] = tallies.kept[m, lane]
+        for e, event in enumerate(self.events):
+            if event.extremes:
+                columns[f"{event.extremes}_min"][top] = functions[LEAST, e] / rows.events["scale"][e]
+                columns[f"{event.extremes}_max"][top] = functions[MOST, e] / rows.events["scale"][e]
+        lasting = [event.direction * functions[SIGN, e] > 0 for e, event in enumerate(self.events) if event.lasting]
+        outcomes.settled[top] = all(lasting)
+        self.ended()
 
-    def finish_turning(self, lane: int) -> None:
-        """The end may confirm the turning that waits."""
-        x, y, z = self.final[lane, self.machine.rows[self.machine.sources.axis]]
-        observer.confirm(self.books[lane], float(np.arctan2(np.sqrt(x * x + y * y), z)))
+    def work(self, queue: "_Queue") -> None:
+        """Runs tops from the queue until there is none left."""
+        clock = time.thread_time()
+        try:
+            self.lanes.run(queue, self)
+            self.processor = time.thread_time() - clock
+        except BaseException:
+            queue.stopped = True
+            raise
 
 
 def measure(
-    tops: Tops, *, threads: int | None = None, progress: Callable[[int, int], None] | None = None, lanes: int = LANES
-) -> Measured:
+    tops: Problems,
+    *,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    lanes: int = LANES,
+) -> Outcomes:
     """Integrates every valid top to its end; `progress(done, n)` is called now and then."""
-    measured = Measured(tops)
-    measured.status[~tops.valid] = STATUSES.index("invalid")
+    measured = Outcomes(tops)
+    measured.status[~tops.valid] = Status.INVALID.code
     everything = np.arange(tops.n)
     with np.errstate(all="ignore"):
-        at_start = tops.values(tops.start, everything)
+        at_start = values_of(tops, tops.start, everything)
         starts = invariants(tops.base, at_start)
         functions = _event_functions(tops)
-    signs = (functions > 0, np.abs(functions) < 1e-9)
     measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
-    waiting = tops.valid.copy()
-    if tops.base.on_liftoff == "stop" and any(e.name == "liftoff" for e in tops.base.system.events):
-        afloat = tops.valid & (functions[:, KINDS.index("liftoff")] < 0)
-        measured.status[afloat] = STATUSES.index("liftoff")
-        measured.columns["t_end"][afloat] = measured.columns["lifted_at"][afloat] = 0.0
-        measured.final[:, afloat] = tops.start[:, afloat]
-        waiting &= ~afloat
-    numbers = np.flatnonzero(waiting)
+    numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
     if len(numbers):
-        _run(measured, numbers, starts, signs, threads, progress, lanes)
+        _run(measured, numbers, starts, functions, threads, progress, lanes)
     measured.seconds = time.perf_counter() - clock
     _conclude(measured)
     return measured
 
 
+def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
+    """Which tops end before their first step, (n,): an event function that must not fall below zero has done so."""
+    tops, ended = measured.tops, np.zeros(measured.tops.n, bool)
+    for e, event in enumerate(tops.base.system.events):
+        if tops.base.on_liftoff == "stop" and event.ends and event.extremes:
+            below = tops.valid & ~ended & (functions[:, e] < 0)
+            measured.status[below] = Status.of_event(event.ends).code
+            for name in ("t_end", *(kept.name for kept in event.kept if kept.what != "count")):
+                measured.columns[name][below] = 0.0
+            measured.final[:, below] = tops.start[:, below]
+            ended |= below
+    return ended
+
+
 def _run(
-    measured: Measured,
+    measured: Outcomes,
     numbers: np.ndarray,
     starts: dict[str, np.ndarray],
-    signs: tuple,
+    functions: np.ndarray,
     threads: int | None,
     progress: Callable[[int, int], None] | None,
     lanes: int,
 ) -> None:
-    count = [0]
-    lock = threading.Lock()
-    queue = _Queue(numbers)
+    queue, lock, counted = _Queue(numbers), threading.Lock(), itertools.count(1)
+
+    def ended() -> None:
+        if progress is not None:
+            with lock:
+                progress(next(counted), len(numbers))
+
     workers = [
-        _Worker(measured, starts, signs, lanes)
+        _Worker(measured, starts, functions, lanes, ended)
         for _ in range(max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))))
     ]
-
-    def work(worker: _Worker) -> None:
-        def done(lane: int, status: Status) -> None:
-            worker.finish_turning(lane)
-            worker.done(lane, status)
-            if progress is not None:
-                with lock:
-                    count[0] += 1
-                    progress(count[0], len(numbers))
-
-        clock = time.thread_time()
-        try:
-            worker.run(queue, worker.ready, done)
-            worker.processor = time.thread_time() - clock
-        except BaseException:
-            queue.stopped = True
-            raise
-
     if len(workers) == 1:
-        work(workers[0])
+        workers[0].work(queue)
     else:
         with ThreadPoolExecutor(len(workers)) as pool:
-            tasks = [pool.submit(work, worker) for worker in workers]
+            tasks = [pool.submit(worker.work, queue) for worker in workers]
             try:
                 for task in tasks:
                     task.result()
@@ -157,52 +178,41 @@ def _run(
                 queue.stopped = True
                 raise
     measured.processor = sum(worker.processor for worker in workers)
-    measured.steps_made = sum(worker.tally.made for worker in workers)
-    measured.steps_possible = sum(worker.tally.possible for worker in workers)
+    measured.steps_made = sum(worker.lanes.steps_made for worker in workers)
+    measured.steps_possible = sum(worker.lanes.steps_possible for worker in workers)
 
 
-def _event_functions(tops: Tops) -> np.ndarray:
-    """The event functions of every top at its start, (n, kinds), internal units; NaN where a system has none."""
+def _event_functions(tops: Problems) -> np.ndarray:
+    """The event functions of every top at its start, (n, events), internal units."""
     record, body = tops.record(tops.start), tops.internal_body
     scalars = tops.base.form.scalars(record, body)
-    found = np.full((tops.n, len(KINDS)), np.nan)
-    for event in tops.base.system.events:
-        found[:, KINDS.index(event.name)] = event.formula(scalars, body)
+    found = np.empty((tops.n, len(tops.base.system.events)))
+    for e, event in enumerate(tops.base.system.events):
+        found[:, e] = event.formula(scalars, body)
     return found
 
 
-def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> tuple[Tops, list[tuple[int, str]]]:
-    """The checked tops of a scenario and its variations, and what is wrong with single ones. Raises ScenarioError."""
+def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> Problems:
+    """The tops of a scenario and its variations. Raises InputError."""
     return varied(build.load(source, None, until), variations)
 
 
-def varied(base: Problem, variations: Mapping[str, Any]) -> tuple[Tops, list[tuple[int, str]]]:
-    """The checked tops of a problem and its variations, and what is wrong with single ones. Raises ScenarioError."""
+def varied(base: Problem, variations: Mapping[str, Any]) -> Problems:
+    """The tops of a problem and its variations, for lanes. Raises InputError; `check` tells of single tops."""
+    sentences = [*base_faults(base), *variation_faults(base, variations)]
+    if sentences:
+        raise InputError(sentences)
+    return Problems.vary(base, variations)
+
+
+def base_faults(base: Problem) -> list[str]:
+    """Why a problem cannot run in lanes, in sentences; empty if it can."""
     sentences = []
     if not {"turning", "equator"} & {e.name for e in base.system.events} or "ux" not in base.form.units._fields:
         sentences.append('`form` must be "vector" in an ensemble, of a system that has it.')
     if base.precision != "double":
         sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')
-    rules = known(base)
-    columns = {}
-    for key, values in variations.items():
-        if key not in rules:
-            sentences.append(f"`{key}` must be one of {', '.join(rules)}, but is not.")
-            continue
-        columns[key] = np.array(values, dtype=float)
-    if not columns and not sentences:
-        sentences.append("`variations` must vary something, but is empty.")
-    if len({c.shape for c in columns.values()}) > 1 or any(c.ndim != 1 or not c.size for c in columns.values()):
-        found = ", ".join(f"{key} {c.shape}" for key, c in columns.items())
-        sentences.append(f"`variations` must be arrays of one length and dimension, but are {found}.")
-    if {"initial.psi_dot", "initial.omega3"} <= columns.keys():
-        sentences.append("`initial.psi_dot` must vary alone, but `initial.omega3` varies too.")
-    if base.initial.get("centre_at_rest") and {"initial.nu_x", "initial.nu_y"} & columns.keys():
-        sentences.append("`initial.centre_at_rest` must stand alone, but `initial.nu_x` or `initial.nu_y` varies.")
-    if sentences:
-        raise InputError(sentences)
-    tops = Tops(base, columns)
-    return tops, tops.faults()
+    return sentences
 
 
 def of_problem(
@@ -217,6 +227,6 @@ def of_problem(
     `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
     of them stands in the attributes. Raises InputError if a key is wrong.
     """
-    tops, faults = varied(base, variations)
+    tops = varied(base, variations)
     with reporting(progress, "tops") as tell:
-        return dataset(measure(tops, threads=threads, progress=tell), faults)
+        return dataset(measure(tops, threads=threads, progress=tell), tops.check()[1])

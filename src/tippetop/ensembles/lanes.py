@@ -4,40 +4,55 @@ Slices of steps never change a top, and no lane sees another: a top's numbers de
 """
 
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import heyoka as hy
 import numpy as np
 
 from ..engine.expressions import variables
-from ..engine.status import SETTLED_FOR, Status
-from ..mechanics.operand import leaves
-from ..mechanics.system import KINDS, System
-from ..problem import QUADRATURE_SCALE, Problem
-from . import observer
-from .observer import GOING, LIFTED, SETTLED, STALLED, Rules, Sources
-from .tops import Tops
+from ..engine.observables import values_of
+from ..engine.settling import SETTLED_FOR, stays
+from ..engine.status import Status
+from ..mechanics.operand import leaves, refill
+from ..mechanics.system import System
+from ..mechanics.units import SECOND
+from ..problem import QUADRATURE_SCALE, Problem, Problems
+from .observer import EVERY, follow
+from .tallies import EventRows, StopRules, event_rows, new_tallies, reset
 
 
 LANES = 32  # two threads share the lock of Python better than with 16; alone 16 are as fast, 8 and 64 slower
 LONGEST, SHORTEST = 64, 8  # steps of a slice: overhead against idle lanes, and coefficients that stay in the cache
 AT_ONCE = 32  # slices between two looks at the invariants: a look takes 0.2 ms whatever its length
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
-ENDS = {GOING: Status.FINISHED, LIFTED: Status.LIFTOFF, STALLED: Status.STALLED, SETTLED: Status.SETTLED}
+STATUSES = {status.code: status for status in Status}
 
 
-class Machine(NamedTuple):
-    """A compiled batch integrator, and what the books read of its Taylor coefficients."""
+class CompiledBatch(NamedTuple):
+    """A compiled batch integrator, and what the observer reads of its Taylor coefficients."""
 
     integrator: Any
-    rows: np.ndarray  # which variables' coefficients are kept
-    sources: Sources  # where the event functions stand among them
+    variables: np.ndarray  # whose coefficients are kept
+    rows: EventRows  # where the event functions stand among them
+
+
+class Observer(Protocol):
+    """Who wants to know what becomes of the tops in the lanes."""
+
+    def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
+        """Signs of the event functions of a top at its start, (events,), and which of them are on their zero."""
+
+    def look(self, states: np.ndarray, tops: np.ndarray) -> None:
+        """Takes states (variables, k) that were sampled on the way, and whose they are, (k,)."""
+
+    def done(self, lane: int, status: Status) -> None:
+        """Takes the end of the top in a lane, whose tally still stands."""
 
 
 @lru_cache(maxsize=32)
-def compiled(system: System, form_name: str, friction: Any, tolerance: float, lanes: int) -> Machine:
+def compiled(system: System, form_name: str, friction: Any, tolerance: float, lanes: int) -> CompiledBatch:
     """The batch integrator of a system in a form with a friction law.
 
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is neither, its integral is
@@ -46,24 +61,15 @@ def compiled(system: System, form_name: str, friction: Any, tolerance: float, la
     form = system.forms[form_name]
     record, body, equations = variables(system, form, friction)
     scalars = form.scalars(record, body)
-    found = {}
+    sources = []
     for event in system.events:
         function = event.formula(scalars, body)
         source = _source(function, equations)
-        found[event.name] = source or (len(equations), 1, QUADRATURE_SCALE, 0.0)
+        sources.append(source or (len(equations), 1, QUADRATURE_SCALE, 0.0))
         if not source:
             equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(QUADRATURE_SCALE) * function))
     axis = [form.units._fields.index(v) for v in ("ux", "uy", "uz")]
-    rows = np.unique([*axis, *(index for index, *_ in found.values())])
-    index, shift, scale, offset = map(np.array, zip(*(found.get(k, (-1, 0, 1.0, 0.0)) for k in KINDS), strict=True))
-    sources = Sources(
-        np.where(index >= 0, np.searchsorted(rows, index), -1),
-        shift,
-        scale,
-        offset,
-        (index == index[0]) & (shift == 0) & (shift[0] == 1) & (scale[0] == 1.0),
-        np.searchsorted(rows, axis),
-    )
+    kept = np.unique([*axis, *(index for index, *_ in sources)])
     integrator = hy.taylor_adaptive_batch(
         equations,
         np.zeros((len(equations), lanes)),
@@ -71,7 +77,7 @@ def compiled(system: System, form_name: str, friction: Any, tolerance: float, la
         tol=tolerance,
         high_accuracy=True,
     )
-    return Machine(integrator, rows, sources)
+    return CompiledBatch(integrator, kept, event_rows(system.events, sources, kept, axis))
 
 
 def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, float] | None:
@@ -87,33 +93,30 @@ def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, flo
     return None
 
 
-class Tally:
-    """What a thread counts: steps made, and steps that lanes could have made."""
-
-    made, possible = 0, 0
-
-
 class Lanes:
-    """The lanes of one integrator. `run` takes tops from a queue and hands back their pages of the books."""
+    """The lanes of one integrator. `run` takes tops from a queue and tells an observer of their ends."""
 
-    def __init__(self, tops: Tops, lanes: int = LANES):
+    def __init__(self, tops: Problems, lanes: int = LANES):
         base = tops.base
-        machine = compiled(base.system, base.form.name, base.friction.__class__, base.tolerance, lanes)
-        self.tops, self.lanes, self.machine = tops, lanes, machine
-        integrator = self.integrator = copy.deepcopy(machine.integrator)
-        self.rules, self.rows = rules(base), machine.rows
-        self.books = observer.blank(lanes)
+        batch = compiled(base.system, base.form.name, base.friction.__class__, base.tolerance, lanes)
+        self.tops, self.lanes, self.batch = tops, lanes, batch
+        integrator = self.integrator = copy.deepcopy(batch.integrator)
+        self.rules, self.rows = rules(base), batch.rows
+        if base.on_liftoff != "stop":  # then no event ends a run
+            self.rows = self.rows._replace(events=self.rows.events.copy())
+            self.rows.events["ends"] = 0
+        self.tallies = new_tallies(self.rows, lanes)
         self.top = np.full(lanes, -1)  # which top is in a lane; -1: none
         self.end = np.zeros(lanes)
         self.final = np.zeros((lanes, len(integrator.state)))
-        self.samples = np.empty((2, (LONGEST // observer.EVERY + 1) * lanes), np.int64)
+        self.samples = np.empty((2, (LONGEST // EVERY + 1) * lanes), np.int64)
         self.seen: list[tuple[np.ndarray, np.ndarray]] = []  # sampled states, and their tops, to be looked at together
         # views of the integrator's own memory, and what is kept of it after every step
         self.now, self.state, self.tc, self.kept = integrator.time, integrator.state, integrator.tc, 0
         self.times = np.empty((LONGEST + 1, lanes))
         self.states = np.empty((LONGEST + 1, *self.state.shape))
-        self.tcs = np.empty((LONGEST, len(machine.rows), *self.tc.shape[1:]))
-        self.tally = Tally()
+        self.tcs = np.empty((LONGEST, len(batch.variables), *self.tc.shape[1:]))
+        self.steps_made = self.steps_possible = 0  # steps of tops, and steps that the lanes could have made
         integrator.pars[:] = tops.pars[:, tops.valid][:, :1]  # lanes without a top hold a sound one, at its end
         self._put(slice(None), tops.start[:, tops.valid][:, :1])
 
@@ -130,7 +133,7 @@ class Lanes:
         self.integrator.pars[:, lane] = self.tops.pars[:, top]
         self._put(lane, self.tops.start[:, top])
         self.top[lane], self.end[lane] = top, self.tops.end[top]
-        observer.open_page(self.books, lane, signs, on_zero)
+        reset(self.tallies, self.rows, lane, signs, on_zero)
 
     def park(self, lane: int) -> None:
         """Leaves a lane with a sound top at its end: it takes no steps."""
@@ -141,33 +144,33 @@ class Lanes:
 
     def _length(self) -> int:
         """Steps until the first lane is likely to end."""
-        going = (self.top >= 0) & (self.books["steps"] > 0)
+        tally = self.tallies.lane
+        going = (self.top >= 0) & (tally["steps"] > 0)
         if not going.any():
             return SHORTEST
-        left = (self.end - self.books["t"])[going] * self.books["steps"][going] / self.books["t"][going]
+        left = (self.end - tally["t"])[going] * tally["steps"][going] / tally["t"][going]
         return int(np.clip(1.01 * left.min() + 1, SHORTEST, LONGEST))
 
-    def run(self, queue: Iterator[int], ready: Callable, done: Callable) -> None:
-        """Runs tops from the queue to their ends. `ready(top)` gives the signs of its event functions at the start,
-        `done(lane, status)` is told of every end, with the lane's page still open."""
+    def run(self, queue: Iterator[int], observer: Observer) -> None:
+        """Runs tops from the queue to their ends."""
         for lane in range(self.lanes):
-            self._next(lane, queue, ready)
+            self._next(lane, queue, observer)
         while (self.top >= 0).any():
-            self.advance(done)
+            self.advance(observer)
             for lane in np.flatnonzero(self.top == -2).tolist():
-                self._next(lane, queue, ready)
-        self._look()
+                self._next(lane, queue, observer)
+        self._look(observer)
 
-    def _next(self, lane: int, queue: Iterator[int], ready: Callable) -> None:
+    def _next(self, lane: int, queue: Iterator[int], observer: Observer) -> None:
         top = next(queue, None)
         if top is None:
             self.park(lane)
         else:
-            self.load(lane, top, *ready(top))
+            self.load(lane, top, *observer.ready(top))
 
-    def advance(self, done: Callable) -> None:
-        """A slice; lanes whose top has ended are told of and left empty (-2)."""
-        ta, books = self.integrator, self.books
+    def advance(self, observer: Observer) -> None:
+        """A slice; lanes whose top has ended are left empty (-2)."""
+        ta, tally = self.integrator, self.tallies.lane
         dtime = tuple(np.array(part) for part in ta.dtime)
         self.times[0], self.states[0], self.kept = self.now, self.state, 0
         # heyoka's dense output costs 0.7 ms a call (it compiles) and fresh memory; its callback 1 us a step
@@ -176,22 +179,23 @@ class Lanes:
         broken = np.array([outcome == hy.taylor_outcome.err_nf_state for outcome in outcomes])
         if broken.any():  # heyoka stopped all lanes, in a step that nobody saw: the slice is made again without
             self.times[: self.kept + 1, ~broken] = self.times[0, ~broken]  # steps that lead nowhere are not followed
-        before = int(books["steps"].sum())
-        self._follow()
+        before = int(tally["steps"].sum())
+        self._follow(observer)
         if broken.any():
             ta.state[:] = self.states[0]
             ta.set_dtime(*dtime)
         else:
-            self.tally.made += int(books["steps"].sum()) - before
-            self.tally.possible += self.lanes * self.kept
+            self.steps_made += int(tally["steps"].sum()) - before
+            self.steps_possible += self.lanes * self.kept
         over = np.array([outcome == hy.taylor_outcome.time_limit for outcome in outcomes]) & ~broken.any()
-        for lane in np.flatnonzero((self.top >= 0) & (over | broken | (books["code"] != GOING))).tolist():
-            code = int(books["code"][lane])
-            if code != GOING:
-                self.final[lane] = self._state_at_end(lane)
+        stopped = tally["status"] != Status.RUNNING.code
+        for lane in np.flatnonzero((self.top >= 0) & (over | broken | stopped)).tolist():
+            if stopped[lane]:
+                status, self.final[lane] = STATUSES[int(tally["status"][lane])], self._state_at_end(lane)
             else:
-                self.final[lane] = self.states[self.kept, :, lane]
-            done(lane, Status.NON_FINITE if broken[lane] and code == GOING else ENDS[code])
+                status, self.final[lane] = Status.FINISHED, self.states[self.kept, :, lane]
+                status = Status.NON_FINITE if broken[lane] else status
+            observer.done(lane, status)
             self.end[lane] = self.now[lane]
             if broken[lane]:
                 self.park(lane)
@@ -200,40 +204,55 @@ class Lanes:
     def _keep(self, integrator: Any) -> bool:
         """heyoka calls this after every step."""
         k = self.kept
-        self.tc.take(self.rows, 0, self.tcs[k], "clip")
+        self.tc.take(self.batch.variables, 0, self.tcs[k], "clip")
         self.kept = k = k + 1
         self.states[k], self.times[k] = self.state, self.now
         return True
 
-    def _follow(self) -> None:
-        times, tcs = self.times[: self.kept + 1], self.tcs[: self.kept]
-        kept = observer.follow(times, tcs, self.machine.sources, self.rules, self.books, self.samples)
-        if kept:
-            steps, lanes = self.samples[:, :kept]
-            self.seen.append((self.states[steps + 1, :, lanes].T, self.top[lanes]))
-            if len(self.seen) >= AT_ONCE:
-                self._look()
+    def _follow(self, observer: Observer) -> None:
+        self.tallies.lane["step"] = -1
+        while True:
+            times, tcs = self.times[: self.kept + 1], self.tcs[: self.kept]
+            sampled = follow(times, tcs, self.rows, self.rules, self.tallies, self.samples)
+            if sampled:
+                steps, lanes = self.samples[:, :sampled]
+                self.seen.append((self.states[steps + 1, :, lanes].T, self.top[lanes]))
+                if len(self.seen) >= AT_ONCE:
+                    self._look(observer)
+            if not self._goes_on():
+                return
 
-    def _look(self) -> None:
+    def _goes_on(self) -> bool:
+        """Whether tops that had settled will yet move: then the rest of their steps is still to be followed."""
+        tally, any_does = self.tallies.lane, False
+        for lane in np.flatnonzero((self.top >= 0) & (tally["status"] == Status.SETTLED.code)).tolist():
+            top = self.top[[lane]]
+            leaf_of = (float(np.broadcast_to(leaf, (self.tops.n,))[top[0]]) for leaf in leaves(self.tops.body))
+            body = refill(self.tops.body, leaf_of)
+            state = self.states[int(tally["step"][lane]) + 1, : len(self.tops.start), [lane]].T
+            if not stays(body, values_of(self.tops, state, top), float(self.tops.unit(SECOND)[top[0]])):
+                tally["status"][lane], any_does = Status.RUNNING.code, True
+                tally["doubted"][lane] = tally["lasts_since"][lane]
+        return any_does
+
+    def _look(self, observer: Observer) -> None:
         seen, self.seen = self.seen, []
         if seen:
-            self.look(*(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True)))
+            observer.look(*(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True)))
 
     def _state_at_end(self, lane: int) -> np.ndarray:
         """The state in which a rule ended a top: if in the midst of a step, that step is made again up to there."""
-        step, upto = int(self.books["step"][lane]), float(self.books["upto"][lane])
+        step, upto = int(self.tallies.lane["step"][lane]), float(self.tallies.lane["upto"][lane])
         if upto == 1.0:
             return self.states[step + 1, :, lane]
-        again = copy.deepcopy(self.machine.integrator)
+        again = copy.deepcopy(self.batch.integrator)
         again.pars[:], again.state[:] = self.integrator.pars[:, [lane]], self.states[step, :, [lane]].T
         again.propagate_until(np.full(self.lanes, upto * (self.times[step + 1, lane] - self.times[step, lane])))
         return again.state[:, 0]
 
-    def look(self, states: np.ndarray, tops: np.ndarray) -> None:
-        """Told of sampled states (variables, k) and whose they are; replaced by who wants to compare invariants."""
 
-
-def rules(base: Problem) -> Rules:
-    """When a lane ends before its time."""
-    stops = base.on_liftoff == "stop" and any(e.name == "liftoff" and e.stops for e in base.system.events)
-    return Rules(stops, SETTLED_FOR if base.stop_when == "settled" else np.inf, MOST_STEPS)
+def rules(base: Problem) -> StopRules:
+    """When a top ends before its time, other than by an event."""
+    lasting = [i for i, event in enumerate(base.system.events) if event.lasting] if base.stop_when == "settled" else []
+    way = base.system.events[lasting[0]].direction if lasting else 0
+    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS)

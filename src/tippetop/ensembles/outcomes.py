@@ -1,54 +1,87 @@
 """What is kept of each top of an ensemble: status, class, times, angles, forces, drift."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..columns import Column, flag_attributes
+from ..engine.observables import values_of
+from ..engine.status import Status
+from ..mechanics.contact.gliding.catalogue import EVENTS
+from ..mechanics.events import Event
+from ..mechanics.system import System
 from ..mechanics.units import NEWTON, ONE, RADIAN, SECOND, Unit
+from ..problem import Problems
 from ..scenario import build
-from .tops import Tops, known
 
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-STATUSES = ("todo", "finished", "liftoff", "fallen", "settled", "non-finite", "stalled", "invalid")
 CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way")
 NEAR = 0.1  # rad from a pole: upright or inverted
 
-TIMES = {
-    "first_equator": "first passage of theta = pi/2; NaN: none",
-    "last_equator": "last passage of theta = pi/2; NaN: none",
-    "inverted_at": "theta first rises through pi - 0.1; NaN: never",
-    "lifted_at": "the normal force first falls to zero; NaN: never",
-    "settled_at": "sliding last died out; NaN: never",
-}
-COLUMNS: dict[str, tuple[Any, Unit, str]] = {
-    "t_end": (np.float64, SECOND, "end of the run"),
-    "theta_end": (np.float64, RADIAN, "inclination at the end"),
-    **{name: (np.float64, SECOND, text) for name, text in TIMES.items()},
-    "equators": (np.int32, ONE, "passages of theta = pi/2"),
-    "turnings": (np.int32, ONE, "turning angles that are more than rounding"),
-    "theta_min": (np.float64, RADIAN, "lowest turning angle"),
-    "theta_max": (np.float64, RADIAN, "highest turning angle"),
-    "normal_force_min": (np.float64, NEWTON, "least normal force"),
-    "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
-    "steps": (np.int32, ONE, "steps of the integrator"),
-}
+Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
 
 
-class Measured:
-    """A line per top, as arrays; and what the making took."""
+def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
+    """The columns of what events keep: times, then counts."""
+    kept = [kept for event in events for kept in event.kept]
+    times = {k.name: (np.float64, SECOND, k.long_name) for k in kept if k.what != "count"}
+    return times | {k.name: (np.int32, ONE, k.long_name) for k in kept if k.what == "count"}
 
-    def __init__(self, tops: Tops):
+
+def columns_of(system: System) -> dict[str, Form]:
+    """The columns of ensembles of a system: those of a gliding body, whether it has these events or not; then what its
+    own events keep."""
+    names = {event.name: event for event in EVENTS}
+    order = [names[name] for name in ("equator", "inverted", "liftoff", "settled")]
+    return {
+        "t_end": (np.float64, SECOND, "end of the run"),
+        "theta_end": (np.float64, RADIAN, "inclination at the end"),
+        **_kept_columns(order),
+        "turnings": (np.int32, ONE, "turning angles that are more than rounding"),
+        "theta_min": (np.float64, RADIAN, "lowest turning angle"),
+        "theta_max": (np.float64, RADIAN, "highest turning angle"),
+        "normal_force_min": (np.float64, NEWTON, "least normal force"),
+        "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
+        "steps": (np.int32, ONE, "steps of the integrator"),
+        **_extremes(system),
+        **{name: form for name, form in _kept_columns(system.events).items() if name not in _kept_columns(order)},
+    }
+
+
+def _extremes(system: System) -> dict[str, Form]:
+    """The columns of extremes of event functions other than the normal force."""
+    watched = {event.extremes for event in system.events} - {"", "normal_force"}
+    return {
+        f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
+        for q in system.quantities
+        if q.name in watched
+        for end, word in (("min", "least"), ("max", "greatest"))
+    }
+
+
+def statuses_of(system: System) -> tuple[str, ...]:
+    """The words of the column `status`, by number; ENDED only where an event of the system needs it."""
+    own = any(event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events)
+    last = Status.ENDED if own else Status.INVALID
+    return tuple(status.value for status in Status if status.code <= last.code)
+
+
+class Outcomes:
+    """A row per top, as arrays (n,); and what the making took."""
+
+    def __init__(self, tops: Problems):
         self.tops, n = tops, tops.n
+        self.forms = columns_of(tops.base.system)
         self.status = np.zeros(n, np.int8)
         self.kind = np.zeros(n, np.int8)
         self.columns = {
             name: np.full(n, np.nan) if dtype is np.float64 else np.zeros(n, dtype)
-            for name, (dtype, _, _) in COLUMNS.items()
+            for name, (dtype, _, _) in self.forms.items()
         }
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
@@ -62,32 +95,31 @@ class Measured:
         return self.steps_made / max(1, self.steps_possible)
 
 
-def _conclude(measured: Measured) -> None:
+def _conclude(outcomes: Outcomes) -> None:
     """What follows from the ends: SI units, theta at the end, the class."""
-    tops, columns = measured.tops, measured.columns
-    for name, (_, unit, _) in COLUMNS.items():
-        if unit in (SECOND, NEWTON):
+    tops, columns = outcomes.tops, outcomes.columns
+    for name, (dtype, unit, _) in outcomes.forms.items():
+        if dtype is np.float64:
             columns[name] *= tops.unit(unit)
-    for name in ("normal_force_min", "normal_force_max"):
-        columns[name][~np.isfinite(columns[name])] = np.nan
-    ended = np.isfinite(measured.final).all(axis=0)
+            columns[name][~np.isfinite(columns[name])] = np.nan
+    ended = np.isfinite(outcomes.final).all(axis=0)
     theta = columns["theta_end"]
-    theta[ended] = tops.values(measured.final[:, ended], np.flatnonzero(ended))["theta"]
+    theta[ended] = values_of(tops, outcomes.final[:, ended], np.flatnonzero(ended))["theta"]
     kind = np.full(tops.n, CLASSES.index("under-way"))
-    ends = {"tumbling": measured.settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
+    ends = {"tumbling": outcomes.settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     for name in tops.base.system.classes:
         kind[ends[name]] = CLASSES.index(name)
     kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
-    sound = np.isin(measured.status, [STATUSES.index(s) for s in ("finished", "liftoff", "fallen", "settled")])
-    measured.kind[:] = np.where(sound, kind, CLASSES.index("none"))
+    sound = np.isin(outcomes.status, [status.code for status in Status if status.ordinary])
+    outcomes.kind[:] = np.where(sound, kind, CLASSES.index("none"))
 
 
-def dataset(measured: Measured, faults: list[tuple[int, str]]) -> "xr.Dataset":
+def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
     """The lines as a labelled Dataset, dimension `top`."""
     import xarray as xr
 
-    found, tops = table(measured), measured.tops
-    rules = known(tops.base)
+    found, tops = table(outcomes), outcomes.tops
+    rules = tops.base.rules
     coords = {
         key: ("top", column, {"units": rules[key].unit.symbol, "long_name": rules[key].long_name})
         for key, column in tops.columns.items()
@@ -95,22 +127,23 @@ def dataset(measured: Measured, faults: list[tuple[int, str]]) -> "xr.Dataset":
     attrs = {
         "title": tops.base.system.title,
         **build.resolved(tops.base),
-        "occupancy": measured.occupancy,
-        "seconds": measured.seconds,
-        "processor_seconds": measured.processor,
+        "occupancy": outcomes.occupancy,
+        "seconds": outcomes.seconds,
+        "processor_seconds": outcomes.processor,
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],
     }
     return xr.Dataset(found, coords, attrs)
 
 
-def table(measured: Measured) -> dict[str, Column]:
+def table(outcomes: Outcomes) -> dict[str, Column]:
     """The lines as columns along `top`, by name."""
+    words = statuses_of(outcomes.tops.base.system)
     found: dict[str, Column] = {
-        "status": Column(("top",), measured.status, flag_attributes(STATUSES, "how the run ended")),
-        "class": Column(("top",), measured.kind, flag_attributes(CLASSES, "what became of the top")),
+        "status": Column(("top",), outcomes.status, flag_attributes(words, "how the run ended")),
+        "class": Column(("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")),
     }
-    for name, (_, unit, text) in COLUMNS.items():
-        found[name] = Column(("top",), measured.columns[name], {"units": unit.symbol, "long_name": text})
-    for name, worst in measured.drift.items():
+    for name, (_, unit, text) in outcomes.forms.items():
+        found[name] = Column(("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text})
+    for name, worst in outcomes.drift.items():
         found[f"drift_{name}"] = Column(("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
     return found

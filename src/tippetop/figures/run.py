@@ -7,6 +7,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from ..columns import flagged
 from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
 
 
@@ -35,7 +36,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     for when in _of(events, "liftoff")[:1]:
         axes.axvline(when, color=ALARM, lw=1.0, ls="--", label=f"liftoff at {when:.4g} s")
     made.legend(loc="outside upper right", ncols=4, markerscale=2.5, fontsize=9)
-    turning = _is(events, "turning") & events["significant"].values.astype(bool)
+    turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     swing = events["amplitude"].values[turning]
     if len(swing):
         below.plot(*_thinned(events["time"].values[turning], swing), color=UPPER, lw=0.9, marker=".", ms=2)
@@ -248,19 +249,13 @@ def _span(t: np.ndarray) -> tuple[float, float]:
     return (float(t[0]), float(t[-1])) if len(t) > 1 and t[-1] > t[0] else (-1.0, 1.0)
 
 
-def _is(events: Any, kind: str) -> np.ndarray:
-    """Which events are of a kind, by the flags of the log."""
-    kinds = events["kind"].attrs["flag_meanings"].split()
-    return events["kind"].values == (kinds.index(kind) if kind in kinds else -1)
-
-
 def _of(events: Any, kind: str) -> np.ndarray:
-    return events["time"].values[_is(events, kind)]
+    return events["time"].values[flagged(events["kind"], kind)]
 
 
 def _turnings(events: Any, sign: int) -> tuple[np.ndarray, np.ndarray]:
     """Times and angles of the significant minima (sign +1) or maxima (-1) of theta."""
-    keep = _is(events, "turning") & events["significant"].values.astype(bool)
+    keep = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     keep &= events["theta_dot_sign"].values == sign
     return events["time"].values[keep], events["theta"].values[keep]
 

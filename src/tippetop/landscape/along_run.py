@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..columns import flagged
 from ..errors import InputError, a_system
 from ..mechanics.friction import Frictionless
-from ..mechanics.system import KINDS, Landscape
+from ..mechanics.system import Landscape
 from ..mechanics.systems import SYSTEMS, find
 from ..mechanics.theory import thresholds, tumbling
 from .marked_lines import marked_lines
@@ -39,7 +40,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
 
     parameters, system, landscape = _body(attrs)
     found = band_along(parameters, trajectory, system)
-    turning = (events["kind"].values == KINDS.index("turning")) & events["significant"].values.astype(bool)
+    turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     when, theta = events["time"].values[turning], events["theta"].values[turning]
     if trajectory["time"].size < 4:
         when, theta, turning = when[:0], theta[:0], np.zeros_like(turning)
@@ -99,7 +100,7 @@ def phase(
     """The asymptotic states of the body of a run as branches over lambda, values of lambda to be marked, and the run as
     cos(theta) with its lambda [kg m^3/s]."""
     _body(attrs, SPINNING)
-    body = SYSTEMS[attrs["system"]].body(attrs["parameters"], Frictionless())
+    body = SYSTEMS[attrs["system"]].body_of(attrs["parameters"], Frictionless())
     lam = float(trajectory["jellett"][0])
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}

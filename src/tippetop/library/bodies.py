@@ -38,7 +38,7 @@ class Top:
 
     def body(self, law: Any = None) -> Any:
         """The record that formulas take, in SI units; `law` is a record of a friction law."""
-        return self.system().body(self.numbers(), Frictionless() if law is None else law)
+        return self.system().body_of(self.numbers(), Frictionless() if law is None else law)
 
     def system(self, *, gliding: bool = True) -> System:
         """The system that the body is by default, gliding or with its contact at rest."""

@@ -7,7 +7,8 @@ from ..errors import InputError
 from ..landscape import marked_lines as lines_of
 from ..landscape import potential as potential_of
 from ..landscape import surface, turning
-from ..mechanics.systems import find
+from ..landscape.body import landscape_of
+from ..mechanics.system import System
 from .bodies import Top
 from .run import Run
 
@@ -22,7 +23,7 @@ def minimal_surface(
     top: Body,
     first: Any = None,
     second: Any = None,
-    system: str | None = None,
+    system: str | System | None = None,
     *,
     D: Any = None,
     lam: Any = None,
@@ -64,7 +65,7 @@ def minimal_surface(
     infimum that is approached at a pole); lower_of_two; unsettled; undefined.
     """
     parameters, name = _body(top, system)
-    x, y = _momenta(name, first, second, D, lam, L3, Lz)
+    x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
     return surface.minimal_surface(parameters, x, y, name, gradient=gradient, threads=threads)
 
 
@@ -73,7 +74,7 @@ def potential(
     z: Any,
     first: Any = None,
     second: Any = None,
-    system: str | None = None,
+    system: str | System | None = None,
     *,
     D: Any = None,
     lam: Any = None,
@@ -106,7 +107,7 @@ def potential(
     Rutstam (2010), eqs. 4.12, 2.38, 5.26. No digits are lost near the poles.
     """
     parameters, name = _body(top, system)
-    x, y = _momenta(name, first, second, D, lam, L3, Lz)
+    x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
     return potential_of.potential(parameters, z, x, y, name)
 
 
@@ -115,7 +116,7 @@ def turning_angles(
     first: Any = None,
     second: Any = None,
     energy: Any = None,
-    system: str | None = None,
+    system: str | System | None = None,
     *,
     D: Any = None,
     lam: Any = None,
@@ -149,14 +150,14 @@ def turning_angles(
     Rutstam (2010), eqs. 4.12 and 4.21.
     """
     parameters, name = _body(top, system)
-    x, y = _momenta(name, first, second, D, lam, L3, Lz)
+    x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
     if energy is None:
         raise InputError(["`energy` must be given, but is missing."])
     return turning.turning_angles(parameters, x, y, energy, name)
 
 
 def band(
-    run: Run | Mapping[str, float], trajectory: "xr.Dataset | None" = None, system: str | None = None
+    run: Run | Mapping[str, float], trajectory: "xr.Dataset | None" = None, system: str | System | None = None
 ) -> "xr.Dataset":
     """The nutational band along a run, as the main equation predicts it from D(t), lambda and E~(t).
 
@@ -214,29 +215,29 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
     return lines_of.marked_lines(_body(top, None)[0], lam)
 
 
-def _body(top: Body, system: str | None) -> tuple[Mapping[str, float], str]:
-    """Parameters and name of the system."""
+def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], str | System]:
+    """Parameters and system."""
     if isinstance(top, Top):
-        return top.numbers(), system or top.gliding
+        return top.numbers(), system or top.system()
     if isinstance(top, Run):
-        return top.attributes["parameters"], system or top.attributes["system"]
+        return top.problem.parameters, system or top.problem.system
     if isinstance(top, Mapping):
         return top, system or "tippe-top"
-    raise InputError(
-        [f"the body must be a TippeTop, a HeavyTop, a Run or a mapping of parameters, but is {top!r:.60}."]
-    )
+    raise InputError([f"the body must be a TippeTop, a HeavyTop, a Run or a mapping, but is {top!r:.60}."])
 
 
-def _momenta(system: str, first: Any, second: Any, D: Any, lam: Any, L3: Any, Lz: Any) -> tuple[Any, Any]:
+def _momenta(system: str | System, first: Any, second: Any, **letters: Any) -> tuple[Any, Any]:
     """The two momenta, given by their letters or by position."""
-    tippe_tops, heavy_tops = {"D": D, "lam": lam}, {"L3": L3, "Lz": Lz}
-    record = find(system)
-    heavy = record is not None and record.landscape is not None and "L3" in record.landscape.symbols
-    letters, others = (heavy_tops, tippe_tops) if heavy else (tippe_tops, heavy_tops)
-    known = " and ".join(letters)
-    sentences = [f"`{name}` is no momentum of {system}: it has {known}." for name, v in others.items() if v is not None]
+    record, landscape = landscape_of(system)
+    names = ["lam" if symbol == "lambda" else symbol for symbol in landscape.symbols]
+    sentences = [
+        f"`{letter}` is no momentum of {record.name}: it has {' and '.join(names)}."
+        for letter, value in letters.items()
+        if value is not None and letter not in names
+    ]
     found = []
-    for (name, by_letter), by_place in zip(letters.items(), (first, second), strict=True):
+    for name, by_place in zip(names, (first, second), strict=True):
+        by_letter = letters[name]
         if (by_letter is None) == (by_place is None):
             how = "missing" if by_letter is None else "given twice"
             sentences.append(f"`{name}` must be given once, but is {how}.")

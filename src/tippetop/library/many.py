@@ -63,7 +63,7 @@ def ensemble(
     if not isinstance(variations, Mapping):
         raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])
     dotted, sentences = {}, []
-    known = list(ensembles.known(base))
+    known = list(base.rules)
     for name, values in variations.items():
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..mechanics.system import Event, Quantity, System
+from ..mechanics.events import Event
+from ..mechanics.system import Quantity, System
 from ..problem import Problem
 from ..progress import Bar
 from ..runs.run import solve

@@ -8,7 +8,8 @@ from functools import lru_cache
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.system import Event, Quantity, System
+from ..mechanics.events import Event
+from ..mechanics.system import Quantity, System
 from ..problem import Problem
 from ..scenario import build, reading
 from ..scenario.numbers import plain
@@ -48,7 +49,7 @@ def problem_of(
         for name, given in (("start", start), ("initial", initial)):
             if given is not None and not isinstance(given, Mapping):
                 raise InputError([f"`{name}` must be a mapping such as dict(theta=0.1), but is {given!r}."])
-            _start(tables, given or {})
+            _start(tables, given or {}, chosen)
         if form is not None:
             tables["form"] = form
         if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
@@ -152,17 +153,13 @@ def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
     tables[name] = {**tables.get(name, {}), **plain(given)}
 
 
-def _start(tables: dict[str, Any], given: Mapping[str, Any]) -> None:
-    """Applies initial data; what stands for another in the base goes."""
+def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> None:
+    """Applies initial data; what says the same in another way in the base goes."""
     base = tables.get("initial", {})
     if not isinstance(base, dict):  # the check of the scenario says so
         return
-    base = dict(base)
-    for one, other in (("omega3", "psi_dot"), ("psi_dot", "omega3")):
-        if one in given and other not in given:
-            base.pop(other, None)
     if given or base:
-        tables["initial"] = {**base, **plain(given)}
+        tables["initial"] = system.replaced(base, plain(given))
 
 
 def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:

@@ -1,17 +1,18 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from .events import Event, kinds
 from .units import Unit
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that a person gives: its unit, its meaning, and the open or closed interval it must lie in."""
+    """A number that the user gives: its unit, its meaning, and the open or closed interval it must lie in."""
 
     unit: Unit
     long_name: str
@@ -19,6 +20,47 @@ class Parameter:
     least: float | None = None  # must be at least
     below: float | None = None  # must be less than
     most: float | None = None  # must be at most
+
+    def _bounds(self) -> list[tuple[str, float, Callable]]:
+        """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
+        bounds = (
+            ("greater than", self.above, np.less_equal),
+            ("at least", self.least, np.less),
+            ("less than", self.below, np.greater_equal),
+            ("at most", self.most, np.greater),
+        )
+        return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
+
+    def broken(self, values: Any) -> Any:
+        """Where values lie outside the interval or are not finite: a mask of their shape."""
+        broken = ~np.isfinite(values)
+        for _, limit, breaks in self._bounds():
+            broken = broken | breaks(values, limit)
+        return broken
+
+    def must(self, value: float | None = None) -> str:
+        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that it breaks."""
+        if value is None:
+            return "must be finite" + "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds())
+        broken = [f"{words} {limit}" for words, limit, breaks in self._bounds() if breaks(value, limit)]
+        return f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
+
+    def fault(self, key: str, value: float) -> str:
+        """The sentence on a value that is broken."""
+        return f"`{key}` {self.must()}, but is {value:.17g}."
+
+
+class Alternative(NamedTuple):
+    """An initial datum that says in another way what others say: it stands alone, without any of `others`."""
+
+    name: str
+    others: tuple[str, ...]
+    flag: bool = False  # true or false, not a number
+
+    def fault(self, verb: str) -> str:
+        """The sentence on data that are not alone; `verb` says how the others come: they are given, or vary."""
+        others = " or ".join(f"`initial.{other}`" for other in self.others)
+        return f"`initial.{self.name}` must stand alone, but {others} {verb} too."
 
 
 @dataclass(frozen=True)
@@ -30,21 +72,6 @@ class Quantity:
     unit: Unit
     long_name: str
     formula: Callable
-
-
-@dataclass(frozen=True)
-class Event:
-    """A zero of formula(scalars, b), in internal units; the formula is regular and of order one.
-
-    Developers: write it with the sub-expressions of the equations of motion; then it costs no further product.
-    """
-
-    name: str
-    long_name: str
-    formula: Callable
-    direction: int = 0  # -1, 0, +1: only falling zeros, all, only rising ones
-    stops: bool = False  # the model ends here, unless the person says `continue`
-    sense: int = 0  # of a turning: +1 if the formula has the sign of theta', -1 if the opposite one
 
 
 class Hazard(NamedTuple):
@@ -115,9 +142,13 @@ class Outlook(NamedTuple):
     thresholds: Mapping[str, Any] = {}  # name -> theory.thresholds.Threshold
 
 
+def _same(value: Any) -> Any:
+    return value
+
+
 @dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
 class System:
-    """A mechanical system: everything that the rest of the house needs to know of it."""
+    """A mechanical system: everything that the rest of the package needs to know of it."""
 
     name: str
     title: str
@@ -137,6 +168,7 @@ class System:
     long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
+    alternatives: tuple[Alternative, ...] = ()  # initial data that say the same in two ways
     laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
     potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
     theta_inertia: Callable | None = None
@@ -145,28 +177,58 @@ class System:
     outlook: Callable | None = None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
     motion: Callable | None = None  # motion(b, start) -> the name of the motion, where theory has one
     borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
+    long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
     inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
 
-    def units(self, b: Any, form: Form) -> tuple[Any, Any]:
-        """Mass [kg] and length [m] that become 1 in a form."""
-        mass, length = self.scales(b)
-        return mass, length * form.stretch
+    def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
+        """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
+
+        `number` is applied to each of them: a type, or what makes arrays of one shape.
+        """
+        given = {name: number(parameters[name]) for name in self.parameters}
+        return self.body(given, type(friction)(*(number(value) for value in friction)))
+
+    def faults(self, parameters: Mapping[str, float]) -> list[str]:
+        """What is wrong with parameters by name, in sentences: one by one, then together; empty if nothing is."""
+        faults, known = [], ", ".join(self.parameters)
+        for name, rule in self.parameters.items():
+            if name not in parameters:
+                faults.append(f"`parameters.{name}` must be given, but is missing.")
+            elif rule.broken(parameters[name]):
+                faults.append(rule.fault(f"parameters.{name}", parameters[name]))
+        for name in parameters:
+            if name not in self.parameters:
+                faults.append(f"`parameters.{name}` must not be there: known keys are {known}.")
+        return faults or list(self.checks(parameters))
+
+    def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
+        """Sentences on initial data, by name, of which some say the same in two ways."""
+        return [a.fault(verb) for a in self.alternatives if a.name in initial and not set(a.others).isdisjoint(initial)]
+
+    def rivals(self, name: str) -> set[str]:
+        """The initial numbers that cannot be given beside another."""
+        found = set()
+        for alternative in self.alternatives:
+            if not alternative.flag and name in (alternative.name, *alternative.others):
+                found |= {alternative.name, *alternative.others} - {name}
+        return found
+
+    def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
+        """Initial data with some changed: a number takes the place of those that say the same in another way."""
+        rivals = {rival for name in changed for rival in self.rivals(name)}
+        return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
 
     def folds(self, form: Form) -> dict[str, float]:
         """What is 0 or 1 in the units of a form by construction."""
         return {name: value for name, value in self.folded.items() if name not in form.unfolded}
 
-    def has(self, *names: str) -> bool:
-        """Whether it has all these quantities."""
-        return set(names) <= {quantity.name for quantity in self.quantities}
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Names of the kinds of events in its logs, by their numbers in a store."""
+        return kinds(self.events)
 
     @property
     def frictional(self) -> bool:
         """Whether a friction law must be given."""
         return bool(self.laws)
-
-
-KINDS = ("turning", "liftoff", "equator", "inverted", "settled")
-NOISE_FLOOR = 100 * np.finfo(float).eps
-"""Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16."""

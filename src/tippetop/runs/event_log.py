@@ -1,169 +1,220 @@
 """The event log as it grows: zeros of a slice become rows, with what can only be known later as marks on older rows."""
 
-from typing import Any
+from dataclasses import asdict, dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..engine.observables import View
 from ..engine.taylor import Slice
-from ..engine.zeros import Zero
-from ..mechanics.system import KINDS
+from ..engine.zeros import Zero, sign_changes
+from ..mechanics.events import ON_ZERO, Event
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from .events import Confirmation, EventTable
 
 
-AT_START = 1e-9  # an event function that is smaller than this at t = 0, of order one, starts on its zero
-TURNING, SETTLED = KINDS.index("turning"), KINDS.index("settled")
+INVERSION = ("first_equator", "last_equator", "inverted_at")
+"""What a report says of the inversion, by the names of what events keep."""
+UNREPORTED = ("equators", "lifted_at", "settled_at")
+"""What no report says apart: its counts, its reason do."""
+
+
+class Passages(NamedTuple):
+    """Zeros of a slice and what the states there say, (k,) each."""
+
+    states: np.ndarray  # (k, variables), internal
+    seconds: np.ndarray  # [s]
+    kind: np.ndarray  # number of the kind, int8
+    sign: np.ndarray  # of the crossing
+    theta: np.ndarray  # [rad]
+    rising: np.ndarray  # sign of theta' just after, int8
+
+    def where(self, keep: np.ndarray) -> "Passages":
+        """Some of them."""
+        return Passages(*(values[keep] for values in self))
+
+
+@dataclass
+class Tally:
+    """What a run keeps of its events, whatever it logs. Times in seconds, angles in radians; None: did not happen."""
+
+    before: float  # theta where the present swing began
+    rows: int = 0  # of the log
+    counts: dict[str, int] = field(default_factory=dict)  # rows of the log, by kind
+    confirmed: int = 0  # turnings that are more than rounding
+    theta_min: float | None = None  # their band
+    theta_max: float | None = None
+    kept: dict[str, Any] = field(default_factory=dict)  # what events keep, by name
+    lasting: dict[str, list] = field(default_factory=dict)  # by kind: row (-1: not logged) and time of its last passage
 
 
 class EventLog:
     """Turns the zeros of slices into rows of the event table, and keeps the tally that a run reports.
 
     An event at t = 0 is never logged: the log covers 0 < t <= t_end, and a run that starts on the zero of an event does
-    not find it again. Rows of turnings and of settling start as not significant; marks make them so later.
+    not find it again. Rows of turnings and of lasting events start as not significant; marks make them so later.
     """
 
     def __init__(self, problem: Problem, view: View, first: np.ndarray):
         self.view, self.second = view, float(problem.scales.of(SECOND))
-        self.formulas = {event.name: event.formula for event in problem.system.events}
-        self.directions = {event.name: event.direction for event in problem.system.events}
-        self.sense = {event.name: event.sense for event in problem.system.events}
-        self.logged = problem.events
-        scalars = view.scalars(first)
-        on_zero = {name: abs(float(f(scalars, view.body)[0])) < AT_START for name, f in self.formulas.items()}
-        self.starts_on = {name for name, is_zero in on_zero.items() if is_zero}
+        self.events = {event.name: event for event in problem.system.events}
+        self.kinds = problem.system.kinds
+        self.empty = EventTable.empty(self.kinds)
+        self.logged = self._numbers(problem.events)
+        self.turnings = self._numbers(name for name, event in self.events.items() if event.sense)
+        self.lasting = [event for event in self.events.values() if event.lasting]
+        self.starts_on = {name for name in self.events if abs(self._value(name, first)[0]) < ON_ZERO}
         self.confirmation = Confirmation()
-        self.tally: dict[str, Any] = {
-            "rows": 0,
-            "counts": dict.fromkeys(KINDS, 0),
-            "turning_significant": 0,
-            "before": view.theta(first),  # where the present swing began
-            "theta_min": None,
-            "theta_max": None,
-            "first_equator": None,
-            "last_equator": None,
-            "inverted_at": None,
-            "lifted_at": None,
-            "settled": None,  # [row, time] of the last moment when sliding died
-        }
+        self.tally = Tally(
+            before=view.theta(first),
+            counts=dict.fromkeys(self.kinds, 0),
+            kept={k.name: 0 if k.what == "count" else None for event in self.events.values() for k in event.kept},
+        )
+
+    def _numbers(self, names: Any) -> np.ndarray:
+        return np.array([self.kinds.index(name) for name in names], dtype=int)
+
+    def _value(self, kind: str, rows: np.ndarray) -> np.ndarray:
+        """The function of an event at rows (n, variables), internal units."""
+        values = self.events[kind].formula(self.view.scalars(rows), self.view.body)
+        return np.broadcast_to(np.asarray(values, float), (len(rows),))
+
+    # --- a slice --------------------------------------------------------------------------------------------------
 
     def take(self, piece: Slice) -> tuple[EventTable, list[int], np.ndarray]:
         """Rows of a slice, indices of rows (old or new) that are now known to be significant, and the states (internal)
         of the new rows."""
-        zeros = [zero for zero in piece.zeros if zero.time > 0]
-        if self.starts_on and len(piece.times) > 1:
-            zeros = self._first_step(piece, zeros)
-            self.starts_on = set()
+        zeros = self._zeros(piece)
         if not zeros:
-            return EventTable.empty(), [], np.zeros((0, 0))
-        times = np.array([z.time for z in zeros])
-        states = np.array(piece.output(times), copy=True)
-        values = self.view.values(states)
-        kind = np.array([KINDS.index(z.kind) for z in zeros], dtype=np.int8)
-        crossing = np.array([z.sign * self.sense[z.kind] for z in zeros])
-        rising = np.where(crossing != 0, crossing, np.sign(values["theta_dot"].astype(float))).astype(np.int8)
-        theta, seconds = values["theta"].astype(float), times.astype(float) * self.second
-        self._count(seconds, kind)
-        keep = np.isin(kind, [KINDS.index(name) for name in self.logged])
-        states, kind, rising = states[keep], kind[keep], rising[keep]
-        theta, seconds = theta[keep], seconds[keep]
-        first = self.tally["rows"]
-        turning = kind == TURNING
-        swing = np.full(theta.shape, np.nan)
-        swing[turning] = np.abs(np.diff(theta[turning], prepend=self.tally["before"]))
-        if turning.any():
-            self.tally["before"] = float(theta[turning][-1])
-        for i in range(len(KINDS)):
-            self.tally["counts"][KINDS[i]] += int(np.sum(kind == i))
-        if (kind == SETTLED).any():
-            last = int(np.flatnonzero(kind == SETTLED)[-1])
-            self.tally["settled"] = [first + last, float(seconds[last])]
-        table = EventTable(seconds, kind, theta, rising, swing, ~(turning | (kind == SETTLED)))
-        marks = self.confirmation.take(first + np.flatnonzero(turning), theta[turning], rising[turning])
-        self.tally["rows"] += len(theta)
-        return table, self._confirmed(marks), states
+            return self.empty, [], np.zeros((0, 0))
+        passages = self._passages(piece, zeros)
+        keep = np.isin(passages.kind, self.logged)
+        self._remember(passages, np.where(keep, self.tally.rows + np.cumsum(keep) - 1, -1))
+        logged = passages.where(keep)
+        table = self._table(logged)
+        turning = np.isin(logged.kind, self.turnings)
+        rows = self.tally.rows + np.flatnonzero(turning)
+        self.tally.rows += len(turning)
+        confirmed = self.confirmation.take(rows, logged.theta[turning], logged.rising[turning])
+        return table, self._marks(confirmed), logged.states
 
-    def _first_step(self, piece: Slice, zeros: list[Zero]) -> list[Zero]:
-        """The zeros of the first slice, with those of the first step found anew for events that start on their zero.
+    def _zeros(self, piece: Slice) -> list[Zero]:
+        """The zeros of a slice; in the first step of a run, those of events that start on their zero are found anew.
 
         heyoka finds the zero at t = 0 (twice), and then misses another one in the same step.
         """
+        zeros = [zero for zero in piece.zeros if zero.time > 0]
+        if not self.starts_on or len(piece.times) < 2:
+            return zeros
         start, end = (float(t) for t in piece.times[:2])
         kept = [zero for zero in zeros if zero.kind not in self.starts_on or zero.time > end]
-        grid = np.linspace(start, end, 130)[1:]
-
-        def value(kind: str, times: np.ndarray) -> np.ndarray:
-            wide = np.asarray(times, dtype=piece.ends.dtype)
-            scalars = self.view.scalars(np.array(piece.output(wide), copy=True))
-            return np.broadcast_to(np.asarray(self.formulas[kind](scalars, self.view.body), float), times.shape)
-
+        grid, number = np.linspace(start, end, 130)[1:], piece.ends.dtype
         for kind in self.starts_on:
-            values = value(kind, grid)
-            if np.max(np.abs(values)) < AT_START:
+
+            def value(times: np.ndarray, kind: str = kind) -> np.ndarray:
+                return self._value(kind, np.array(piece.output(np.asarray(times, dtype=number)), copy=True))
+
+            if np.max(np.abs(value(grid))) < ON_ZERO:
                 continue  # zero all the way, like z' of a top that spins upright
-            for i in np.flatnonzero(values[1:] * values[:-1] < 0):
-                low, high, sign = grid[i], grid[i + 1], int(np.sign(values[i + 1]))
-                while (middle := (low + high) / 2) not in (low, high):
-                    beyond = value(kind, np.array([middle]))[0] * sign > 0
-                    low, high = (low, middle) if beyond else (middle, high)
-                if self.directions[kind] in (0, sign):
-                    kept.append(Zero(piece.ends.dtype.type(high), kind, sign))
+            for when, sign in sign_changes(value, grid):
+                if self.events[kind].direction in (0, sign):
+                    kept.append(Zero(number.type(when), kind, sign))
+        self.starts_on = set()
         return sorted(kept, key=lambda zero: zero.time)
 
-    def settled(self, last: np.ndarray) -> bool:
-        """Whether sliding has died and not returned in the state `last`, (1, variables)."""
-        if self.tally["settled"] is None:
-            return False
-        return float(self.formulas["settled"](self.view.scalars(last), self.view.body)[0]) < 0
+    def _passages(self, piece: Slice, zeros: list[Zero]) -> Passages:
+        times = np.array([z.time for z in zeros])
+        states = np.array(piece.output(times), copy=True)
+        values = self.view.values(states)
+        sign = np.array([z.sign for z in zeros])
+        turns = sign * np.array([self.events[z.kind].sense for z in zeros])
+        return Passages(
+            states,
+            times.astype(float) * self.second,
+            self._numbers(z.kind for z in zeros).astype(np.int8),
+            sign,
+            values["theta"].astype(float),
+            np.where(turns != 0, turns, np.sign(values["theta_dot"].astype(float))).astype(np.int8),
+        )
+
+    def _remember(self, passages: Passages, rows: np.ndarray) -> None:
+        """What events keep of their passages, whatever kinds are logged; `rows` are those of the log, or -1."""
+        for number in np.unique(passages.kind).tolist():
+            event, mine = self.events[self.kinds[number]], passages.kind == number
+            for kept in event.kept:
+                meant = mine & (passages.sign == kept.direction) if kept.direction else mine
+                self._keep(kept.name, kept.what, passages.seconds[meant])
+            if event.lasting:
+                last = int(np.flatnonzero(mine)[-1])
+                self.tally.lasting[event.name] = [int(rows[last]), float(passages.seconds[last])]
+
+    def _keep(self, name: str, what: str, seconds: np.ndarray) -> None:
+        if what == "count":
+            self.tally.kept[name] += len(seconds)
+        elif len(seconds) and (what == "last" or self.tally.kept[name] is None):
+            self.tally.kept[name] = float(seconds[-1 if what == "last" else 0])
+
+    def _table(self, logged: Passages) -> EventTable:
+        """Rows of the log; the swings go on from the turning before."""
+        turning = np.isin(logged.kind, self.turnings)
+        swing = np.full(logged.theta.shape, np.nan)
+        swing[turning] = np.abs(np.diff(logged.theta[turning], prepend=self.tally.before))
+        if turning.any():
+            self.tally.before = float(logged.theta[turning][-1])
+        for number, count in zip(*np.unique(logged.kind, return_counts=True), strict=True):
+            self.tally.counts[self.kinds[number]] += int(count)
+        open_yet = turning | np.isin(logged.kind, self._numbers(event.name for event in self.lasting))
+        return EventTable(self.kinds, logged.seconds, logged.kind, logged.theta, logged.rising, swing, ~open_yet)
+
+    def _marks(self, confirmed: list[tuple[int, float]]) -> list[int]:
+        """Adds confirmed turnings to the band; gives their rows."""
+        if not confirmed:
+            return []
+        angles, tally = [theta for _, theta in confirmed], self.tally
+        tally.theta_min = min(angles) if tally.theta_min is None else min(tally.theta_min, *angles)
+        tally.theta_max = max(angles) if tally.theta_max is None else max(tally.theta_max, *angles)
+        tally.confirmed += len(confirmed)
+        return [row for row, _ in confirmed]
+
+    # --- the end --------------------------------------------------------------------------------------------------
+
+    def settled_since(self, last: np.ndarray) -> float | None:
+        """When the lasting event last happened [s], if in the state `last`, (1, variables), it still holds."""
+        found = [self.tally.lasting[event.name][1] for event in self.lasting if self._holds(event, last)]
+        return max(found) if found and len(found) == len(self.lasting) else None
+
+    def _holds(self, event: Event, last: np.ndarray) -> bool:
+        """Whether a lasting event has happened, and its function is still beyond its zero."""
+        return event.name in self.tally.lasting and self._value(event.name, last)[0] * event.direction > 0
 
     def finish(self, last: np.ndarray) -> list[int]:
         """Rows that the end of the run, in the state `last`, shows to be significant."""
-        marks = self._confirmed(self.confirmation.reached(self.view.theta(last)))
-        return [*marks, self.tally["settled"][0]] if self.settled(last) else marks
-
-    def _count(self, seconds: np.ndarray, kind: np.ndarray) -> None:
-        """First and last passages, whatever kinds are logged."""
-        for name, earliest, latest in (
-            ("equator", "first_equator", "last_equator"),
-            ("inverted", "inverted_at", None),
-            ("liftoff", "lifted_at", None),
-        ):
-            found = seconds[kind == KINDS.index(name)]
-            if len(found):
-                self.tally[earliest] = found[0] if self.tally[earliest] is None else self.tally[earliest]
-                if latest is not None:
-                    self.tally[latest] = float(found[-1])
-
-    def _confirmed(self, marks: list[tuple[int, float]]) -> list[int]:
-        """Adds confirmed turnings to the band; gives their rows."""
-        if not marks:
-            return []
-        angles = [theta for _, theta in marks]
-        low, high = self.tally["theta_min"], self.tally["theta_max"]
-        self.tally["theta_min"] = min(angles) if low is None else min(low, *angles)
-        self.tally["theta_max"] = max(angles) if high is None else max(high, *angles)
-        self.tally["turning_significant"] += len(marks)
-        return [row for row, _ in marks]
+        marks = self._marks(self.confirmation.reached(self.view.theta(last)))
+        rows = [self.tally.lasting[event.name][0] for event in self.lasting if self._holds(event, last)]
+        return [*marks, *(row for row in rows if row >= 0)]
 
     def report(self) -> dict[str, Any]:
-        """Counts, inversion and band, as `info --json` has them."""
-        counts = {name: n for name, n in self.tally["counts"].items() if n}
-        if "turning" in counts:
-            counts["turning_significant"] = self.tally["turning_significant"]
+        """Counts, inversion and band, as `info --json` has them; and what events of a system's own keep."""
+        tally = self.tally
+        counts = {name: n for name, n in tally.counts.items() if n}
+        if any(self.kinds[number] in counts for number in self.turnings):
+            counts["turning_significant"] = tally.confirmed
+        own = {name: value for name, value in tally.kept.items() if name not in INVERSION + UNREPORTED}
         return {
             "event_counts": counts,
-            "inversion": {name: self.tally[name] for name in ("first_equator", "last_equator", "inverted_at")},
-            "nutational_band": {name: self.tally[name] for name in ("theta_min", "theta_max")},
+            "inversion": {name: tally.kept.get(name) for name in INVERSION},
+            "nutational_band": {"theta_min": tally.theta_min, "theta_max": tally.theta_max},
+            **({"kept": own} if own else {}),
         }
 
     def snapshot(self) -> dict[str, Any]:
         """What a checkpoint keeps."""
         waiting = self.confirmation
-        return {"tally": self.tally, "waiting": [waiting.row, waiting.theta, waiting.sign]}
+        return {"tally": asdict(self.tally), "waiting": [waiting.row, waiting.theta, waiting.sign]}
 
     def restore(self, kept: dict[str, Any], *, fresh: bool) -> None:
-        """Goes on from a checkpoint; unless fresh, the first step of the run is over."""
+        """Continues from a checkpoint; unless fresh, the first step of the run is over."""
         self.starts_on = self.starts_on if fresh else set()
-        self.tally = kept["tally"]
+        self.tally = Tally(**kept["tally"])
         self.confirmation.row, self.confirmation.theta, self.confirmation.sign = kept["waiting"]

@@ -48,10 +48,10 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
 
 def _advice(problem: Problem) -> dict[str, str]:
     """A better form for a run so long that rounding would break the contract."""
-    better = "reduced" in problem.system.forms and problem.form.name != "reduced"
-    if not better or problem.precision != "double" or problem.until < LONG:
+    better = problem.system.long_form
+    if better in ("", problem.form.name) or problem.precision != "double" or problem.until < LONG:
         return {}
-    return {"advice": 'rounding changes E by some 1.5e-17 a second: form = "reduced" with tolerance = 1e-18 keeps it'}
+    return {"advice": f'rounding changes E by some 1.5e-17 a second: form = "{better}" with tolerance = 1e-18 keeps it'}
 
 
 def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, Any]:

@@ -10,16 +10,14 @@ import numpy as np
 from ..engine.extremes import Extremes
 from ..engine.normal_force import grazing, normal_force
 from ..engine.observables import View
-from ..engine.status import SETTLED_FOR, Status
-from ..engine.taylor import Slice, fingerprint, integrator_of, rows_at, slices, terminal_kinds
-from ..mechanics.contact.body import Body
-from ..mechanics.theory.modes import will_leave
+from ..engine.settling import SETTLED_FOR, stays
+from ..engine.status import Status
+from ..engine.taylor import Slice, endings_of, fingerprint, integrator_of, rows_at, slices
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..store import hexfloat
 from .drift import SAMPLES_PER_SLICE, Monitor
 from .event_log import EventLog
-from .events import EventTable
 from .sinks import Sink
 
 
@@ -50,7 +48,7 @@ class Integration:
         if self.fresh and problem.output != "times":
             self._write(sink, np.array([0.0]), self.first)
         steps = SETTLED_SLICE if problem.stop_when == "settled" else None
-        for found in slices(self.integrator, end, terminal_kinds(problem), steps):
+        for found in slices(self.integrator, end, endings_of(problem), steps):
             force = normal_force(found, problem) if len(found.times) > 1 else Extremes()
             piece = grazing(found, force, problem)
             self.seconds["integrate"] += piece.wall
@@ -64,7 +62,7 @@ class Integration:
             sink.slice_done(self)
             if progress is not None:
                 progress(self)
-        sink.events(EventTable.empty(), self.log.finish(self.last))
+        sink.events(self.log.empty, self.log.finish(self.last))
         if problem.output == "events":
             self._write(sink, np.array([self.t_end]), self.last)
 
@@ -102,14 +100,10 @@ class Integration:
         self.filled += len(times)
 
     def _settled_long(self) -> bool:
-        if not self.log.settled(self.last):
+        since = self.log.settled_since(self.last)
+        if since is None or not self.t_end - since > SETTLED_FOR * self.second:
             return False
-        if not self.t_end - self.log.tally["settled"][1] > SETTLED_FOR * self.second:
-            return False
-        b, last = self.problem.body(), self.view.values(self.last)
-        if not isinstance(b, Body):
-            return True
-        return not will_leave(float(last["theta"][0]), float(last["omega3"][0]) / self.second, b)
+        return stays(self.problem.body(), self.view.values(self.last), self.second)
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json`, as far as the run has come."""
@@ -119,24 +113,35 @@ class Integration:
     def reason(self) -> str:
         """The sentence that the user reads about the end."""
         t, status = self.t_end, self.status
-        lifted = self.log.tally["lifted_at"] if terminal_kinds_of_model(self.problem) else None
+        lifted = self.log.tally.kept["lifted_at"] if self._may_lift_off() else None
         beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
         if status is None:
             return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"
         if status is Status.FINISHED:
             return f"finished at t = {t:.6g} s{beyond}"
         if status is Status.SETTLED:
-            died = self.log.tally["settled"][1]
+            died = self.log.settled_since(self.last)
             return f"settled: sliding died at t = {died:.6g} s, stopped at t = {t:.6g} s{beyond}"
         if status is Status.LIFTOFF:
             return f"the top lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
         if status is Status.FALLEN:
             return f"the top fell at t = {t:.9g} s (theta = pi/2): the plane is in its way"
+        if status is Status.ENDED:
+            return f"an event of the system ended the run at t = {t:.9g} s: {self._last_ending()}"
         hazards = self.view.hazards(self.last)
         meaning, least = min(hazards.items(), key=lambda item: item[1]) if hazards else ("no known cause", math.inf)
         stiff = "no singularity is near, so the equations are too stiff (large mu, small eps)"
         what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
         return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
+
+    def _may_lift_off(self) -> bool:
+        """Whether the model of this system ends at liftoff (a fixed tip holds on)."""
+        return any(event.ends == Status.LIFTOFF.value for event in self.problem.system.events)
+
+    def _last_ending(self) -> str:
+        """What the system says of the event that ended the run."""
+        events = self.problem.system.events
+        return next(e.long_name for e in events if e.ends and Status.of_event(e.ends) is self.status)
 
     def snapshot(self) -> dict[str, Any]:
         """All that is needed to continue bit by bit, as plain JSON data."""
@@ -165,8 +170,3 @@ class Integration:
         self.monitor.restore(hexfloat.decode(kept["monitor"]))
         self.fresh = self.t_end == 0  # it was killed before its first slice
         self.log.restore(hexfloat.decode(kept["log"]), fresh=self.fresh)
-
-
-def terminal_kinds_of_model(problem: Problem) -> bool:
-    """Whether liftoff ends the model of this system (a fixed tip holds on)."""
-    return any(event.name == "liftoff" and event.stops for event in problem.system.events)

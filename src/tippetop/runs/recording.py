@@ -182,7 +182,7 @@ def record(
             lock = held.enter_context(Lock(scratch))
             empty = integration.view.columns(np.zeros(0), integration.first[:0])
             trajectory = Appender.created(root, "trajectory", empty, rows_per_chunk(problem))
-            events = Appender.created(root, "events", event_columns(EventTable.empty()), EVENTS_PER_CHUNK)
+            events = Appender.created(root, "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK)
             with Recorder(integration, trajectory, events, lock) as recorder:
                 recorder.commit()
         lock.folder = Path(target)

@@ -22,7 +22,9 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
         root = tables.create_root(scratch, attributes)
         empty = view.columns(solution.times[:0], solution.rows[:0])
         Appender.created(root, "trajectory", empty, rows_per_chunk(solution.problem))
-        Appender.created(root, "events", event_columns(EventTable.empty()), EVENTS_PER_CHUNK)
+        Appender.created(
+            root, "events", event_columns(EventTable.empty(solution.problem.system.kinds)), EVENTS_PER_CHUNK
+        )
         _, members = tables.open_root(scratch, "trajectory", "events")
         trajectory, events = map(Appender, members)
         for first in range(0, len(solution.times), ROWS_AT_ONCE):

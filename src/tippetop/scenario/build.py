@@ -10,7 +10,6 @@ from pydantic import ValidationError
 from ..errors import InputError, suggestion
 from ..mechanics.contact.gliding.catalogue import POLE
 from ..mechanics.friction import LAWS
-from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..problem import PRECISIONS, Problem
@@ -45,9 +44,6 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
     initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
     run = scenario.run
     events = tuple(run.events) if run.events is not None else tuple(e.name for e in system.events)
-    faults = [*system.checks(parameters), *_initial_faults(system, scenario.form, initial), *_run_faults(system, run)]
-    if faults:
-        raise InputError(faults)
     law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
     values = scenario.friction.model_dump() if system.frictional else {}
     built = Problem(
@@ -55,7 +51,6 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
         form=system.forms[scenario.form],
         parameters=parameters,
         friction=law.record(*(values[n] for n in law.parameters)),
-        friction_units=law.units(),
         initial=initial,
         until=run.until,
         times=_times(run),
@@ -66,7 +61,9 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
         output=run.output,
         stop_when=run.stop_when,
     )
-    _check_start(built)
+    faults = [*built.faults(), *_pole_faults(built), *_run_faults(system, run)] or built.start_faults()
+    if faults:
+        raise InputError(faults)
     return built
 
 
@@ -82,7 +79,26 @@ def system_of(tables: dict[str, Any]) -> System:
 
 
 def load(source: str, assignments: list[str] | None = None, until: float | None = None) -> Problem:
-    """The Problem of a TOML file or preset, with `--set` assignments and another `until`. Raises InputError."""
+    """The checked Problem of a TOML file or a preset.
+
+    Parameters
+    ----------
+    source : str
+        A TOML file, or the name of a preset.
+    assignments : list of str, optional
+        `table.key=value` texts, as the command line's `--set` takes them.
+    until : float, optional
+        Another end of the run [s]; output times beyond it go.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    InputError
+        With one sentence for everything that is wrong.
+    """
     tables = override(read(source), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 
@@ -102,19 +118,13 @@ def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
     return {name: attrs[name] for name in names if name in attrs}
 
 
-def law_name(problem: Problem) -> str:
-    """The name of the friction law of a problem, as in `[friction] law`."""
-    laws = {**LAWS, **problem.system.laws}
-    return next(name for name, law in laws.items() if law.record is type(problem.friction))
-
-
 def resolved(problem: Problem) -> dict[str, Any]:
     """The scenario as it was understood, defaults filled in: plain data, also what the store keeps."""
     return {
         "system": problem.system.name,
         "form": problem.form.name,
         "parameters": dict(problem.parameters),
-        **({"friction": {"law": law_name(problem), **problem.friction._asdict()}} if problem.system.frictional else {}),
+        **({"friction": {"law": problem.law_name, **problem.friction._asdict()}} if problem.system.frictional else {}),
         "initial": dict(problem.initial),
         "run": {
             "until": problem.until,
@@ -137,16 +147,11 @@ def _output(problem: Problem) -> dict[str, Any]:
     return {"output_times": problem.times.times.tolist()}
 
 
-def _initial_faults(system: System, form: str, initial: dict[str, Any]) -> list[str]:
-    faults = []
-    if "psi_dot" in initial and "omega3" in initial:
-        faults.append("`initial.psi_dot` must stand alone, but `initial.omega3` is given too.")
-    if initial.get("centre_at_rest") and ("nu_x" in initial or "nu_y" in initial):
-        faults.append("`initial.centre_at_rest` must stand alone, but `initial.nu_x` or `initial.nu_y` is given too.")
-    singular = form in system.forms and POLE in system.forms[form].hazards
-    if singular and initial.get("theta", 0.0) in (0.0, math.pi):
-        faults.append(f'`initial.theta` must not be 0 or pi where form = "{form}" is singular; form = "vector" can.')
-    return faults
+def _pole_faults(problem: Problem) -> list[str]:
+    if POLE not in problem.form.hazards or problem.initial.get("theta", 0.0) not in (0.0, math.pi):
+        return []
+    name = problem.form.name
+    return [f'`initial.theta` must not be 0 or pi where form = "{name}" is singular; form = "vector" can.']
 
 
 def _run_faults(system: System, run: RunTable) -> list[str]:
@@ -186,27 +191,6 @@ def _times(run: RunTable) -> EvenTimes | ListedTimes:
     if run.output_times is not None:
         return ListedTimes(np.array(run.output_times, dtype=float))
     return EvenTimes(run.output_step or run.until / 1000, run.until)
-
-
-def _check_start(built: Problem) -> None:
-    """Numbers that are finite one by one may still overflow together, or start where the model has no solution."""
-    with np.errstate(all="ignore"):
-        try:
-            state, body = built.start(), built.internal_body
-            number = np.float64 if built.precision == "double" else np.longdouble
-            plain = refill(body, (number(float(leaf)) for leaf in leaves(body)))
-            record = built.record([np.array([number(float(v))]) for v in state])
-            scalars = built.form.scalars(record, plain)
-            numbers: list[Any] = [leaves(body), state, built.weights(built.form)]
-            numbers.append([np.ravel(q.formula(scalars, plain))[0] for q in built.system.quantities])
-            finite = all(math.isfinite(float(v)) for group in numbers for v in group)
-        except (OverflowError, ZeroDivisionError):
-            finite = False
-        if not finite:
-            raise InputError(["`parameters` and `initial` must stay finite together, but they overflow."])
-        for hazard in built.form.hazards:
-            if not np.min(hazard.formula(scalars, plain)) > 0:
-                raise InputError([f"`initial` must allow a motion, but {hazard.meaning}."])
 
 
 assert set(PRECISIONS) == set(get_args(RunTable.model_fields["precision"].annotation))

@@ -13,7 +13,13 @@ from ..errors import InputError, suggestion
 
 
 def presets() -> dict[str, str]:
-    """The built-in scenarios: name -> TOML text."""
+    """The built-in scenarios.
+
+    Returns
+    -------
+    dict of str
+        The TOML text of each, by name.
+    """
     folder = files("tippetop") / "scenario" / "presets"
     named = {p.name.removesuffix(".toml"): p for p in folder.iterdir() if p.name.endswith(".toml")}
     return {name: named[name].read_text(encoding="utf-8") for name in sorted(named)}

@@ -3,9 +3,11 @@
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
+from pydantic_core import PydanticCustomError
 
 from ..mechanics.system import Parameter, System
+from ..problem import UNTIL
 
 
 # --- the shape of a scenario ----------------------------------------------------------------------------------------
@@ -17,8 +19,19 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
+def _number(parameter: Parameter) -> Any:
+    """The type of a number: a float in the parameter's interval."""
+
+    def within(value: float) -> float:
+        if parameter.broken(value):
+            raise PydanticCustomError("interval", "{must}", {"must": parameter.must(value)})
+        return value
+
+    return Annotated[float, AfterValidator(within)]
+
+
 class RunTable(Table):
-    until: Annotated[float, Field(gt=0)]
+    until: _number(UNTIL)  # type: ignore[valid-type]
     output_step: Annotated[float, Field(gt=0)] | None = None
     output_times: list[Annotated[float, Field(ge=0)]] | None = None
     output: Literal["times", "events", "steps"] = "times"
@@ -27,11 +40,6 @@ class RunTable(Table):
     on_liftoff: Literal["stop", "continue"] = "stop"
     precision: Literal["double", "longdouble", "quad"] = "double"
     tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.0
-
-
-def _number(parameter: Parameter) -> Any:
-    bounds: dict[str, Any] = {"gt": parameter.above, "ge": parameter.least, "lt": parameter.below, "le": parameter.most}
-    return Annotated[float, Field(**{k: v for k, v in bounds.items() if v is not None})]
 
 
 def table_model(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
@@ -55,7 +63,7 @@ def _model(system: System, laws: tuple[str, ...]) -> type[BaseModel]:
         "parameters": (table_model("Parameters", system.parameters, required=True), ...),
         "run": (RunTable, ...),
     }
-    flags = {"centre_at_rest": (bool, False)} if "nu_x" in system.initial else {}
+    flags: Any = {a.name: (bool, False) for a in system.alternatives if a.flag}
     initial = table_model("Initial", system.initial, required=False, **flags)
     fields["initial"] = (initial, initial())
     if system.frictional:

@@ -75,6 +75,7 @@ def error_sentence(error: Any, key: str, known: list[str]) -> str:
     if kind == "extra_forbidden":
         return unknown_key(key, known, [])
     must = {
+        "interval": context.get("must"),
         "greater_than": f"must be greater than {context.get('gt')}",
         "greater_than_equal": f"must be at least {context.get('ge')}",
         "less_than": f"must be less than {context.get('lt')}",

@@ -76,7 +76,25 @@ def annotate(path: str | Path, more: dict[str, Any]) -> None:
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":
-    """A group of a store as a labelled Dataset, read when needed. Raises StoreError."""
+    """A group of a store as a labelled Dataset, read when needed; `tippetop.open` opens stores whole.
+
+    Parameters
+    ----------
+    path : path-like
+        The store.
+    group : str
+        trajectory or events, of a run; sweep; surface; potential.
+
+    Returns
+    -------
+    xarray.Dataset
+        In SI units, with the root attributes of the store.
+
+    Raises
+    ------
+    StoreError
+        If there is no such store or group.
+    """
     import xarray as xr
 
     attrs = attributes(path)

@@ -42,14 +42,13 @@ def columns(
     base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
 ) -> dict[str, Column]:
     """The rows of tops as labelled columns; `status` is among them whatever is kept."""
-    tops, _ = ensemble.varied(base, numbers)
-    measured = ensemble.measure(tops, threads=threads)
+    measured = ensemble.measure(ensemble.varied(base, numbers), threads=threads)
     with np.errstate(all="ignore"):  # of invalid tops
         found = {**outcomes.table(measured), **_final_states(measured)}
     return {name: column for name, column in found.items() if name == "status" or keep is None or _kept(name, keep)}
 
 
-def _final_states(measured: outcomes.Measured) -> dict[str, Column]:
+def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     """The integrated variables at the end of each run, SI, as columns `final_ux`, ...; NaN where there was no run."""
     tops = measured.tops
     values = tops.record(measured.final)._asdict()

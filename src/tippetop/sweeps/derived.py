@@ -5,11 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..ensembles.tops import Tops
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.theory import thresholds
 from ..mechanics.units import JELLETT
-from ..problem import Problem
+from ..problem import Problem, Problems
 
 
 Numbers = dict[str, np.ndarray]
@@ -27,13 +26,12 @@ class Derived(NamedTuple):
 
 def body(base: Problem, columns: Numbers) -> Any:
     """The bodies of tops with other numbers than the base, SI."""
-    varied = {name: columns.get(f"parameters.{name}", value) for name, value in base.parameters.items()}
-    return base.system.body(varied, base.friction)
+    return Problems(base, columns).body(lambda value: value)
 
 
 def jellett(base: Problem, columns: Numbers) -> np.ndarray:
     """Jellett's integral of tops at their start [kg m^3/s], (n,)."""
-    tops = Tops(base, columns)
+    tops = Problems(base, columns)
     formula = next(q.formula for q in base.system.quantities if q.name == "jellett")
     return formula(base.form.scalars(tops.record(tops.start), tops.internal_body), tops.internal_body) * tops.unit(
         JELLETT
@@ -95,6 +93,7 @@ def faults(base: Problem, keys: list[str]) -> list[str]:
         missing = [p for p in rule.needs if p not in base.parameters]
         if missing:
             found.append(f"`{name}` must have {', '.join(rule.needs)}, but {base.system.name} has no {missing[0]}.")
-        rivals = {*rule.sets, *({"initial.psi_dot"} if "initial.omega3" in rule.sets else ())}
+        initial = [key.partition(".")[2] for key in rule.sets if key.startswith("initial.")]
+        rivals = {*rule.sets, *(f"initial.{rival}" for name in initial for rival in base.system.rivals(name))}
         found += [f"`{name}` must stand alone, but `{key}` varies too." for key in keys if key in rivals]
     return found

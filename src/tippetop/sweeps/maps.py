@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..columns import greek, units_text
-from ..ensembles.outcomes import CLASSES, STATUSES
+from ..engine.status import Status
+from ..ensembles.outcomes import CLASSES
 from ..errors import InputError
 from . import derived
 from .design import Axis
@@ -77,7 +78,7 @@ def make_map(path: Path, kind: str) -> Map:
     axes = tuple(_map_axis(made, axis, table[axis.key].attrs) for axis in varying[:2])
     numbers = made.design.numbers(np.arange(made.n))
     chosen, notes = _slice(made, varying[2:], numbers)
-    chosen &= table["status"].values != STATUSES.index("todo")
+    chosen &= table["status"].values != Status.TODO.code
     for axis in axes:
         chosen &= np.isfinite(numbers[axis.key])
     cells, shape = _cells(axes, numbers)[chosen], tuple(len(axis.edges) - 1 for axis in axes)

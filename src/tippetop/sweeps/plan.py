@@ -1,6 +1,7 @@
 """The plan of a sweep: a TOML file becomes the checked numbers of many tops, or sentences that say what is wrong."""
 
 import math
+import operator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from ..ensembles import ensemble
 from ..errors import InputError
-from ..problem import Problem
+from ..problem import Problem, key_faults
 from ..scenario import build, reading
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
@@ -146,11 +147,11 @@ class Plan:
     def problem(self, top: int) -> Problem:
         """The problem of one top, to run alone. Raises InputError."""
         tables = build.resolved(self.base)
-        rivals = {"initial.omega3": "psi_dot", "initial.psi_dot": "omega3"}
         for key, values in self.columns(np.array([top])).items():
             table, _, name = key.partition(".")
-            tables[table][name] = float(values[0])
-            tables["initial"].pop(rivals.get(key), None)
+            changed = {name: float(values[0])}
+            replaced = self.base.system.replaced if table == "initial" else operator.or_
+            tables[table] = replaced(tables[table], changed)
         return build.problem(build.ending(tables, tables["run"]["until"]))
 
     @cached_property
@@ -231,14 +232,8 @@ def _design_faults(shape: _Plan) -> list[str]:
 
 def _key_faults(base: Problem, keys: list[str]) -> list[str]:
     """What is wrong with varying these keys of the base."""
-    found = derived.faults(base, keys)
-    plain = {key: [math.nan] for key in keys if key not in derived.DERIVED}
-    known = ", ".join(derived.DERIVED)
-    try:
-        ensemble.varied(base, plain or {"run.until": [math.nan]})
-    except InputError as error:
-        found += [s.replace(" must be one of ", f" must be one of {known}, ") for s in error.sentences]
-    return found
+    plain = [key for key in keys if key not in derived.DERIVED]
+    return [*derived.faults(base, keys), *ensemble.base_faults(base), *key_faults(base, plain, derived.DERIVED)]
 
 
 def _whole_faults(made: Plan) -> list[str]:

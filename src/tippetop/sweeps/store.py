@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column
-from ..ensembles.tops import known
 from ..errors import StoreError
 from ..store import files, provenance, tables
 from ..store.chunks import readable
@@ -211,7 +210,7 @@ def _created(folder: Path, plan: Plan) -> Lock:
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
     """What varies: axes, and the numbers of the scenario that derived axes set."""
-    rules, first, none = known(plan.base), np.zeros(1, int), np.zeros(0)
+    rules, first, none = plan.base.rules, np.zeros(1, int), np.zeros(0)
     found = {}
     for key in {**plan.design.numbers(first), **plan.columns(first)}:
         words = (

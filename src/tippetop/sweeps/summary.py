@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..ensembles import ensemble, outcomes
+from ..engine.status import Status
+from ..ensembles import ensemble
 from ..errors import StoreError
 from ..store import root, tables
 from .plan import Plan
@@ -22,7 +23,18 @@ def open_sweep(path: str | Path) -> Any:
 
 
 def gridded(table: Any) -> Any:
-    """A table of a sweep (or some of its columns) with the axes of the plan as dimensions; read into memory."""
+    """A table of a sweep with the axes of its plan as dimensions.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        The table of a sweep, (top,), or some of its columns, as `open` gives it.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory; the names of the axes are its dimensions and coordinates.
+    """
     import xarray as xr
 
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
@@ -41,7 +53,7 @@ def report(path: str | Path) -> dict[str, Any]:
     table, attrs, folder = open_sweep(path), root.attributes(path), Path(path)
     status = column(path, table, "status")
     chunks = _chunks(path)
-    done = status != outcomes.STATUSES.index("todo")
+    done = status != Status.TODO.code
     return {
         **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
         "tops_done": int(done.sum()),
@@ -54,7 +66,7 @@ def report(path: str | Path) -> dict[str, Any]:
             for name in table
             if str(name).startswith("drift_")
         },
-        "faults": _faults(attrs["plan"], np.flatnonzero(status == outcomes.STATUSES.index("invalid"))),
+        "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failures(folder),
         "runs": sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit()),
         **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
@@ -116,5 +128,5 @@ def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
     if not len(invalid):
         return []
     made, some = Plan.from_tables(document), invalid[:FAULTS]
-    _, faults = ensemble.varied(made.base, made.columns(some))
+    _, faults = ensemble.varied(made.base, made.columns(some)).check()
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

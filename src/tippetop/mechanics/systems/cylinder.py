@@ -5,14 +5,16 @@ The state carries sin(theta), cos(theta), and theta as a quadrature: a count of 
 """
 
 from collections import ChainMap
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
 from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
+from ..events import Event
 from ..friction import LAWS, Law, slip_coefficient
 from ..operand import Operand, formula, select
-from ..system import Event, Form, Parameter, Quantity, System
+from ..system import Alternative, Form, Parameter, Quantity, System
 from ..units import (
     INERTIA,
     JOULE,
@@ -258,9 +260,10 @@ def sliding(c, b):
 JAMMED = gliding.JAMMED._replace(formula=yielding)
 FORM = Form("angle", UNITS, rates, scalars, of_angles, to_angles, ("theta", "x", "work", "impulse"), (JAMMED,))
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
-LIFTOFF = Event(
-    "liftoff", "normal force falls to zero: beyond it the model does not hold", normal_force, -1, stops=True
+LIFTOFF = replace(
+    gliding.LIFTOFF, long_name="normal force falls to zero: beyond it the model does not hold", formula=normal_force
 )
+SETTLED = replace(gliding.SETTLED, long_name="|v_A|^2 falls below 1e-12 of its unit", formula=sliding)
 
 
 # --- the system --------------------------------------------------------------------------------------------------
@@ -293,6 +296,7 @@ GLIDING_CYLINDER = System(
     title="eccentric cylinder that rolls and glides",
     source=SOURCE,
     initial={**INITIAL, "nu_x": Parameter(METRE_PER_SECOND, "velocity of the contact point of the cylinder")},
+    alternatives=(Alternative("centre_at_rest", ("nu_x",), flag=True),),
     start=start,
     angles=ANGLES,
     forms={"angle": FORM},
@@ -302,7 +306,7 @@ GLIDING_CYLINDER = System(
         Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
     ),
     integrals=(),
-    events=(TURNING, LIFTOFF, gliding.EQUATOR, Event("settled", "|v_A|^2 falls below 1e-12 of its unit", sliding, -1)),
+    events=(TURNING, LIFTOFF, gliding.EQUATOR, SETTLED),
     laws=ChainMap({"modified": MODIFIED}, LAWS),  # it sees what is added to LAWS later
     **COMMON,
 )

@@ -143,6 +143,7 @@ GLIDING_HEAVY_TOP = System(
     title="heavy symmetric top whose tip glides on a plane",
     source=heavy_top.SOURCE + "5",
     initial=gliding.INITIAL,
+    alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
     angles=gliding_euler.EULER_UNITS,
     forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},

@@ -299,6 +299,7 @@ HEAVY_TOP = System(
     title="heavy symmetric top whose tip is fixed",
     source=SOURCE + "2",
     initial={name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
+    alternatives=(gliding.BY_PSI_DOT,),
     start=start,
     angles=EULER_UNITS,
     forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
@@ -309,7 +310,7 @@ HEAVY_TOP = System(
         replace(
             rolling.LIFTOFF,
             long_name="vertical reaction falls to zero: beyond it a tip that merely stood would lift off",
-            stops=False,
+            ends=None,
         ),
         gliding.EQUATOR,
     ),

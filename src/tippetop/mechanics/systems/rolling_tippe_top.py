@@ -20,6 +20,7 @@ ROLLING_TIPPE_TOP = System(
     scales=lambda b: (b.m, b.R),
     folded={"m": 1.0, "R": 1.0},
     initial=rolling.INITIAL,
+    alternatives=(gliding.BY_PSI_DOT,),
     start=rolling.start,
     angles=rolling_euler.EULER_UNITS,
     forms={"vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
@@ -39,5 +40,6 @@ ROLLING_TIPPE_TOP = System(
     momenta=("routh", "jellett"),
     landscape=tippe_top.LANDSCAPE,
     outlook=outlook.rolling_tippe_top,
+    long_form="reduced",
     classes=tippe_top.TIPPE_TOP.classes,
 )

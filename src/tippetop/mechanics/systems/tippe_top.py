@@ -165,6 +165,7 @@ TIPPE_TOP = System(
     scales=lambda b: (b.m, b.R),
     folded={"m": 1.0, "R": 1.0},
     initial=gliding.INITIAL,
+    alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
     angles=gliding_euler.EULER_UNITS,
     forms=gliding.FORMS,

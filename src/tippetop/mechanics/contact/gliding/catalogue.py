@@ -1,9 +1,11 @@
 """What people give and read of a gliding body: initial data, forms, events, quantities."""
 
+from dataclasses import replace
 from typing import Any
 
+from ...events import Event, Kept
 from ...operand import formula
-from ...system import Event, Form, Hazard, Parameter, Quantity
+from ...system import Alternative, Form, Hazard, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
 from ..body import Body, energy, friction_loss, friction_power, g_n, jellett, modified_energy, yielding
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
@@ -23,16 +25,18 @@ INITIAL = {
     "y": Parameter(METRE, "y of the centre of mass"),
     "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3"),
 }
+BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
+ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))
 
 
 def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
-    """The record of angles of what a person gave, the rest zero; psi_dot may stand for omega3."""
+    """The record of angles of what the user gave, the rest zero; psi_dot may stand for omega3."""
     e = angles(*(data.get(name, 0) for name in angles._fields))
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> EulerState:
-    """The Euler record of what a person gave; centre_at_rest may stand for nu_x and nu_y."""
+    """The Euler record of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
     e = given_angles(EulerState, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
@@ -105,11 +109,41 @@ def sliding(s, b):
 COS_INVERTED = 0.9950041652780258  # cos(0.1)
 
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=-1)
-LIFTOFF = Event("liftoff", "normal force g_n falls to zero: beyond it the model does not hold", g_n, -1, stops=True)
-EQUATOR = Event("equator", "theta = pi/2", equator)
-FALLEN = Event("equator", "theta = pi/2: the body has fallen to the plane", equator, stops=True)
-INVERTED = Event("inverted", "theta rises through pi - 0.1", near_inversion, -1)
-SETTLED = Event("settled", "sliding dies out: friction loss below 1e-12 sqrt(gR)", sliding, -1)
+LIFTOFF = Event(
+    "liftoff",
+    "normal force g_n falls to zero: beyond it the model does not hold",
+    g_n,
+    direction=-1,
+    ends="liftoff",
+    extremes="normal_force",
+    kept=(Kept("lifted_at", "first", "the normal force first falls to zero; NaN: never"),),
+)
+EQUATOR = Event(
+    "equator",
+    "theta = pi/2",
+    equator,
+    kept=(
+        Kept("first_equator", "first", "first passage of theta = pi/2; NaN: none"),
+        Kept("last_equator", "last", "last passage of theta = pi/2; NaN: none"),
+        Kept("equators", "count", "passages of theta = pi/2"),
+    ),
+)
+FALLEN = replace(EQUATOR, long_name="theta = pi/2: the body has fallen to the plane", ends="fallen")
+INVERTED = Event(
+    "inverted",
+    "theta rises through pi - 0.1",
+    near_inversion,
+    direction=-1,
+    kept=(Kept("inverted_at", "first", "theta first rises through pi - 0.1; NaN: never"),),
+)
+SETTLED = Event(
+    "settled",
+    "sliding dies out: friction loss below 1e-12 sqrt(gR)",
+    sliding,
+    direction=-1,
+    lasting=True,
+    kept=(Kept("settled_at", "last", "sliding last died out; NaN: never"),),
+)
 EVENTS = (TURNING, LIFTOFF, EQUATOR, INVERTED, SETTLED)
 
 ENERGIES = (

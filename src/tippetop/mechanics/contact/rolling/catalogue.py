@@ -1,8 +1,9 @@
 """What people give and read of a rolling body: initial data, forms, events, quantities."""
 
+from dataclasses import replace
 from typing import Any
 
-from ...system import Event, Form, Quantity
+from ...system import Form, Quantity
 from ...units import NEWTON, ONE
 from ..body import Body
 from ..gliding import catalogue as gliding
@@ -37,8 +38,8 @@ EULER = Form(
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 
-LIFTOFF = Event(
-    "liftoff", "normal force falls to zero: beyond it the model does not hold", normal_force, -1, stops=True
+LIFTOFF = replace(
+    gliding.LIFTOFF, long_name="normal force falls to zero: beyond it the model does not hold", formula=normal_force
 )
 EVENTS = (gliding.TURNING, LIFTOFF, gliding.EQUATOR, gliding.INVERTED)
 

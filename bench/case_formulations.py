@@ -17,7 +17,7 @@ from tippetop.mechanics.operand import leaves
 from tippetop.problem import Problem
 from tippetop.scenario import build
 
-from .ensemble import MIDST
+from .case_ensemble import MIDST
 from .measure import interleaved, timed
 from .minimal import Minimal
 from .ours import end_of, start_by_hand, tippe_top_by_hand

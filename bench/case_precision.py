@@ -13,7 +13,7 @@ from tippetop.scenario import build
 from . import ours
 from .measure import interleaved, timed
 from .minimal import Minimal, apart, theta_of
-from .peers import CALLING, COMPILED, FIELD, Peer, sentence
+from .peers import CALLING, COMPILED, FIELD, Peer, entries, sentence
 
 
 SAMPLES = 32  # times at which theta is compared, equally far apart, the end among them
@@ -48,17 +48,11 @@ def compare(course: Course, quick: bool) -> dict[str, Any]:
     problem = build.load(course.preset, [*course.assignments], until)
     minimal = Minimal(problem, samples)
     exact = reference(course, samples)
-    found: dict[str, Any] = {"title": course.title, "until": until, "reference": course.wide, "contestants": {}}
+    found: dict[str, Any] = {"title": course.title, "until": until, "reference": course.wide}
     works: dict = {}
-    for peer in contestants(course):
-        entry = found["contestants"][peer.name] = {"kind": peer.kind}
-        if peer.missing:
-            entry["missing"] = peer.missing
-            continue
-        try:
-            entered(entry, works, peer, minimal, exact, quick)
-        except Exception as error:  # a peer that breaks is a result, not the end of the others
-            entry["missing"] = sentence(error)
+    found["contestants"] = entries(
+        contestants(course), lambda entry, peer: entered(entry, works, peer, minimal, exact, quick)
+    )
     slow = {key: works.pop(key) for key in list(works) if _slow(*key, found["contestants"])}
     seconds = interleaved(works, 3 if quick else 7) | interleaved(slow, 1 if quick else 3)
     for (name, i), times in seconds.items():

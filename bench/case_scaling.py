@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine import taylor
-from tippetop.engine.taylor import slices, terminal_kinds
+from tippetop.engine.taylor import endings_of, slices
 from tippetop.ensembles import ensemble
 from tippetop.landscape import body as bodies
 from tippetop.landscape import recording, surface
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
-from .ensemble import tops_at
-from .landscape import FIGURE
+from .case_ensemble import tops_at
+from .case_surface import FIGURE
 from .measure import timed
 from .minimal import theta_of
 from .ours import end_of
@@ -65,8 +65,8 @@ def grown(what: str, sizes: Iterable[float], cost: Callable[[float], float], lim
 def span(until: float) -> float:
     """A heavy top for so long, with its events, dense output and memory that does not grow."""
     problem = build.load("heavy-top", None, until)
-    made, kinds = taylor.integrator_of(problem), terminal_kinds(problem)
-    return timed(lambda: [None for _ in slices(made, end_of(problem), kinds)])
+    made, endings = taylor.integrator_of(problem), endings_of(problem)
+    return timed(lambda: [None for _ in slices(made, end_of(problem), endings)])
 
 
 def tops(n: float) -> float:

@@ -1,0 +1,114 @@
+"""What is kept of every top while its steps pass, and where the event functions stand in the Taylor coefficients."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..engine.status import Status
+from ..mechanics.events import Event
+
+
+FIRST, LAST, COUNT = range(3)
+WHAT = {"first": FIRST, "last": LAST, "count": COUNT}
+
+
+class EventRows(NamedTuple):
+    """The events of a system, in its order, as arrays of records: numba counts references to each array it passes.
+
+    `events`: where a function stands among the kept coefficients (`row`): it is a variable plus `offset` (`shift` 0),
+    or the rate of one (`shift` 1), times `scale`, a power of two. A variable whose rate is another event function
+    (`leader`; -1: none) needs no sums of its own: that rate bounds it. `direction`, `sense`, `extremes` are those of
+    the event; `ends` the code of the status of a top that it ends, 0 if it ends none; what it keeps are the `numbers`
+    from `first` to `last`, this one excluded.
+    """
+
+    events: np.ndarray  # (events,)
+    numbers: np.ndarray  # (numbers,) `what`: FIRST, LAST or COUNT; `direction` of the passages that are meant
+    axis: np.ndarray  # (3,) rows of 3hat
+
+
+class StopRules(NamedTuple):
+    """When a top ends before its time, other than by an event."""
+
+    lasting: int  # the event that must last; -1: no top ends because it has settled
+    way: int  # sign of its function beyond its zero
+    settled_for: float  # internal time that it must have lasted
+    most_steps: int
+
+
+_LANE: dict[str, Any] = {
+    "status": Status.RUNNING.code,
+    "t": 0.0,  # internal time reached
+    "steps": 0,
+    "step": -1,  # of the slice, the last one made
+    "upto": 1.0,  # how far of it
+    "tiny": 0,  # steps in a row that led nowhere
+    "waiting": 0,  # sign of the turning that waits to be confirmed; 0: none
+    "waits_at": 0.0,  # its theta
+    "turnings": 0,  # that are more than rounding
+    "theta_min": math.nan,  # their band
+    "theta_max": math.nan,
+    "lasts_since": math.nan,  # when the lasting event last happened
+    "doubted": math.nan,  # a value of `lasts_since` that is known not to last
+}
+"""What a lane starts with; times are internal, NaN: did not happen."""
+
+
+SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY = range(7)
+"""What is known of an event function in a lane: its sign, +1 or -1; its least and greatest values, as it stands in the
+coefficients; 1 if the run starts on a zero of it; and of the present step bounds, and 1 if it is monotone there."""
+
+
+class Tallies(NamedTuple):
+    """What is kept of the tops in the lanes, step by step; times are internal."""
+
+    lane: np.ndarray  # (lanes,) records: how far each has come, and its turnings
+    functions: np.ndarray  # (7, events, lanes) what is known of the event functions: SIGN to STEADY
+    kept: np.ndarray  # (numbers, lanes) times, NaN: did not happen; or counts
+
+
+_EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
+EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), ("extremes", bool)])
+NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
+
+
+def event_rows(
+    events: Sequence[Event], sources: Sequence[tuple[int, int, float, float]], rows: np.ndarray, axis: Sequence[int]
+) -> EventRows:
+    """The events as arrays. `sources` are variable, shift, scale and offset of each function; `rows` are the variables
+    whose coefficients are kept, `axis` those of 3hat."""
+    rate_of = {s[0]: e for e, s in reversed(list(enumerate(sources))) if s[1:] == (1, 1.0, 0.0)}
+    records = np.zeros(len(events), EVENT_RECORD)
+    numbers: list[tuple[int, int]] = []
+    for record, event, (variable, shift, scale, offset) in zip(records, events, sources, strict=True):
+        record["row"], record["shift"] = np.searchsorted(rows, variable), shift
+        record["scale"], record["offset"] = scale, offset
+        record["leader"] = rate_of.get(variable, -1) if shift == 0 else -1
+        record["direction"], record["sense"], record["extremes"] = event.direction, event.sense, bool(event.extremes)
+        record["ends"] = Status.of_event(event.ends).code if event.ends else 0
+        record["first"] = len(numbers)
+        numbers += [(WHAT[kept.what], kept.direction or event.direction) for kept in event.kept]
+        record["last"] = len(numbers)
+    return EventRows(records, np.array(numbers, NUMBER_RECORD), np.searchsorted(rows, axis))
+
+
+def new_tallies(rows: EventRows, lanes: int) -> Tallies:
+    """Tallies of so many lanes."""
+    n = len(rows.events)
+    lane = np.empty(lanes, [(name, np.array(value).dtype) for name, value in _LANE.items()])
+    tallies = Tallies(lane, np.zeros((7, n, lanes)), np.empty((len(rows.numbers), lanes)))
+    for at in range(lanes):
+        reset(tallies, rows, at, np.ones(n), np.zeros(n, bool))
+    return tallies
+
+
+def reset(tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_zero: np.ndarray) -> None:
+    """A new top in a lane: its event functions have these signs at its start, or are on their zero."""
+    tallies.lane[lane] = tuple(_LANE.values())
+    functions = tallies.functions[:, :, lane]
+    functions[SIGN], functions[ON_ZERO] = signs, on_zero
+    functions[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)
+    functions[MOST] = -functions[LEAST]
+    tallies.kept[:, lane] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)

@@ -1,0 +1,83 @@
+"""What an event is: a zero of a function of the state, what it means for a run, and what is kept of it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from .operand import formula
+
+
+NUMBERED = ("turning", "liftoff", "equator", "inverted", "settled")
+"""The kinds of events that have fixed numbers in stores: their places here. Every store lists them all."""
+
+NOISE_FLOOR = 100 * np.finfo(float).eps
+"""Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16."""
+
+ON_ZERO = 1e-9
+"""An event function, of order one, that is smaller than this at t = 0 starts on its zero, which is no event."""
+
+ON_ZERO_FOR = 1e-6
+"""Internal time in which such a function leaves its zero: one zero of it so early is that of the start."""
+
+
+class Kept(NamedTuple):
+    """A number that is kept of the passages of an event, of every run and of every top of an ensemble."""
+
+    name: str  # of the column
+    what: str  # "first" or "last": the time of that passage [s], NaN if there is none; "count": how many there are
+    long_name: str
+    direction: int = 0  # the passages that are meant: +1 rising ones, -1 falling ones, 0 all that the event detects
+
+
+@dataclass(frozen=True)
+class Event:
+    """A zero of formula(scalars, b), in internal units; the formula is regular and of order one.
+
+    Developers: write it with the sub-expressions of the equations of motion; then it costs no further product.
+    """
+
+    name: str  # the kind, as the log and `run.events` have it
+    long_name: str
+    formula: Callable
+    direction: int = 0  # -1, 0, +1: only falling zeros, all, only rising ones
+    ends: str | None = None  # status of a run that it ends, unless the user says `continue`; None: it ends none
+    sense: int = 0  # of turnings of theta: +1 if the formula has the sign of theta', -1 if the opposite; 0: no turning
+    lasting: bool = False  # significant only if the function stays beyond its zero to the end of the run
+    extremes: str = ""  # the quantity that the function is, if its least and greatest values are kept
+    kept: tuple[Kept, ...] = ()
+
+
+def kinds(events: Sequence[Event]) -> tuple[str, ...]:
+    """Names of the kinds of events in a log; the place of a name is its number in a store.
+
+    The numbered kinds come first, whether these events have them or not; then new ones in their order.
+    """
+    return (*NUMBERED, *(event.name for event in events if event.name not in NUMBERED))
+
+
+@formula
+def hysteresis(waiting, waits_at, sign, theta):
+    """One step of the rule that tells which turnings of theta are more than rounding; floats or scalars in numba.
+
+    The extreme of a stretch counts once theta has come back from it by the noise floor, whatever small wiggles lie
+    between. So a true turning that rounding splits into three counts once, and a decay that ends in noise not at all.
+
+    Parameters
+    ----------
+    waiting, waits_at
+        The turning that waits to be confirmed: its sign, 0 if none waits, and its theta [rad].
+    sign, theta
+        The turning that comes: +1 for a minimum, -1 for a maximum of theta; 0 for the end of the run; and theta [rad].
+
+    Returns
+    -------
+    confirmed, waits
+        Whether the turning that waited counts; and whether the one that comes waits now. A turning that was confirmed
+        no longer waits.
+    """
+    confirmed = waiting != 0 and waiting * (theta - waits_at) >= NOISE_FLOOR
+    further = sign == waiting and sign * (theta - waits_at) < 0
+    waits = sign != 0 and (confirmed or waiting == 0 or further)
+    return confirmed, waits

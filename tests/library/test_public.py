@@ -1,0 +1,383 @@
+"""The public names: all there, documented, as the stub says; and the calls that the documentation shows."""
+
+import ast
+import inspect
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.runs.recording import record
+from tippetop.scenario import build
+
+
+TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
+HEAVY = tt.HeavyTop(m=0.1, l=0.04, I1=8e-5, I3=5e-5, g=9.82)
+CYLINDER = tt.Cylinder(m=0.1, R=0.04, alpha=0.1, I=5e-5, g=9.82)
+START = {"theta": 0.1, "omega3": 155.0}
+FUNCTIONS = [name for name in dir(tt) if inspect.isfunction(getattr(tt, name))]
+
+
+@pytest.fixture(scope="module")
+def run() -> tt.Run:
+    return tt.run(TOP, tt.Viscous(mu=0.3), start=START, until=8.0)
+
+
+# --- names ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_stub_says_what_the_package_has() -> None:
+    """Type checkers read the stub, Python the module: they name the same things in the same places."""
+    stub = ast.parse((Path(tt.__file__).parent / "__init__.pyi").read_text())
+    typed = {
+        alias.asname: f"tippetop.{node.module}"
+        for node in stub.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert sorted([*typed, "__version__"]) == dir(tt) == sorted(tt.__all__)
+    for name, module in typed.items():
+        assert getattr(tt, name) is getattr(sys.modules[module], name)
+    assert re.fullmatch(r"\d+\.\d+\.\d+.*", tt.__version__)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = tt.nothing  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_help_says_what_goes_in_and_comes_out(name: str) -> None:
+    function = getattr(tt, name)
+    text = inspect.getdoc(function) or ""
+    assert text.partition("\n")[0].endswith(".")
+    parameters = inspect.signature(function).parameters
+    sections = ["Returns", *(["Parameters"] if parameters else [])]
+    for section in sections:
+        assert re.search(rf"^{section}\n-+$", text, re.MULTILINE), f"{name} has no section {section}"
+    described = re.search(r"^Parameters\n-+\n(.*?)(?=^\w+\n-+$|\Z)", text, re.MULTILINE | re.DOTALL)
+    for parameter in parameters:
+        assert described is not None
+        assert re.search(rf"(?<!\w){parameter}(?!\w)", described[1]), f"{name} does not describe {parameter}"
+
+
+@pytest.mark.parametrize("name", [n for n in dir(tt) if inspect.isclass(getattr(tt, n))])
+def test_every_class_says_what_it_is(name: str) -> None:
+    kind = getattr(tt, name)
+    text = inspect.getdoc(kind) or ""
+    assert text.partition("\n")[0].strip()
+    if kind.__module__.startswith("tippetop.library") and inspect.signature(kind).parameters:
+        assert re.search(r"^(Parameters|Attributes)\n-+$", text, re.MULTILINE) or name == "StoredRun"
+
+
+def test_importing_changes_nothing_and_is_light() -> None:
+    """No LLVM, no numpy; no signal handlers, log levels or environment."""
+    code = """
+import logging, os, signal, sys
+before = dict(os.environ), signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM), logging.root.level
+import tippetop as tt
+assert not {"heyoka", "numpy", "xarray", "matplotlib", "numba"} & sys.modules.keys()
+tt.run("inverting", until=0.1)
+after = dict(os.environ), signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM), logging.root.level
+assert before == after
+"""
+    done = subprocess.run([sys.executable, "-c", code], env=os.environ, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+# --- bodies and laws ------------------------------------------------------------------------------------------------
+
+
+def test_a_body_is_checked_when_it_is_made() -> None:
+    """All that is wrong at once, in the sentences that TOML gets; numpy's numbers are numbers."""
+    bad = {"m": -1.0, "R": 0.02, "alpha": 1.5, "I1": float("nan"), "I3": 3.2e-6, "g": 9.82}
+    tables = {
+        "system": "tippe-top",
+        "parameters": bad,
+        "friction": {"law": "viscous", "mu": 0.3},
+        "run": {"until": 1.0},
+    }
+    with pytest.raises(tt.InputError) as from_toml:
+        build.problem(tables)
+    with pytest.raises(tt.InputError) as found:
+        tt.TippeTop(**bad)
+    assert found.value.sentences == from_toml.value.sentences
+    assert len(found.value.sentences) == 3
+    with pytest.raises(tt.InputError, match="I3` must be at most 2"):
+        tt.TippeTop(m=1, R=1, alpha=0.5, I1=1, I3=3, g=9.82)
+    with pytest.raises(tt.InputError, match=r"`friction.mu` must be at least 0.0.*\n.*eps` must be greater than 0.0"):
+        tt.Coulomb(mu=-1, eps=0)
+    with pytest.raises(tt.InputError, match=r"`parameters.m` must be a number, but is '1'"):
+        tt.HeavyTop(m="1", l=1, I1=1, I3=1, g=9.82)  # type: ignore[arg-type]
+    mixed = tt.TippeTop(m=np.float64(0.02), R=np.array(0.02), alpha=0.3, I1=np.float32(2.0), I3=np.int64(1), g=9.82)
+    assert all(type(value) is float for value in mixed.numbers().values())
+    assert repr(tt.Viscous(mu=0.3)) == "Viscous(mu=0.3)"
+    assert tt.Viscous(0.3) == tt.Viscous(np.float64(0.3))
+    with pytest.raises(AttributeError):
+        TOP.m = 1.0  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("top", "law", "system"),
+    [
+        (TOP, tt.Viscous(0.3), "tippe-top"),
+        (TOP, tt.Coulomb(0.3, 1e-3), "tippe-top"),
+        (TOP, tt.Mixed(0.1, 0.1, 1e-3), "tippe-top"),
+        (TOP, tt.Stribeck(0.1, 0.2, 0.1, 1e-3), "tippe-top"),
+        (TOP, tt.Latitude(0.1, 0.3), "tippe-top"),
+        (TOP, tt.Frictionless(), "tippe-top"),
+        (HEAVY, None, "heavy-top"),
+        (HEAVY, tt.Viscous(0.3), "gliding-heavy-top"),
+        (CYLINDER, None, "rolling-cylinder"),
+        (CYLINDER, tt.Modified(0.1, 0.1), "gliding-cylinder"),
+    ],
+    ids=str,
+)
+def test_a_body_and_a_law_make_a_problem(top, law, system: str) -> None:
+    from tippetop.library.scenarios import problem_of
+
+    start = {"theta": 0.3} if isinstance(top, tt.Cylinder) else {"theta": 0.3, "omega3": 100.0}
+    problem = problem_of(top, law, start=start, until=1.0)
+    assert problem.system.name == system
+    assert problem.parameters == top.numbers()
+    if law is not None:
+        assert problem.friction == law.record()
+
+
+# --- run ------------------------------------------------------------------------------------------------------------
+
+
+def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
+    same = {"until": 8.0, "output_step": 0.008}
+    tables = {
+        "system": "tippe-top",
+        "parameters": TOP.numbers(),
+        "friction": {"law": "viscous", "mu": 0.3},
+        "initial": START,
+        "run": {"until": 8.0},
+    }
+    for other in (
+        tt.run("inverting", **same),
+        tt.run("inverting", ["run.until=8", "run.output_step=0.008"]),
+        tt.run("inverting", friction={"mu": np.float64(0.3)}, parameters=TOP, initial={"theta": 0.1}, **same),
+        tt.run(tables),
+        tt.run(tt.load("inverting", ["run.until=8", "run.output_step=0.008"])),
+    ):
+        np.testing.assert_array_equal(other.trajectory["theta"], run.trajectory["theta"])
+    assert tt.run("inverting", friction={"mu": 0.2}, until=0.1).problem.friction.mu == 0.2
+    assert tt.run("inverting", {"friction.mu": 0.2}, until=0.1).problem.friction.mu == 0.2
+    assert tt.run("inverting", friction={"law": "none"}, until=0.1).summary.friction.law == "none"
+    rolling = tt.run("inverting", system="rolling-tippe-top", until=0.1)
+    assert rolling.summary.system == "rolling-tippe-top"
+    times = np.linspace(0, 0.1, 3)
+    some = tt.run("inverting", start={"psi_dot": 150.0}, until=0.1, output_times=times, events=["turning"])
+    np.testing.assert_array_equal(some.trajectory["time"], times)
+    assert "omega3" not in some.summary.initial
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "sentence"),
+    [
+        ((TOP,), {"start": START, "until": 1.0}, "must have a friction law, such as Viscous"),
+        ((3.0,), {}, "the first argument must be a body"),
+        (("nothing",), {}, "one of the presets"),
+        (("inverting", ["mu"]), {}, "^an assignment must be table.key=value"),
+        (("inverting", [0.3]), {}, "must be texts"),
+        (("inverting", 0.3), {}, "the friction law float must be registered"),
+        (("inverting",), {"until": -1.0}, "^`until` must be greater than 0"),
+        (("inverting",), {"until": "soon"}, "^`until` must be a number"),
+        (("inverting",), {"events": ["landing"]}, "^`events` must be of turning"),
+        (("inverting",), {"start": 0.1}, "^`start` must be a mapping"),
+        (("inverting",), {"friction": {"mu": 0.1, "eps": 1.0}}, "friction.eps"),
+        (("inverting",), {"output_step": 0.1, "output_times": [0.0]}, "^`output_step` must stand alone"),
+        (("inverting",), {"system": "mars-rover"}, "^`system` must be one of"),
+    ],
+)
+def test_misuse_is_one_sentence_in_the_words_of_the_call(arguments: tuple, options: dict, sentence: str) -> None:
+    with pytest.raises(tt.InputError, match=sentence) as found:
+        tt.run(*arguments, **options)
+    assert "--set" not in str(found.value)
+    assert len(found.value.sentences) == 1
+
+
+def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
+    assert repr(run) == "<Run of tippe-top: finished at t = 8 s, 1337 steps>"
+    assert "inversion" in str(run)
+    assert "pi - 0.1 at 6.943" in str(run)
+    assert run._repr_html_().startswith("<b>rolling and gliding tippe top")
+    assert run.summary.inversion.inverted_at == pytest.approx(6.943, abs=1e-3)
+    assert run.summary["inversion"]["inverted_at"] == run.summary.inversion.inverted_at
+    assert "drift" in dir(run.summary)
+    with pytest.raises(AttributeError, match="there is no `colour`"):
+        _ = run.summary.colour
+    assert max(run.drift.values()) < 1e-13
+    assert run.trajectory["theta"].attrs["units"] == "rad"
+    assert run.events.sizes["event"] == sum(n for k, n in run.summary.event_counts.items() if "signif" not in k)
+    assert float(run.final["uz"]) == pytest.approx(float(np.cos(run.trajectory["theta"][-1])), abs=1e-12)
+    assert run.final["Lz"].attrs["units"] == "kg m2 s-1"
+    tree = run.to_datatree()
+    assert set(tree.children) == {"trajectory", "events"}
+    run.plot("theta", tmp_path / "theta.png")
+    with pytest.raises(tt.InputError, match="kind of figure"):
+        run.plot("moon")
+    found = tt.run("inverting", until=0.2)
+    assert found.certify().theta < 1e-12
+    assert found.summary.certificate.against == "longdouble"
+
+
+@pytest.mark.parametrize(
+    ("preset", "sets"),
+    [
+        ("inverting", ["run.until=2"]),
+        ("rolling", ["run.until=0.5", "run.precision=longdouble"]),
+        ("gliding-cylinder", ["run.until=1"]),
+    ],
+)
+def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, sets: list[str], tmp_path: Path) -> None:
+    recorded, saved = tmp_path / "recorded.zarr", tmp_path / "saved.zarr"
+    record(tt.load(preset, sets), recorded)
+    run = tt.run(preset, sets)
+    run.save(saved)
+    contents = [
+        {path.relative_to(place): path.read_bytes() for path in place.rglob("*") if path.is_file()}
+        for place in (recorded, saved)
+    ]
+    assert contents[0].keys() == contents[1].keys()
+    assert [name for name, data in contents[0].items() if data != contents[1][name]] == []
+    with pytest.raises(tt.StoreError):
+        run.save(saved)
+    run.save(saved, overwrite=True)
+    stored = tt.open(saved)
+    assert isinstance(stored, tt.StoredRun)
+    assert stored.trajectory.identical(run.trajectory)
+    assert stored.events.identical(run.events)
+    assert stored.final.identical(run.final)
+    assert stored.summary.to_dict() == run.summary.to_dict()
+    assert repr(stored) == repr(run)
+    assert stored.problem.system is run.problem.system
+
+
+def test_a_run_that_is_recorded_as_it_goes(tmp_path: Path) -> None:
+    place = tmp_path / "run.zarr"
+    run = tt.run("inverting", until=0.2, out=place)
+    assert run.trajectory.identical(tt.run("inverting", until=0.2).trajectory)
+    with pytest.raises(tt.InputError, match="already"):
+        run.save(place)
+    with pytest.raises(tt.StoreError, match="unfinished"):
+        tt.resume(place)
+
+
+def test_every_kind_of_store_opens(tmp_path: Path) -> None:
+    from tippetop.landscape import recording
+
+    D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
+    recording.write(tmp_path / "F.zarr", recording.Surface.over(TOP.numbers(), D, lam))
+    surface = tt.open(tmp_path / "F.zarr")
+    np.testing.assert_array_equal(surface["F"], tt.minimal_surface(TOP, D=D, lam=lam)["F"])
+    (tmp_path / "plan.toml").write_text(
+        'scenario = "inverting"\nset.run.until = 0.1\n'
+        '[[axis]]\nof = "initial.omega3"\nlinspace = [100.0, 150.0]\nn = 2\n'
+        '[[axis]]\nof = "friction.mu"\nlinspace = [0.1, 0.3]\nn = 3\n'
+    )
+    tt.sweep(tmp_path / "plan.toml", tmp_path / "S.zarr", workers=1)
+    table = tt.open(tmp_path / "S.zarr")
+    assert table.sizes["top"] == 6
+    assert dict(tt.gridded(table).sizes) == {"initial.omega3": 2, "friction.mu": 3}
+    with pytest.raises(tt.StoreError, match="must be a store of tippetop"):
+        tt.open(tmp_path / "plan.toml")
+
+
+def test_a_run_in_another_thread() -> None:
+    import threading
+
+    found: list = []
+    thread = threading.Thread(target=lambda: found.append(tt.run("inverting", until=0.2)))
+    thread.start()
+    thread.join()
+    np.testing.assert_array_equal(found[0].trajectory["theta"], tt.run("inverting", until=0.2).trajectory["theta"])
+
+
+# --- many tops ------------------------------------------------------------------------------------------------------
+
+
+def test_an_ensemble_takes_bare_names_and_bodies() -> None:
+    spins, frictions = np.array([100.0, 130.0, 155.0]), np.array([0.1, 0.2, 0.3])
+    bare = tt.ensemble("inverting", {"omega3": spins, "mu": frictions}, until=0.5, threads=1)
+    dotted = tt.ensemble("inverting", {"initial.omega3": spins, "friction.mu": frictions}, until=0.5, threads=1)
+    body = tt.ensemble(
+        TOP,
+        {"omega3": list(spins), "mu": tuple(frictions)},
+        tt.Viscous(1.0),
+        start={"theta": 0.1},
+        until=0.5,
+        threads=1,
+    )
+    for other in (dotted, body):
+        np.testing.assert_array_equal(bare["theta_end"], other["theta_end"])
+    with pytest.raises(tt.InputError, match="`spin` must be one of"):
+        tt.ensemble("inverting", {"spin": spins})
+    with pytest.raises(tt.InputError, match="must be a mapping"):
+        tt.ensemble("inverting", [1.0])  # type: ignore[arg-type]
+
+
+# --- theory and landscape -------------------------------------------------------------------------------------------
+
+
+def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
+    D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
+    by_letter = tt.minimal_surface(TOP, D=D, lam=lam)
+    assert by_letter.identical(tt.minimal_surface(TOP.numbers(), D, lam))
+    assert by_letter["F"].equals(tt.minimal_surface(run, D=D, lam=lam)["F"])
+    heavy = tt.minimal_surface(HEAVY, L3=D, Lz=D)
+    assert heavy.identical(tt.minimal_surface(HEAVY.numbers(), D, D, "gliding-heavy-top"))
+    V = tt.potential(TOP, np.linspace(-0.9, 0.9, 181), D=D[1], lam=lam[1])
+    assert float(V["V"].min()) >= float(by_letter["F"][1, 1])
+    with pytest.raises(tt.InputError) as found:
+        tt.minimal_surface(TOP, L3=D, lam=lam)
+    assert found.value.sentences == [
+        "`L3` is no momentum of tippe-top: it has D and lam.",
+        "`D` must be given once, but is missing.",
+    ]
+    band = tt.band(run)
+    theta = run.trajectory["theta"].values
+    inside = (theta > band["theta_min"].values - 1e-6) & (theta < band["theta_max"].values + 1e-6)
+    assert inside.mean() > 0.95
+    assert tt.marked_lines(TOP, lam).sizes["lambda"] == 3
+
+
+def test_the_theory_takes_bodies(run: tt.Run) -> None:
+    limits = tt.thresholds(TOP)
+    below, above = (tt.regime(TOP, k * limits["lambda_s"].value) for k in (0.5, 1.5))
+    assert (below.inverted, above.inverted) == (False, True)
+    assert tt.thresholds(HEAVY)["spin_sleeping"].value > 0
+    assert tt.linear_modes(TOP, tt.Viscous(0.3), omega3=155.0)[0].real > 0
+    assert np.all(np.abs(tt.linear_modes(TOP, omega3=155.0).real) < 1e-9)
+    assert len(tt.linear_modes(TOP, tt.Frictionless(), omega3=155.0, inverted=True)) == 3
+    rows = run.trajectory.isel(time=100)
+    D, lam, energy, theta = (float(rows[name]) for name in ("routh", "jellett", "modified_energy", "theta"))
+    point, grid = (
+        tt.nutation(TOP, energy=energy, theta=theta, D=D, lam=lam),
+        tt.turning_angles(TOP, D=D, lam=lam, energy=energy),
+    )
+    assert point.theta_min == pytest.approx(float(grid["theta_min"]), rel=1e-10)
+    assert point.period == pytest.approx(float(grid["period"]), rel=1e-9)
+    with pytest.raises(tt.InputError, match="`lam` must be given"):
+        tt.nutation(TOP, energy=energy, theta=theta, D=D)
+    with pytest.raises(tt.InputError, match="must be a TippeTop"):
+        tt.regime(CYLINDER, 1.0)  # type: ignore[arg-type]
+
+
+def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
+    start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
+    run = tt.run("inverting", start=start, until=0.15, output_step=5e-5)
+    run.save(tmp_path / "run.zarr")
+    for source in (run, tt.open(tmp_path / "run.zarr")):
+        found = tt.reconstruct(source)
+        known = np.isfinite(found["theta"].values)
+        assert known.mean() > 0.8
+        np.testing.assert_allclose(found["theta"][known], run.trajectory["theta"][known], rtol=0, atol=1e-7)
+        assert found.attrs["mismatch"] < 1e-8
+    with pytest.raises(tt.InputError, match="must be one of a tippe top"):
+        tt.reconstruct(tt.run(CYLINDER, start={"theta": 0.5}, until=0.1))

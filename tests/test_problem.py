@@ -1,0 +1,284 @@
+"""One run is the case n = 1 of many, bit by bit; units scale what is computed; a number is validated in one way."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from tippetop.engine.observables import View, values_of
+from tippetop.errors import InputError
+from tippetop.mechanics.operand import leaves
+from tippetop.mechanics.system import Parameter
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.units import KILOGRAM, METRE, ONE, SECOND
+from tippetop.problem import UNTIL, Problem, Problems
+from tippetop.scenario import build
+from tippetop.scenario.schema import RunTable, scenario_model
+
+
+PRESETS = {
+    "tippe-top": "inverting",
+    "rolling-tippe-top": "rolling",
+    "gliding-heavy-top": "gliding-heavy-top",
+    "heavy-top": "heavy-top",
+    "gliding-cylinder": "gliding-cylinder",
+    "rolling-cylinder": "rolling-cylinder",
+}
+N = 12
+
+
+def columns(base: Problem, rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """Random numbers for every key that may vary, in sizes from a coin to a table."""
+    size = np.geomspace(0.1, 20, N)
+    found = {"run.until": rng.uniform(0.5, 5, N)}
+    for name, value in base.parameters.items():
+        unit = base.system.parameters[name].unit
+        found[f"parameters.{name}"] = value * rng.uniform(0.95, 1.05, N) * size**unit.length
+    for name in base.system.initial:
+        if name not in ("psi_dot", "x", "y"):
+            found[f"initial.{name}"] = rng.uniform(0.1, 1.5, N)
+    for name, value in base.friction._asdict().items():
+        found[f"friction.{name}"] = value * rng.uniform(0.5, 2, N)
+    return found
+
+
+def alone(base: Problem, numbers: dict[str, np.ndarray], i: int) -> Problem:
+    """The run number i as a problem of its own."""
+    plain: dict[str, dict[str, float]] = {"parameters": {}, "friction": {}, "initial": {}, "run": {}}
+    for key, column in numbers.items():
+        table, _, name = key.partition(".")
+        plain[table][name] = float(column[i])
+    return dataclasses.replace(
+        base,
+        parameters={**base.parameters, **plain["parameters"]},
+        friction=base.friction._replace(**plain["friction"]),
+        initial=base.system.replaced(base.initial, plain["initial"]),
+        until=plain["run"].get("until", base.until),
+    )
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("precision", ["double", "longdouble", "quad"])
+def test_one_run_is_the_case_n_1_of_many(system: str, precision: str, rng: np.random.Generator) -> None:
+    """Starts, bodies, units and ends are the same to the bit, whatever stands beside a run: in every form."""
+    preset = build.load(PRESETS[system])
+    for form in preset.system.forms.values():
+        base = dataclasses.replace(preset, form=form, precision=precision)
+        numbers = columns(base, rng)
+        many = Problems(base, numbers)
+        for i in range(N):
+            one = alone(base, numbers, i)
+            same = Problems(base, {key: column[[i]] for key, column in numbers.items()})
+            for whole, single, name in (
+                (many.start[:, i], one.start(), "start"),
+                (many.pars[:, i], np.array(leaves(one.internal_body), dtype=base.number), "body"),
+                (np.array([w[i] for w in many.weights]), np.array(one.weights(form)), "weights"),
+                (np.array([s[i] for s in many.scales]), np.array(list(one.scales)), "scales"),
+                (many.start[:, i], same.start[:, 0], "start, n = 1"),
+                (many.pars[:, i], same.pars[:, 0], "body, n = 1"),
+            ):
+                assert np.array_equal(whole, single), (form.name, name, i)
+            assert many.end[i] == one.until / float(one.scales.of(SECOND))
+
+
+@pytest.mark.parametrize("system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"])
+def test_compiled_values_of_many_are_those_of_one(system: str, rng: np.random.Generator) -> None:
+    """What states say is the same for one run and for many, whatever stands beside a run."""
+    base = build.load(PRESETS[system])
+    numbers = columns(base, rng)
+    many = Problems(base, numbers)
+    found = values_of(many, many.start, np.arange(N))
+    for i in range(N):
+        one = View(alone(base, numbers, i)).values(many.start[:, [i]].T)
+        for name, value in one.items():
+            assert value[0] == found[name][i], (name, i)
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("scale", [(4.0, 1.0, 1.0), (1.0, 4.0, 1.0), (1.0, 1.0, 0.5), (8.0, 0.25, 2.0)])
+def test_internal_numbers_do_not_depend_on_the_units(system: str, scale: tuple[float, float, float]) -> None:
+    """A body of other mass, size and pace that is the same body in other units has the same internal numbers.
+
+    The factors are powers of two, so that this holds to the bit.
+    """
+    base = build.load(PRESETS[system])
+    mass, length, time = scale
+
+    def scaled(values: dict, rules: dict) -> dict:
+        units = {name: rules[name].unit for name in values}
+        return {
+            k: v * mass ** units[k].mass * length ** units[k].length * time ** units[k].time for k, v in values.items()
+        }
+
+    friction = base.friction._asdict()
+    other = dataclasses.replace(
+        base,
+        parameters=scaled(base.parameters, base.system.parameters),
+        friction=type(base.friction)(**scaled(friction, base.law.parameters)),
+        initial=scaled(base.initial, base.system.initial),
+        until=base.until * time,
+    )
+    assert np.array_equal(other.start(), base.start())
+    assert leaves(other.internal_body) == leaves(base.internal_body)
+    assert other.internal_time(other.until) == base.internal_time(base.until)
+    for unit, factor in ((KILOGRAM, mass), (METRE, length), (SECOND, time)):
+        assert other.scales.of(unit) == factor * base.scales.of(unit)
+
+
+def test_a_check_changes_nothing_and_says_what_is_wrong() -> None:
+    spins = np.array([155.0, np.nan, 160.0, 1e300, 155.0])
+    mu = np.array([0.3, 0.3, -1.0, 0.3, 0.3])
+    moments = np.array([3.2e-6, 3.2e-6, 3.2e-6, 3.2e-6, 7e-6])
+    tops = Problems.vary(
+        build.load("inverting"), {"initial.omega3": spins, "friction.mu": mu, "parameters.I3": moments}
+    )
+    start, pars = tops.start.copy(), tops.pars.copy()
+    valid, faults = tops.check()
+    assert valid.tolist() == [True, False, False, False, False]
+    assert [i for i, _ in faults] == [1, 2, 3, 4]
+    for (_, sentence), words in zip(
+        faults,
+        (
+            "`initial.omega3` must be finite, but is nan.",
+            "`friction.mu` must be finite, at least 0, but is -1.",
+            "must stay finite together, but they overflow.",
+            "`parameters.I3` must be at most 2*I1",
+        ),
+        strict=True,
+    ):
+        assert words in sentence
+    assert tops.check() == (valid, faults)
+    np.testing.assert_array_equal(tops.start, start)
+    np.testing.assert_array_equal(tops.pars, pars)
+    with pytest.raises(ValueError, match="read-only"):
+        tops.valid[0] = False
+
+
+def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
+    """Where the contact jams at the start, and where numbers overflow together."""
+    for key, good, value in (("initial.nu_x", 0.0, 100.0), ("initial.omega3", 155.0, 1e200)):
+        base = build.load("inverting", ["initial.theta=1.5", "friction.mu=3.0"])
+        with pytest.raises(InputError) as caught:
+            build.load("inverting", ["initial.theta=1.5", "friction.mu=3.0", f"{key}={value}"])
+        (fault,) = Problems.vary(base, {key: [good, value]}).check()[1]
+        assert fault == (1, str(caught.value))
+
+
+# --- what must hold of a number -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("parameter", "inside", "outside", "words"),
+    [
+        (Parameter(ONE, "any"), [-1e300, 0, 1e300], [np.nan, np.inf, -np.inf], "finite"),
+        (
+            Parameter(ONE, "open", above=0, below=1),
+            [1e-300, 0.5],
+            [0, 1, -1, np.nan],
+            "finite, greater than 0, less than 1",
+        ),
+        (Parameter(ONE, "closed", least=0, most=1), [0, 1], [-1e-300, 1.5, np.inf], "finite, at least 0, at most 1"),
+    ],
+)
+def test_a_parameter_knows_its_interval(parameter: Parameter, inside: list, outside: list, words: str) -> None:
+    values = np.array(inside + outside, float)
+    assert parameter.broken(values).tolist() == [False] * len(inside) + [True] * len(outside)
+    assert [bool(parameter.broken(v)) for v in values] == parameter.broken(values).tolist()
+    assert parameter.must() == f"must be {words}"
+    assert parameter.fault("key", 2.0) == f"`key` must be {words}, but is 2."
+
+
+def test_a_value_is_told_the_first_thing_that_it_breaks() -> None:
+    alpha = SYSTEMS["tippe-top"].parameters["alpha"]
+    assert alpha.must(1.0) == "must be less than 1.0"
+    assert alpha.must(-1.0) == "must be greater than 0.0"
+    assert alpha.must(np.inf) == alpha.must(np.nan) == "must be a finite number"
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
+    """TOML, arrays, and the system's record: for every number of every system, at its ends and beside them."""
+    base = build.load(PRESETS[system])
+    for key, rule in base.rules.items():
+        table, _, name = key.partition(".")
+        ends = [e for e in (rule.above, rule.least, rule.below, rule.most) if e is not None]
+        values = [v for e in (*ends, 0.5) for v in (np.nextafter(e, -1e9), e, np.nextafter(e, 1e9))] + [np.nan, np.inf]
+        tops = Problems(base, {key: np.array(values)})
+        by_array = {i for i, sentence in tops.check()[1] if sentence.startswith(f"`{key}`")}
+        for i, value in enumerate(values):
+            wrong = bool(rule.broken(value))
+            assert (i in by_array) >= wrong
+            tables = {**base.tables, "run": {"until": base.until}, "system": system}
+            if base.system.frictional:
+                tables["friction"] = {"law": base.law_name, **tables["friction"]}
+            tables[table] = {**tables[table], name: float(value)}
+            try:
+                scenario_model(base.system).model_validate(tables)
+                refused = False
+            except ValidationError as error:
+                refused = any(e["loc"][-1] == name for e in error.errors())
+            assert refused == wrong, (key, value)
+            if table == "parameters":
+                faults = base.system.faults({**base.parameters, name: value})
+                assert any(fault.startswith(f"`{key}` must be finite") for fault in faults) == wrong
+    assert UNTIL.above == 0
+    with pytest.raises(ValidationError):
+        RunTable(until=0.0)
+
+
+def test_a_record_names_what_is_missing_and_what_is_unknown() -> None:
+    record = SYSTEMS["tippe-top"]
+    given = dict(build.load("inverting").parameters)
+    assert record.faults(given) == []
+    assert record.faults({**given, "l": 1.0}) == [
+        "`parameters.l` must not be there: known keys are m, R, alpha, I1, I3, g."
+    ]
+    del given["alpha"]
+    assert record.faults(given) == ["`parameters.alpha` must be given, but is missing."]
+
+
+def test_a_problem_made_in_python_is_checked_like_a_scenario() -> None:
+    good = build.load("inverting")
+    assert good.faults() == good.start_faults() == []
+    bad = dataclasses.replace(
+        good,
+        parameters={**good.parameters, "m": -1.0},
+        friction=good.friction._replace(mu=np.inf),
+        initial={"theta": 4.0, "psi_dot": 1.0, "omega3": 1.0, "spin": 1.0},
+        until=0.0,
+    )
+    keys = [fault.split("`")[1] for fault in bad.faults()]
+    assert keys == ["parameters.m", "friction.mu", "initial.theta", "initial.spin", "run.until", "initial.psi_dot"]
+
+
+# --- what says the same in two ways ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_alternatives_are_initial_data(system: str) -> None:
+    """Each alternative names initial data of its system; a flag is not a number; all of them are refused together."""
+    record = SYSTEMS[system]
+    for alternative in record.alternatives:
+        assert set(alternative.others) <= set(record.initial)
+        assert (alternative.name in record.initial) != alternative.flag
+        for other in alternative.others:
+            assert record.clashes([alternative.name, other])
+            assert not record.clashes([other])
+            assert (alternative.name in record.rivals(other)) != alternative.flag
+        assert not record.clashes([alternative.name])
+    assert record.replaced({"theta": 1.0}, {"theta": 2.0}) == {"theta": 2.0}
+
+
+def test_what_varies_takes_the_place_of_its_rival() -> None:
+    """psi_dot varies over a base that has omega3, and the other way round."""
+    by_omega3 = build.load("inverting")
+    tops = Problems.vary(by_omega3, {"initial.psi_dot": [100.0]})
+    assert set(tops.given("initial")) == {"theta", "psi_dot"}
+    theta = by_omega3.initial["theta"]
+    by_psi_dot = dataclasses.replace(by_omega3, initial={"theta": theta, "psi_dot": 100.0})
+    assert np.array_equal(tops.start[:, 0], by_psi_dot.start())
+    back = Problems.vary(by_psi_dot, {"initial.omega3": [155.0]})
+    assert np.array_equal(
+        back.start[:, 0], dataclasses.replace(by_omega3, initial={"theta": theta, "omega3": 155.0}).start()
+    )
