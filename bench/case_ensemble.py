@@ -99,7 +99,7 @@ def _exact(spin: float) -> np.longdouble:
 
 
 def batched(tops: Problems) -> Callable[[], np.ndarray]:
-    """heyoka's batch integrator on the motion alone, no quadratures, events or books; gives rows (n, variables)."""
+    """heyoka's batch integrator on the motion alone, no quadratures, events or tallies; gives rows (n, variables)."""
     base = tops.base
     _, _, equations = variables(base.system, base.form, base.friction.__class__)
     kept = [i for i, name in enumerate(base.form.units._fields) if name not in base.form.quadratures]
