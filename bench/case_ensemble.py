@@ -99,7 +99,7 @@ def _exact(spin: float) -> np.longdouble:
 
 
 def batched(tops: Problems) -> Callable[[], np.ndarray]:
-    """heyoka's batch integrator on the motion alone, no integrals, events or books; gives rows (n, variables)."""
+    """heyoka's batch integrator on the motion alone, no integrals, events or tallies; gives rows (n, variables)."""
     base = tops.base
     equations = equations_of_motion(base.system, tops.variables, base.friction.__class__).rates
     kept = list(range(tops.variables.moving))

@@ -232,7 +232,7 @@ def test_a_record_names_what_is_missing_and_what_is_unknown() -> None:
     given = dict(build.load("inverting").parameters)
     assert record.faults(given) == []
     assert record.faults({**given, "l": 1.0}) == [
-        "`parameters.l` must not be there: known keys are m, R, alpha, I1, I3, g."
+        "unknown key `parameters.l`. The keys of `parameters` are m, R, alpha, I1, I3, g."
     ]
     del given["alpha"]
     assert record.faults(given) == ["`parameters.alpha` must be given, but is missing."]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tippetop.sampling import Given, Grid
+from tippetop.sampling import EvenTimes, ListedTimes
 
 
 steps = st.sampled_from([1.0, 0.1, 0.3, 1e-3, 7.0, 1 / 3, np.pi])
@@ -15,7 +15,7 @@ parts = st.sampled_from([0.0, 0.25, 0.999999])
 
 @given(steps, lengths, parts)
 def test_a_grid_begins_at_zero_steps_evenly_and_ends_with_until(step: float, count: int, part: float) -> None:
-    grid = Grid(step, step * (count + part))
+    grid = EvenTimes(step, step * (count + part))
     times = grid[:]
     assert len(grid) == len(times) == count + 1 + (part > 0)
     assert (times[0], times[-1]) == (0.0, grid.until)
@@ -25,7 +25,7 @@ def test_a_grid_begins_at_zero_steps_evenly_and_ends_with_until(step: float, cou
 
 @given(steps, lengths, parts, st.integers(0, 500), st.integers(0, 500))
 def test_a_stretch_of_a_grid_is_that_of_the_whole(step: float, count: int, part: float, a: int, b: int) -> None:
-    grid = Grid(step, step * (count + part))
+    grid = EvenTimes(step, step * (count + part))
     assert grid[a : a + b].tobytes() == grid[:][a : a + b].tobytes()
 
 
@@ -33,17 +33,17 @@ def test_a_stretch_of_a_grid_is_that_of_the_whole(step: float, count: int, part:
 def test_counting_in_a_grid_is_counting_in_its_times(
     step: float, count: int, part: float, where: float, inclusive: bool
 ) -> None:
-    grid = Grid(step, step * (count + part))
+    grid = EvenTimes(step, step * (count + part))
     times = grid[:]
     row = times[min(int(where * count), len(times) - 1)]
     for at in (where * grid.until, row, np.nextafter(row, np.inf), np.nextafter(row, -np.inf)):
         expected = np.sum(times <= at) if inclusive else np.sum(times < at)
-        assert grid.count(at, inclusive=inclusive) == Given(times).count(at, inclusive=inclusive) == expected
+        assert grid.count(at, inclusive=inclusive) == ListedTimes(times).count(at, inclusive=inclusive) == expected
 
 
 def test_a_long_grid_is_cheap() -> None:
     """10^9 rows: none of them is made before it is asked for."""
-    grid = Grid(1e-6, 1e3)
+    grid = EvenTimes(1e-6, 1e3)
     assert len(grid) == 10**9 + 1
     np.testing.assert_allclose(grid[10**8 : 10**8 + 3], 1e2 + np.arange(3) * 1e-6, rtol=1e-15)
     assert grid.count(grid[10**8 : 10**8 + 1][0], inclusive=True) == 10**8 + 1
@@ -51,7 +51,7 @@ def test_a_long_grid_is_cheap() -> None:
 
 @pytest.mark.parametrize("inclusive", [False, True])
 def test_given_times_are_counted_as_given(inclusive: bool) -> None:
-    given_times = Given(np.array([0.1, 0.7, 2.0]))
+    given_times = ListedTimes(np.array([0.1, 0.7, 2.0]))
     assert [given_times.count(t, inclusive=inclusive) for t in (0.0, 0.1, 1.0, 2.0, 3.0)] == (
         [0, 1, 2, 3, 3] if inclusive else [0, 0, 2, 2, 3]
     )

@@ -1,7 +1,7 @@
 """Errors that the user can mend: each is one or more sentences."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
@@ -15,6 +15,16 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     """`` Did you mean `x`?`` to be appended to a sentence, or nothing where no known word is near."""
     found = nearest(word, known)
     return f" Did you mean `{found}`?" if found else ""
+
+
+def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = ()) -> str:
+    """The sentence on a key that does not exist. known: the keys of its table; everywhere: dotted, those of the
+    scenario."""
+    table, _, name = key.rpartition(".")
+    dotted = {k.rpartition(".")[2]: k for k in everywhere} | {k: f"{table}.{k}" if table else k for k in known}
+    near = nearest(name, dotted)
+    meant = f"; did you mean `{dotted[near]}`?" if near else "."
+    return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
 
 
 def a_system(name: str) -> str:

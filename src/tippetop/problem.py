@@ -13,7 +13,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, unknown_key
 from .mechanics.friction import LAWS, Law
 from .mechanics.operand import leaves, refill
 from .mechanics.system import Form, Parameter, System
@@ -99,7 +99,8 @@ class Problem:
                 if rule is not None and rule.broken(value):
                     faults.append(rule.fault(key, value))
                 if rule is None and not isinstance(value, bool):
-                    faults.append(f"`{key}` must not be there: known keys are {', '.join(self.rules)}.")
+                    known = [k.partition(".")[2] for k in self.rules if k.startswith(f"{table}.")]
+                    faults.append(unknown_key(key, known, self.rules))
         return faults + self.system.clashes(_given(self.initial))
 
     def start_faults(self) -> list[str]:

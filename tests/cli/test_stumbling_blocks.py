@@ -52,6 +52,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
             ["potential", "rolling-cylinder", "--D", "1", "--lambda", "2"],
             "tippe tops only; this is a rolling cylinder.",
         ),
+        (["sweep", "inverting", "--out", "s.zarr"], "this is a scenario, not a plan"),
         (["surface", "inverting"], "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
     ],
 )

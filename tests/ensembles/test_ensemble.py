@@ -229,8 +229,8 @@ def toy(*events: Event) -> Problem:
 def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None:
     base = toy(HIGH, QUICK)
     spins, tilts = np.linspace(100, 160, 6), np.linspace(0.05, 0.4, 6)
-    tops = Problems(base, {"initial.omega3": spins, "initial.theta": tilts})
-    assert not tops.faults()
+    tops = Problems.vary(base, {"initial.omega3": spins, "initial.theta": tilts})
+    assert tops.valid.all()
     rows = outcomes.table(measure(tops, threads=1, lanes=4))
     assert base.system.kinds == ("turning", "liftoff", "equator", "inverted", "settled", "high", "quick")
     for i in range(6):
@@ -250,8 +250,8 @@ def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None
 
 
 def test_other_events_do_not_change_what_is_kept_of_these(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
-    tops = Problems(toy(HIGH), mixed)
-    assert not tops.faults()
+    tops = Problems.vary(toy(HIGH), mixed)
+    assert tops.valid.all()
     again = outcomes.dataset(measure(tops, threads=1), [])
     assert same(found, again[list(found)])
 
@@ -259,8 +259,8 @@ def test_other_events_do_not_change_what_is_kept_of_these(mixed: dict[str, np.nd
 def test_an_event_of_ones_own_ends_tops_alike_in_lanes_and_alone() -> None:
     base = toy(TIPPED)
     spins = np.array([110.0, 155.0])
-    tops = Problems(base, {"initial.omega3": spins})
-    assert not tops.faults()
+    tops = Problems.vary(base, {"initial.omega3": spins})
+    assert tops.valid.all()
     rows = outcomes.table(measure(tops, threads=1, lanes=4))
     words = rows["status"].attrs["flag_meanings"].split()
     for i, spin in enumerate(spins.tolist()):
@@ -286,8 +286,8 @@ def test_a_top_that_will_leave_its_pole_has_not_settled_in_a_lane() -> None:
     """The same rule as for a single run: sliding dies at 1.67 s, and returns when the unstable mode has grown."""
     sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
     problem = build.load("inverting", sets, until=400.0)
-    tops = Problems(problem, {"friction.mu": np.array([0.03])})
-    assert not tops.faults()
+    tops = Problems.vary(problem, {"friction.mu": np.array([0.03])})
+    assert tops.valid.all()
     made = measure(tops, threads=1, lanes=4)
     assert made.status[0] == Status.SETTLED.code
     assert made.columns["theta_end"][0] > np.pi - 1e-6

@@ -393,12 +393,3 @@ def test_band_of_a_rolling_top_stands_still():
     turnings = run["events"].theta.values[run["events"].kind.values == 0]
     np.testing.assert_allclose(np.sort(turnings)[:5], found.theta_min[0], atol=1e-12)
     np.testing.assert_allclose(np.sort(turnings)[-5:], found.theta_max[0], atol=1e-12)
-
-
-def test_figures_of_a_run_in_its_landscape(inverting_run, tmp_path):
-    from tippetop.figures import catalogue
-
-    groups, attrs = inverting_run
-    for kind in ("band", "surface", "potential", "inversion"):
-        catalogue.draw(kind, groups, attrs, tmp_path / f"{kind}.png")
-        assert (tmp_path / f"{kind}.png").stat().st_size > 20_000

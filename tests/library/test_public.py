@@ -285,7 +285,7 @@ def test_every_kind_of_store_opens(tmp_path: Path) -> None:
     table = tt.open(tmp_path / "S.zarr")
     assert table.sizes["top"] == 6
     assert dict(tt.gridded(table).sizes) == {"initial.omega3": 2, "friction.mu": 3}
-    with pytest.raises(tt.StoreError, match="must be a store of tippetop"):
+    with pytest.raises(tt.StoreError, match="is a file, not a store"):
         tt.open(tmp_path / "plan.toml")
 
 

@@ -64,7 +64,7 @@ def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["class", "inversion", "normal-force"])
 def test_figures_of_a_sweep_are_drawn(kind: str, whole: Path, tmp_path: Path) -> None:
     assert outcome(["plot", str(whole), kind, "--out", str(tmp_path / "a.png")]) == 0
-    assert (tmp_path / "a.png").stat().st_size > 15_000
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
 def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **columns: np.ndarray) -> maps.Map:

@@ -217,7 +217,7 @@ def test_a_chunk_that_fails_is_named_and_the_others_finish(
         assert outcome(words) == 6
     said = capsys.readouterr()
     assert "chunk 1 (tops 7 to 13) failed: ArithmeticError: it will not do." in said.err
-    assert "Go on with: tippetop sweep" in said.err
+    assert "Continue with: tippetop sweep" in said.err
     found = json.loads(said.out)
     assert found["chunks"] == {"todo": 0, "done": 3, "failed": 1}
     assert found["failed"] == {"1": "ArithmeticError: it will not do"}
@@ -239,7 +239,7 @@ def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
             assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == code
     finally:
         signal.signal(signal.SIGTERM, handler)
-    assert f"Go on with: tippetop sweep {file} --out {store} --workers 1" in capsys.readouterr().err
+    assert f"Continue with: tippetop sweep {file} --out {store} --workers 1" in capsys.readouterr().err
     assert written(store) == 2
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)

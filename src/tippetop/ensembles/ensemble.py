@@ -208,7 +208,7 @@ def varied(base: Problem, variations: Mapping[str, Any]) -> Problems:
 def base_faults(base: Problem) -> list[str]:
     """Why a problem cannot run in lanes, in sentences; empty if it can."""
     sentences = []
-    if not {"turning", "equator"} & {e.name for e in base.system.events} or "ux" not in base.form.units._fields:
+    if not base.system.events or "ux" not in base.form.units._fields:
         sentences.append('`form` must be "vector" in an ensemble, of a system that has it.')
     if base.precision != "double":
         sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')

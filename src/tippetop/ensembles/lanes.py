@@ -15,7 +15,7 @@ from ..engine.expressions import equations_of_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.status import Status
-from ..mechanics.operand import leaves, refill
+from ..mechanics.operand import leaves
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
@@ -229,8 +229,7 @@ class Lanes:
         tally, any_does = self.tallies.lane, False
         for lane in np.flatnonzero((self.top >= 0) & (tally["status"] == Status.SETTLED.code)).tolist():
             top = self.top[[lane]]
-            leaf_of = (float(np.broadcast_to(leaf, (self.tops.n,))[top[0]]) for leaf in leaves(self.tops.body))
-            body = refill(self.tops.body, leaf_of)
+            body = self.tops.body(lambda given, top=top: float(np.broadcast_to(given, (self.tops.n,))[top[0]]))
             state = self.states[int(tally["step"][lane]) + 1, : len(self.tops.start), [lane]].T
             if not stays(body, values_of(self.tops, state, top), float(self.tops.unit(SECOND)[top[0]])):
                 tally["status"][lane], any_does = Status.RUNNING.code, True

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import unknown_key
 from .events import Event, kinds
 from .units import Unit
 
@@ -276,15 +277,14 @@ class System:
 
     def faults(self, parameters: Mapping[str, float]) -> list[str]:
         """What is wrong with parameters by name, in sentences: one by one, then together; empty if nothing is."""
-        faults, known = [], ", ".join(self.parameters)
+        faults = []
         for name, rule in self.parameters.items():
             if name not in parameters:
                 faults.append(f"`parameters.{name}` must be given, but is missing.")
             elif rule.broken(parameters[name]):
                 faults.append(rule.fault(f"parameters.{name}", parameters[name]))
-        for name in parameters:
-            if name not in self.parameters:
-                faults.append(f"`parameters.{name}` must not be there: known keys are {known}.")
+        unknown = [name for name in parameters if name not in self.parameters]
+        faults += [unknown_key(f"parameters.{name}", self.parameters) for name in unknown]
         return faults or list(self.checks(parameters))
 
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:

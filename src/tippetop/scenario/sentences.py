@@ -4,7 +4,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel
 
-from ..errors import nearest, suggestion
+from ..errors import suggestion, unknown_key
 from ..mechanics.system import System
 
 
@@ -53,15 +53,6 @@ def _model(shape: type[BaseModel], name: str) -> Any:
     """The pydantic model of a table of the scenario, None where the key holds a plain value (or a choice of laws)."""
     annotation: Any = shape.model_fields[name].annotation
     return next((a for a in (annotation, *get_args(annotation)) if hasattr(a, "model_fields")), None)
-
-
-def unknown_key(key: str, known: list[str], everywhere: list[str]) -> str:
-    """The sentence on a key that does not exist. known: the keys of its table; everywhere: those of the scenario."""
-    table, _, name = key.rpartition(".")
-    dotted = {k.rpartition(".")[2]: k for k in everywhere} | {k: f"{table}.{k}" if table else k for k in known}
-    near = nearest(name, dotted)
-    meant = f"; did you mean `{dotted[near]}`?" if near else "."
-    return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
 
 
 def error_sentence(error: Any, key: str, known: list[str]) -> str:

@@ -77,6 +77,8 @@ class Plan:
     @classmethod
     def from_tables(cls, document: dict[str, Any], folder: Path = Path()) -> "Plan":
         """The plan of plain data; files are named relative to `folder`. Raises InputError."""
+        if "system" in document and not is_plan(document):
+            raise InputError(["this is a scenario, not a plan: a plan names its scenario and has tables [[axis]]."])
         try:
             shape = _Plan.model_validate(document)
         except ValidationError as error:

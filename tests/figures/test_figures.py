@@ -1,0 +1,195 @@
+"""Figures show the numbers that they are given: curves, marks, labels and limits, read back from the artists."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+from tippetop.figures import catalogue, run
+from tippetop.landscape import marked_lines, potential, surface, turning
+from tippetop.runs import attributes
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+
+
+@pytest.fixture(scope="module")
+def inverting() -> tuple[xr.Dataset, xr.Dataset, dict]:
+    """An inversion: its trajectory, its events, its attributes."""
+    groups = attributes.datasets(solve(build.load("inverting", until=8.0)))
+    return groups["trajectory"], groups["events"], groups["trajectory"].attrs
+
+
+def drawn(kind: str, inverting: tuple) -> Figure:
+    """A figure of the inversion, as the catalogue feeds it."""
+    trajectory, events, attrs = inverting
+    return catalogue.drawn(kind, {"trajectory": trajectory, "events": events}, attrs)
+
+
+def lines(figure: Figure) -> dict[str, Any]:
+    """The labelled lines of a figure."""
+    found = [line for axes in figure.axes for line in axes.get_lines()]
+    return {str(line.get_label()): line for line in found if not str(line.get_label()).startswith("_")}
+
+
+def marks(figure: Figure) -> dict[str, np.ndarray]:
+    """The places of labelled dots."""
+    found = [(str(c.get_label()), c.get_offsets()) for axes in figure.axes for c in axes.collections]
+    return {label: np.asarray(places) for label, places in found if not label.startswith("_")}
+
+
+def test_theta_is_drawn_with_its_turnings(inverting: tuple) -> None:
+    trajectory, events, _ = inverting
+    figure = drawn("theta", inverting)
+    curve = lines(figure)["θ(t)"]
+    np.testing.assert_array_equal(curve.get_xdata(), trajectory["time"])
+    np.testing.assert_array_equal(curve.get_ydata(), trajectory["theta"])
+    turning = events.isel(event=(events["kind"].values == 0) & events["significant"].values)
+    for label, sign in (("maxima: upper envelope", -1), ("minima: lower envelope", 1)):
+        some = turning.isel(event=turning["theta_dot_sign"].values == sign)
+        assert some.sizes["event"] > 100
+        np.testing.assert_array_equal(marks(figure)[label].T, [some["time"], some["theta"]])
+    above, below = figure.axes
+    assert above.get_ylabel() == "θ (rad)"
+    assert below.get_xlabel() == "t (s)"
+    assert above.get_xlim() == (0.0, 8.0)
+    assert [tick.get_text() for tick in above.get_yticklabels()] == ["0", "π/4", "π/2", "3π/4", "π"]
+
+
+def test_normal_force_is_drawn_in_weights_with_its_extremes(inverting: tuple) -> None:
+    trajectory, _, attrs = inverting
+    weight = attrs["parameters"]["m"] * attrs["parameters"]["g"]
+    figure = drawn("normal-force", inverting)
+    (axes,) = figure.axes
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), trajectory["normal_force"] / weight)
+    extremes = attrs["report"]["normal_force"]
+    dots = [tuple(map(float, c.get_offsets()[0])) for c in axes.collections]
+    assert dots == [(extremes[f"t_{key}"], extremes[key] / weight) for key in ("min", "max")]
+    words = " ".join(text.get_text() for text in axes.texts)
+    assert f"min {extremes['min'] / weight:.4f}" in words
+    assert axes.get_ylim()[0] < 0 < extremes["max"] / weight < axes.get_ylim()[1]
+
+
+def test_drift_is_the_worst_change_of_each_bin(inverting: tuple) -> None:
+    trajectory, _, _ = inverting
+    found = lines(drawn("drift", inverting))
+    assert {"Jellett's integral λ", "energy balance E + ∫ friction power"} <= set(found)
+    jellett = trajectory["jellett"].values
+    worst = np.abs(jellett / jellett[0] - 1).max()
+    curve = found["Jellett's integral λ"].get_ydata()
+    assert curve.max() == pytest.approx(max(worst, 1e-17))
+    assert len(curve) <= 250
+    balance = trajectory["energy"].values + trajectory["work"].values
+    assert found["energy balance E + ∫ friction power"].get_ydata().max() == pytest.approx(
+        np.abs(balance / balance[0] - 1).max(), rel=1e-3
+    )
+
+
+def test_growth_never_falls(inverting: tuple) -> None:
+    for label, line in lines(drawn("growth", inverting)).items():
+        assert np.all(np.diff(line.get_ydata()) >= 0), label
+
+
+def test_sphere_shows_the_near_side_of_the_path(inverting: tuple) -> None:
+    """From above only z > 0, from below only z < 0; a segment's ends are rows of the axis."""
+    path = inverting[0]["axis"].values
+    figure = drawn("sphere", inverting)
+    titles = [axes.get_title(loc="left") for axes in figure.axes[:3]]
+    assert titles == ["from the side", "from above", "from below"]
+    for axes, sign, mirrored in ((figure.axes[1], 1, 1), (figure.axes[2], -1, -1)):
+        segments = np.array(next(c for c in axes.collections if c.get_array() is not None).get_segments())
+        near = (sign * path[1:, 2] >= 0) & (sign * path[:-1, 2] >= 0)
+        np.testing.assert_array_equal(segments[:, 0], path[:-1, :2][near] * (1, mirrored))
+        np.testing.assert_array_equal(segments[:, 1], path[1:, :2][near] * (1, mirrored))
+
+
+def test_energies_are_drawn_in_millijoules(inverting: tuple) -> None:
+    trajectory, _, _ = inverting
+    found = lines(drawn("energy", inverting))
+    assert len(found) == 3
+    for label, name in zip(found, ("modified_energy", "energy", "work"), strict=True):
+        np.testing.assert_allclose(found[label].get_ydata(), 1e3 * trajectory[name])
+
+
+@pytest.mark.parametrize("count", [run.MOST_POINTS, run.MOST_POINTS + 1, 10 * run.MOST_POINTS + 7])
+def test_a_long_curve_is_thinned_without_losing_a_peak(count: int, rng: np.random.Generator) -> None:
+    t, values = np.arange(float(count)), rng.normal(size=count)
+    when, thin = run._thinned(t, values)
+    assert len(when) <= run.MOST_POINTS + 20
+    assert (thin.min(), thin.max()) == (values.min(), values.max())
+    np.testing.assert_array_equal(thin, values[when.astype(int)])
+    assert when[-1] >= count - 20
+
+
+# --- in the landscape -----------------------------------------------------------------------------------------------
+
+
+def test_band_is_the_predicted_one_with_the_logged_turnings(inverting: tuple) -> None:
+    figure = drawn("band", inverting)
+    above, below = figure.axes
+    curves = lines(figure)
+    assert above.get_ylabel() == "θ (rad)"
+    np.testing.assert_array_equal(curves["θ(t)"].get_ydata(), inverting[0]["theta"])
+    low, high = (line.get_ydata() for line in above.get_lines()[1::-1])
+    inside = (curves["θ(t)"].get_ydata() > low - 1e-6) & (curves["θ(t)"].get_ydata() < high + 1e-6)
+    assert inside.all()
+    assert np.median(below.get_lines()[0].get_ydata()) < 1e-7
+
+
+def test_inversion_is_drawn_above_the_surface_from_state_to_state(inverting: tuple) -> None:
+    """(D, E~) of the run never lies below F, and goes from the one spinning state towards the other."""
+    figure = drawn("inversion", inverting)
+    curves = lines(figure)
+    path, F = curves["run (D(t), Ẽ(t))"], curves["minimal surface F"]
+    floor = np.interp(path.get_xdata(), F.get_xdata(), F.get_ydata())
+    assert np.all(path.get_ydata() > floor - 0.01 * np.ptp(F.get_ydata()))
+    states = marks(figure)
+    start, end = (np.array([path.get_xdata()[i], path.get_ydata()[i]]) for i in (0, -1))
+    upright, inverted = states["spinning, θ = 0"][0], states["spinning, θ = π"][0]
+    assert np.linalg.norm(start - upright) < np.linalg.norm(start - inverted)
+    assert np.linalg.norm(end - inverted) < np.linalg.norm(end - upright)
+
+
+def test_surface_is_drawn_with_its_marked_lines() -> None:
+    from tippetop.figures import landscape
+
+    parameters = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
+    D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(0, 7e-6, 31)
+    grid = surface.minimal_surface(parameters, D, lam)
+    figure = landscape.surface(grid, marked_lines.marked_lines(parameters, lam))
+    (axes,) = figure.axes
+    shown = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
+    assert {str(line.get_label()) for line in shown} >= {"spinning, θ = 0", "spinning, θ = π"}
+    assert axes.get_zlim() == pytest.approx((1e3 * float(grid.F.min()), 1e3 * float(grid.F.max())))
+    assert "D" in axes.get_xlabel()
+    assert "λ" in axes.get_ylabel()
+    assert axes.get_zlabel() == "energy (mJ)"
+
+
+@pytest.mark.parametrize("factor", [None, 1.05, 3.0])
+def test_a_well_is_drawn_with_its_level_and_turning_angles(factor: float | None) -> None:
+    from tippetop.figures import landscape
+
+    parameters = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
+    V = potential.potential(parameters, np.linspace(-0.99, 0.99, 201), 3e-4, 4e-6)
+    least = surface.minimal_surface(parameters, 3e-4, 4e-6).F.item()
+    at = turning.turning_angles(parameters, 3e-4, 4e-6, least * (factor or 1.0))
+    (axes,) = landscape.potential([("V", V, at if factor else at.drop_vars("energy", errors="ignore"))]).axes
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), 1e3 * V["V"].values.ravel())
+    assert f"F = {1e3 * least:.4g}"[:6] in axes.get_title(loc="left") + axes.get_title()
+    assert axes.get_ylim()[0] < 1e3 * least
+    dots = [c.get_offsets()[0] for c in axes.collections if len(c.get_offsets()) == 1]
+    if factor and "energy" in at:
+        assert {round(float(x), 9) for x, _ in dots} >= {
+            round(float(np.cos(at[name].item())), 9) for name in ("theta_min", "theta_max")
+        }
+
+
+@pytest.mark.parametrize("kind", list(catalogue.FIGURES))
+def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple) -> None:
+    figure = drawn(kind, inverting)
+    labels = [axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes if axes.get_visible()]
+    assert any(labels), kind
+    texts = [figure.get_suptitle(), *(axes.get_title(loc=loc) for axes in figure.axes for loc in ("left", "center"))]
+    assert any(texts), kind
