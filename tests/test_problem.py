@@ -272,7 +272,7 @@ def test_alternatives_are_initial_data(system: str) -> None:
 
 def test_what_varies_takes_the_place_of_its_rival() -> None:
     """psi_dot varies over a base that has omega3, and the other way round."""
-    by_omega3 = build.load("inverting")
+    by_omega3 = dataclasses.replace(build.load("inverting"), orientation=False)
     tops = Problems.vary(by_omega3, {"initial.psi_dot": [100.0]})
     assert set(tops.given("initial")) == {"theta", "psi_dot"}
     theta = by_omega3.initial["theta"]

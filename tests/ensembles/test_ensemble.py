@@ -222,7 +222,7 @@ TIPPED = Event("tipped", "theta = 0.6", lambda s, b: s.z - np.cos(0.6), -1, ends
 def toy(*events: Event) -> Problem:
     """The inverting top, of a system with more events."""
     base = build.load("inverting", until=5.0)
-    system = dataclasses.replace(base.system, name="toy-top", events=(*base.system.events, *events))
+    system = base.system.replace(name="toy-top", events=(*base.system.events, *events))
     return dataclasses.replace(base, system=system, events=tuple(event.name for event in system.events))
 
 

@@ -144,8 +144,8 @@ def test_the_orientation_has_no_effect_on_the_run(preset: str) -> None:
     for name, values in plain.items():
         assert values.tobytes() == columns[name].tobytes(), name
         assert values.tobytes() == examples.columns(turned)[name].tobytes(), name
-    for one, other in zip(runs[0].events, runs[1].events, strict=True):
-        assert one.tobytes() == other.tobytes()
+    for name in ("time", "kind", "theta", "significant"):
+        assert getattr(runs[0].events, name).tobytes() == getattr(runs[1].events, name).tobytes()
     assert runs[0].report["steps"] == runs[1].report["steps"]
     twist = Rotation.from_rotvec([0.0, 0.0, 2.5]).as_matrix()
     np.testing.assert_allclose(matrices(examples.columns(turned)), matrices(columns) @ twist, rtol=0, atol=1e-13)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
+import numpy as np
+
 from .system import Form, Integral
 from .units import Scales, Unit
 
@@ -85,7 +87,8 @@ class Variables:
     def weights(self, scales: Scales) -> list:
         """SI value of one internal unit of each variable."""
         units = [scales.of(unit) for unit in self.units.values()]
-        return [*units[: self.moving], *(unit / INTEGRAL_SCALE for unit in units[self.moving :])]
+        whole = units[: self.moving]
+        return [*whole, *(unit / np.asarray(unit).dtype.type(INTEGRAL_SCALE) for unit in units[self.moving :])]
 
     def coefficients(self, name: str, coefficients: Any) -> Any:
         """Taylor coefficients (n, order + 1) of an integral, whole again, among those of all variables, (n, variables,
