@@ -108,7 +108,8 @@ def test_surface_command(tmp_path, capsys):
     capsys.readouterr()
     assert outcome(["info", str(out), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["content"] == "surface"
-    assert outcome(["surface", "inverting", *words]) == 5  # it exists
+    assert outcome(["surface", "inverting", *words]) == 0
+    assert "is finished: nothing to do" in "".join(capsys.readouterr())
 
 
 def test_potential_command(tmp_path, capsys):
@@ -135,7 +136,7 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
     with monkeypatch.context() as patched:
         patched.setattr(recording.surface, "minima", stop)
         assert outcome(words) == 130
-    assert "the same command goes on" in capsys.readouterr().err
+    assert "the same command continues" in capsys.readouterr().err
     assert calls
     assert outcome(words) == 0
 
@@ -148,7 +149,7 @@ def test_numba_sleeps_until_a_kernel_is_wanted():
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["surface", "inverting"], "must be given --out or --figure"),
+        (["surface", "inverting"], "give --out F.zarr, --figure F.png, or both"),
         (["surface", "inverting", "--D", "1:0:5", "--figure", "F.png"], "--D must be min:max:n"),
         (["surface", "inverting", "--D", "0:1", "--figure", "F.png"], "--D must be min:max:n"),
         (["surface", "inverting", "--D", "0:nan:5", "--figure", "F.png"], "--D must be min:max:n"),

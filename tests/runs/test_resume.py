@@ -278,7 +278,7 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     memory, whole = handed_over_after_every_slice(made), solve(made)
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
     np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)
-    for name, values in memory.table()._asdict().items():
+    for name, values in memory.table().columns().items():
         np.testing.assert_array_equal(values, getattr(whole.events, name), err_msg=name)
     assert len(whole.events.time) > 10
 
