@@ -31,7 +31,8 @@ def test_neither_rows_nor_events_change_the_run() -> None:
         other = solve(load(until=6.5, times=times))
         assert other.final.tobytes() == plain.final.tobytes()
         assert other.report["steps"] == plain.report["steps"]
-        assert all(a.tobytes() == b.tobytes() for a, b in zip(*(run.events.columns().values() for run in (other, plain)), strict=True))
+        columns = zip(*(run.events.columns().values() for run in (other, plain)), strict=True)
+        assert all(a.tobytes() == b.tobytes() for a, b in columns)
     rows = solve(load(until=6.5, times=np.linspace(0, 6.5, 100_001))).rows
     np.testing.assert_array_equal(rows[-1], plain.rows[-1])
 
@@ -51,7 +52,8 @@ def test_slices_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
     pieces = solve(load(until=3.0))
     assert pieces.final.tobytes() == whole.final.tobytes()
     assert pieces.rows.tobytes() == whole.rows.tobytes()
-    assert all(a.tobytes() == b.tobytes() for a, b in zip(*(run.events.columns().values() for run in (pieces, whole)), strict=True))
+    columns = zip(*(run.events.columns().values() for run in (pieces, whole)), strict=True)
+    assert all(a.tobytes() == b.tobytes() for a, b in columns)
 
 
 def test_quadratures_never_control_the_step() -> None:

@@ -51,7 +51,7 @@ def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "zarr.json").write_text("{")
     for name in ("folder", "file", "zarr", "broken", "nowhere"):
-        must = "is a file, not a store" if name == "file" else "must be a store of tippetop"
+        must = {"file": "is a file, not a store", "nowhere": "does not exist"}.get(name, "must be a store of tippetop")
         with pytest.raises(StoreError, match=f"{name}` {must}"):
             root.attributes(tmp_path / name)
 

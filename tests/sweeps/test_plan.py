@@ -171,7 +171,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
             ["must be an axis of tippe-top"],
         ),
         ({"axis": [OMEGA], "scenario": "nowhere"}, ["`nowhere` is neither a TOML file nor a preset"]),
-        ({"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}}, ["unknown key `frict`; did you mean `friction`?"]),
+        ({"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}}, ["`frict`; did you mean `friction`?"]),
         ({"axis": [OMEGA], "keep": ["colour"]}, ["`keep` must be of class, ", "but has 'colour'"]),
         ({"axis": [OMEGA], "runs": [1]}, ["`runs` must be numbers of tops, 0 to 0, but has 1"]),
         ({"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]}, ["top 0: `friction.mu` must be at least 0"]),
