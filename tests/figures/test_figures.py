@@ -24,7 +24,7 @@ def inverting() -> tuple[xr.Dataset, xr.Dataset, dict]:
 def drawn(kind: str, inverting: tuple) -> Figure:
     """A figure of the inversion, as the catalogue feeds it."""
     trajectory, events, attrs = inverting
-    return catalogue.drawn(kind, {"trajectory": trajectory, "events": events}, attrs)
+    return catalogue.figure_of(kind, {"trajectory": trajectory, "events": events}, attrs)
 
 
 def lines(figure: Figure) -> dict[str, Any]:

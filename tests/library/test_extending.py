@@ -180,13 +180,13 @@ def test_an_installed_package_is_known_by_name(tmp_path: Path) -> None:
         env={**os.environ, "PYTHONPATH": os.pathsep.join(places)},
         capture_output=True,
         text=True,
-        timeout=110,
+        timeout=300,  # the lanes' observer is compiled: 10 s, and ten times that on a machine that does ten things
         check=False,
     )
     assert done.returncode == 0, done.stderr
     found = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
     assert found[0]["friction"] == {"law": "quadratic", "mu": 0.3, "drag": 10.0}
-    assert "spin_energy [J]" in str(found[0]) or "spin_energy" in str(found[0])
+    assert "spin_energy" in str(found[0]["at_start"])
     assert found[1]["status"] == "finished"
     assert "scaled-tippe-top" in found[-1]
     assert {"theta.png", "phase.png", "sweep.zarr"} <= {path.name for path in tmp_path.iterdir()}

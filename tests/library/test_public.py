@@ -182,7 +182,7 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
     [
         ((TOP,), {"start": START, "until": 1.0}, "must have a friction law, such as Viscous"),
         ((3.0,), {}, "the first argument must be a body"),
-        (("nothing",), {}, "one of the presets"),
+        (("nothing",), {}, "neither a TOML file nor a preset"),
         (("inverting", ["mu"]), {}, "^an assignment must be table.key=value"),
         (("inverting", [0.3]), {}, "must be texts"),
         (("inverting", 0.3), {}, "the friction law float must be registered"),

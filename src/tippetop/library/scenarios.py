@@ -187,5 +187,7 @@ def _needs_law(top: Top) -> str:
 
 
 def _in_python(sentence: str) -> str:
-    """A sentence about a scenario in the words of the call: options of the run are arguments."""
+    """A sentence about a scenario in the words of the call: options of the run are arguments, hints for the command
+    line go."""
+    sentence = re.sub(r" \(--set [^)]*\)", "", sentence)
     return re.sub(r"`run\.(\w+)", r"`\1", sentence.replace("run.until =", "until ="))
