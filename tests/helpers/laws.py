@@ -253,6 +253,16 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
         yield f"axis 3 {letter}", axes[1][i], third[i]
     if planar:
         return
+    if hasattr(q, "fx"):
+        along = case.along(lambda x: x.fx * x.ux + x.fy * x.uy + x.fz * x.uz, q, rates)
+        yield "f stays transverse", along, 0 * along
+        off = q._replace(**{f"f{c}": 1.3 * getattr(q, f"f{c}") + 0.2 * getattr(q, f"u{c}") for c in "xyz"})
+        for i, letter in enumerate("xyz"):
+            yield (
+                f"axis 1 {letter} of an f that rounding has moved",
+                form.orientation.axes(off, off, b)[0][i],
+                axes[0][i],
+            )
     yield "psi", form.orientation.psi(*axes), psi
     image = e._replace(**{name: -getattr(e, name) for name in ODD & set(e._fields)})
     mirrored = start(image, -psi)

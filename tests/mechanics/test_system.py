@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tippetop.mechanics.system import Event, Exit, Form, Phase, System, inconsistencies
+from tippetop.mechanics.consistency import inconsistencies
+from tippetop.mechanics.system import Event, Exit, Form, Phase, System
 from tippetop.mechanics.systems import SYSTEMS, tippe_top
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND
 

@@ -1,0 +1,48 @@
+"""What a system may contradict itself in."""
+
+from .system import System
+
+
+def inconsistencies(system: System) -> list[str]:
+    """What a system contradicts itself in: one sentence each; none of a sound one."""
+    faults = []
+    for name, phase in system.phases.items():
+        where = f"phase `{name}` of `{system.name}`"
+        if not phase.forms:
+            faults.append(f"{where} must have a form, but has none.")
+        faults += [
+            f"{where} must call the form {form.name!r} by its name, but calls it {key!r}."
+            for key, form in phase.forms.items()
+            if key != form.name
+        ]
+        for form in phase.forms.values():
+            turning = form.orientation.integrals if form.orientation else ()
+            variables = [*form.units._fields, *(integral.name for integral in (*form.integrals, *turning))]
+            faults += _twice(f"{where}, form `{form.name}`: variable", variables)
+        events = [event.name for event in phase.events]
+        faults += _twice(f"{where}: event", events)
+        faults += _twice(f"{where}: quantity", [quantity.name for quantity in phase.quantities])
+        faults += _twice(f"{where}: exit by the event", [way.event for way in phase.exits])
+        for way in phase.exits:
+            if way.event not in events:
+                faults.append(f"{where} must end in an event of its own, but has an exit by {way.event!r}.")
+            if not way.to:
+                faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")
+            faults += [
+                f"{where} must lead to phases of the system, but leads to {to!r}."
+                for to in way.to
+                if to not in system.phases
+            ]
+    quantities = {quantity.name for quantity in system.quantities}
+    faults += [
+        f"`{system.name}` must have the quantity {n!r}, but has not." for n in system.integrals if n not in quantities
+    ]
+    return faults
+
+
+def _twice(what: str, names: list[str]) -> list[str]:
+    return [
+        f"{what} {name!r} must be there once, but is there {names.count(name)} times."
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]
