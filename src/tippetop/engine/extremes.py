@@ -1,4 +1,4 @@
-"""The watch kept on every step: extremes of the normal force from the step's own Taylor polynomial."""
+"""Extremes of the normal force within every step, from the step's own Taylor polynomial."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What a motion must keep, and how far it drifts."""
+"""Conserved quantities of a motion, and what their drift is relative to."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What integrated states mean: Euler angles, quantities and their drift, in SI units, as named columns."""
+"""Integrated states become named columns: Euler angles, quantities and their drift, in SI units."""
 
 from typing import Any
 

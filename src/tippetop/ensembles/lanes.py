@@ -40,7 +40,7 @@ class CompiledBatch(NamedTuple):
 
 
 class Observer(Protocol):
-    """Who wants to know what becomes of the tops in the lanes."""
+    """What `Lanes.run` calls: with tops that begin, samples on the way, and ends."""
 
     def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
         """Signs of the event functions of a top at its start, (events,), and which of them are on their zero."""

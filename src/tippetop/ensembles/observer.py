@@ -1,4 +1,4 @@
-"""Follows the steps of the lanes of a batch, and keeps of every top what its events are to leave.
+"""Follows the Taylor steps of a batch: finds the events of every top and records what is kept of them.
 
 Every number depends on the lane's own steps alone: not on its neighbours, nor on where slices end. What an event does
 is data (`EventRows`): nothing here knows one kind from another.

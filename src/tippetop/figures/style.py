@@ -1,4 +1,4 @@
-"""How all our figures look."""
+"""The common style of the figures, and how one is saved."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""A finished run as the user holds it, in memory or in a store: tables, summary, figures, representations."""
+"""A finished run as an object, in memory or in a store: tables, summary, figures, representations."""
 
 import html
 from functools import cached_property
@@ -34,7 +34,7 @@ class Run:
     events : xarray.Dataset
         The event log along `event`: time [s], kind, theta [rad], amplitude [rad], whether it is significant.
     summary : Summary
-        What the run amounts to, as `tippetop info --json` prints it.
+        The summary of the run, as `tippetop info --json` prints it.
     drift : Record
         Of each invariant, the largest relative deviation from its start.
     final : xarray.Dataset

@@ -1,4 +1,4 @@
-"""What a run leaves: the tables of its store, and the summary that `run` and `info` give."""
+"""The tables and attributes of a run's store, and the summary that `run` and `info` give."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""A run from start to end: slices flow to a sink, the monitor and the log follow, and the end gets its name."""
+"""One run from start to end: slices go to a sink, the drift monitor and the event log; the end gets a status."""
 
 import math
 import time

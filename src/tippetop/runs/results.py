@@ -1,4 +1,4 @@
-"""What a run amounts to, as a record: what `tippetop info --json` prints."""
+"""The summary of a run as a record: what `tippetop info --json` prints."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -45,7 +45,7 @@ class Record(Mapping[str, Any]):
 
 
 class Summary(Record):
-    """What a run amounts to. Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
+    """The summary of a run. Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The root attributes of a store: what it is, and whether it is ours."""
+"""The root attributes of a store: what it holds, and whether tippetop wrote it."""
 
 import contextlib
 import json

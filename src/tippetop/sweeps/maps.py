@@ -104,8 +104,8 @@ def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     log = axis.log and values[0] > 0
     scaled = np.log(values) if log else values
     if axis.sampled:
-        drawn = sum(a.sampled for a in plan.design.axes)
-        edges = _bins(scaled, (plan.n / TOPS_PER_CELL) ** (1 / min(drawn, 2)))
+        sampled = sum(a.sampled for a in plan.design.axes)
+        edges = _bins(scaled, (plan.n / TOPS_PER_CELL) ** (1 / min(sampled, 2)))
     else:
         edges = _bins(scaled, MOST_CELLS) if len(values) > MOST_CELLS else _around(scaled)
     return MapAxis(axis.key, label, np.exp(edges) if log else edges, log)

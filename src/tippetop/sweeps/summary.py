@@ -76,10 +76,10 @@ def report(path: str | Path) -> dict[str, Any]:
 def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     """Name and text of each line of a report."""
     chunks, sizes = facts["chunks"], dict(zip(facts["dimensions"], facts["shape"], strict=True))
-    drawn = ", ".join(axis["of"] for axis in facts["plan"]["axis"] if "between" in axis)
+    sampled = ", ".join(axis["of"] for axis in facts["plan"]["axis"] if "between" in axis)
     result = [
         ("status", f"{facts['status']}: {facts['tops_done']} of {facts['tops']} tops; {_text(chunks)} chunks"),
-        ("axes", " x ".join(f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes.items())),
+        ("axes", " x ".join(f"{sampled if name == 'sample' else name} ({n})" for name, n in sizes.items())),
     ]
     result += [(name, _text(counts)) for name, counts in facts["counts"].items()]
     if facts["drift"]:

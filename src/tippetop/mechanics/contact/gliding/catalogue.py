@@ -1,4 +1,4 @@
-"""What people give and read of a gliding body: initial data, forms, events, quantities."""
+"""Input and output of a gliding body: initial data, forms, events, quantities."""
 
 from dataclasses import replace
 from typing import Any
