@@ -19,7 +19,7 @@ from .peers import CALLING, COMPILED, FIELD, Peer, entries, sentence
 SAMPLES = 32  # times at which theta is compared, equally far apart, the end among them
 
 
-class Course(NamedTuple):
+class Comparison(NamedTuple):
     """A motion to be integrated by everybody."""
 
     title: str
@@ -31,27 +31,27 @@ class Course(NamedTuple):
     assignments: tuple[str, ...] = ()
 
 
-def contestants(course: Course) -> tuple[Peer, ...]:
+def contestants(comparison: Comparison) -> tuple[Peer, ...]:
     """Who takes part."""
     hand = (
         Peer("heyoka by hand", ours.PLAIN, partial(ours.by_hand, False), tolerances=ours.TAYLOR),
         Peer("heyoka by hand, events on", ours.PLAIN, partial(ours.by_hand, True), tolerances=ours.TAYLOR),
     )
-    field = [peer for peer in FIELD if course.everybody or peer.kind != CALLING]
-    return (*ours.ENGINE, *(hand if course.preset == "inverting" else ()), *field)
+    field = [peer for peer in FIELD if comparison.everybody or peer.kind != CALLING]
+    return (*ours.ENGINE, *(hand if comparison.preset == "inverting" else ()), *field)
 
 
-def compare(course: Course, quick: bool) -> dict[str, Any]:
+def compare(comparison: Comparison, quick: bool) -> dict[str, Any]:
     """Errors and seconds of all contestants."""
-    until = course.quick if quick else course.until
+    until = comparison.quick if quick else comparison.until
     samples = until * np.arange(1, SAMPLES + 1) / SAMPLES
-    problem = build.load(course.preset, [*course.assignments], until)
+    problem = build.load(comparison.preset, [*comparison.assignments], until)
     minimal = Minimal(problem, samples)
-    exact = reference(course, samples)
-    found: dict[str, Any] = {"title": course.title, "until": until, "reference": course.wide}
+    exact = reference(comparison, samples)
+    found: dict[str, Any] = {"title": comparison.title, "until": until, "reference": comparison.wide}
     works: dict = {}
     found["contestants"] = entries(
-        contestants(course), lambda entry, peer: entered(entry, works, peer, minimal, exact, quick)
+        contestants(comparison), lambda entry, peer: entered(entry, works, peer, minimal, exact, quick)
     )
     slow = {key: works.pop(key) for key in list(works) if _slow(*key, found["contestants"])}
     seconds = interleaved(works, 3 if quick else 7) | interleaved(slow, 1 if quick else 3)
@@ -97,9 +97,11 @@ def once(solver: Any) -> float:
     return timed(lambda: solver.work(ready))
 
 
-def reference(course: Course, samples: np.ndarray) -> np.ndarray:
+def reference(comparison: Comparison, samples: np.ndarray) -> np.ndarray:
     """theta at the samples [rad], by the engine in wider numbers; the tests hold the engine against an independent
     multi-precision integration."""
-    wide = build.load(course.preset, [*course.assignments, f"run.precision={course.wide}"], float(samples[-1]))
+    wide = build.load(
+        comparison.preset, [*comparison.assignments, f"run.precision={comparison.wide}"], float(samples[-1])
+    )
     wide = replace(wide, times=samples)
     return theta_of(wide, solve(wide).rows)

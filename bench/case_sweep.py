@@ -17,7 +17,7 @@ from tippetop.sweeps.plan import Plan
 def plain(document: dict[str, Any]) -> tuple[float, float]:
     """Seconds by the wall clock and of the processor, of the tops of a plan in one call, one thread."""
     made, clock, processor = Plan.from_tables(document), time.perf_counter(), time.process_time()
-    tops = ensemble.varied(made.base, made.columns(np.arange(made.n)))
+    tops = ensemble.vary(made.base, made.columns(np.arange(made.n)))
     ensemble.measure(tops, threads=1)
     return time.perf_counter() - clock, time.process_time() - processor
 

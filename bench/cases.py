@@ -17,18 +17,18 @@ from . import (
     case_surface,
     case_sweep,
 )
-from .case_precision import Course
+from .case_precision import Comparison
 from .measure import machine
 
 
-COURSES = {
-    "inversion": Course("The canonical inversion", "inverting", 10.0, 10.0, "quad", True),
-    "rolling": Course("A long rolling run", "rolling", 400.0, 50.0, "longdouble", False),
-    "heavy-top": Course("A heavy top with a fixed tip", "heavy-top", 100.0, 10.0, "longdouble", True),
-    "cylinder": Course("An eccentric cylinder that glides", "gliding-cylinder", 4.0, 4.0, "longdouble", True),
+COMPARISONS = {
+    "inversion": Comparison("The canonical inversion", "inverting", 10.0, 10.0, "quad", True),
+    "rolling": Comparison("A long rolling run", "rolling", 400.0, 50.0, "longdouble", False),
+    "heavy-top": Comparison("A heavy top with a fixed tip", "heavy-top", 100.0, 10.0, "longdouble", True),
+    "cylinder": Comparison("An eccentric cylinder that glides", "gliding-cylinder", 4.0, 4.0, "longdouble", True),
 }
 CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
-    **{name: partial(case_precision.compare, course) for name, course in COURSES.items()},
+    **{name: partial(case_precision.compare, comparison) for name, comparison in COMPARISONS.items()},
     "ensemble": case_ensemble.compare,
     "formulations": case_formulations.compare,
     "sweep": case_sweep.compare,

@@ -18,7 +18,7 @@ from .goals import BARE, ERROR, goals
 
 HERE = Path(__file__).parent
 RESULTS, PAGE, FRONT, FIGURES = HERE / "results", HERE / "README.md", HERE.parent / "README.md", HERE / "figures"
-COURSES = ("inversion", "rolling", "heavy-top", "cylinder", "ensemble")
+COMPARISONS = ("inversion", "rolling", "heavy-top", "cylinder", "ensemble")
 ENGINE = ("equations only", "events on", "whole run without rows", "whole run with rows")
 
 
@@ -66,7 +66,7 @@ def goal_table(results: dict[str, Any]) -> str:
     )
 
 
-def course(result: dict[str, Any]) -> str:
+def comparison(result: dict[str, Any]) -> str:
     """Every contestant: milliseconds at three errors, its smallest error, and its time in ours."""
     contestants = result["contestants"]
     ours = contestants.get(BARE) or contestants["tippetop, lanes"]
@@ -114,7 +114,7 @@ def front(results: dict[str, Any]) -> str:
 def events(results: dict[str, Any]) -> str:
     """What events, confirmation and rows add to the equations, to rounding, in ms."""
     rows = []
-    for name in COURSES[:-1]:
+    for name in COMPARISONS[:-1]:
         if name in results:
             found = results[name]["contestants"]
             last = [found[f"tippetop, {part}"]["points"][-1]["seconds"] for part in ENGINE]
@@ -221,7 +221,7 @@ def scaling(result: dict[str, Any]) -> str:
 def sections(results: dict[str, Any]) -> dict[str, str]:
     """Every table, by the name of its place; of cases that were not run, a sentence."""
     ways: dict[str, Callable[[dict[str, Any]], str]] = {
-        **dict.fromkeys(COURSES, course),
+        **dict.fromkeys(COMPARISONS, comparison),
         "formulations": formulations,
         "storing": storing,
         "sweep": sweep,

@@ -13,7 +13,7 @@ from tippetop.scenario import build
 
 from . import report
 from .case_precision import reference
-from .cases import COURSES
+from .cases import COMPARISONS
 from .dop853 import Compiled
 from .equal import common, ratio, seconds
 from .minimal import COMPILER, Minimal
@@ -26,9 +26,9 @@ STATES = np.random.default_rng(1).uniform(0.2, 0.9, (20, 12))
 
 
 def made(name: str, until: float = 0.5) -> Minimal:
-    """The minimal problem of a course, shortened."""
-    course = COURSES[name]
-    return Minimal(build.load(course.preset, [*course.assignments], until), np.array([until / 2, until]))
+    """The minimal problem of a comparison, shortened."""
+    comparison = COMPARISONS[name]
+    return Minimal(build.load(comparison.preset, [*comparison.assignments], until), np.array([until / 2, until]))
 
 
 def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:
@@ -48,7 +48,7 @@ def _leaves(record: tuple) -> list:
 
 
 @compiler
-@pytest.mark.parametrize("name", COURSES)
+@pytest.mark.parametrize("name", COMPARISONS)
 def test_peers_integrate_the_equations_of_the_engine(name: str) -> None:
     minimal = made(name)
     n = len(minimal.names)
@@ -96,7 +96,7 @@ def test_heyoka_by_hand_has_the_equations_of_the_engine() -> None:
 @compiler
 def test_dop853_converges_to_the_engine() -> None:
     minimal = made("inversion")
-    exact = reference(COURSES["inversion"]._replace(wide="longdouble"), minimal.samples)
+    exact = reference(COMPARISONS["inversion"]._replace(wide="longdouble"), minimal.samples)
     solve = Compiled(minimal)
     errors = [np.abs(minimal.theta(solve(tolerance))[1:] - exact).max() for tolerance in (1e-8, 1e-11, 1e-14)]
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
@@ -123,7 +123,7 @@ def test_equal_error_is_equal() -> None:
 def test_pages_say_what_was_measured() -> None:
     """Both pages are what `python -m bench.report` writes: nobody types a number."""
     results = report.read(report.RESULTS)
-    assert set(results) >= set(COURSES)
+    assert set(results) >= set(COMPARISONS)
     sections = report.sections(results)
     for page in (report.PAGE, report.FRONT):
         text = page.read_text(encoding="utf-8")
@@ -134,7 +134,7 @@ def test_the_reference_is_that_of_an_independent_integration() -> None:
     """To what the parameters' own rounding to doubles makes of theta: the inversion amplifies it a thousandfold."""
     stored = json.loads((Path(__file__).parents[1] / "tests" / "reference" / "case1_inverting.json").read_text())
     theta = np.array([np.longdouble(text) for text in stored["theta"][1:]])
-    found = reference(COURSES["inversion"], np.array(stored["t"][1:], float))
+    found = reference(COMPARISONS["inversion"], np.array(stored["t"][1:], float))
     assert np.abs(found - theta).max() < 2e-14
 
 

@@ -1,4 +1,4 @@
-"""Every numba flag, once.
+"""The decorators that compile with numba: every flag is set here, once.
 
 error_model="numpy": a division does not test for zero; 3.1 ns per potential instead of 5.7. No fastmath: it gained
 nothing, and the compensated sums of the potential would not survive it. No cache: numba's is stale when a formula in

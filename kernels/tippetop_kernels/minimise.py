@@ -23,7 +23,7 @@ NEARLY = 1e-3  # one after which the value is at rest: its error is of the order
 
 
 class Status(IntEnum):
-    """What became of the minimum at a point."""
+    """How the minimum at a point was reached, or that it was not."""
 
     ATTAINED = 0
     AT_LOWER_END = 1  # an infimum, approached at q -> 0

@@ -72,8 +72,8 @@ def ranges(c, shift, factors, low, high, monotone, work):
 
 
 @kernel
-def crossings(p, positive, found, work, monotone):
-    """Sign changes of p on [0, 1), ascending, into `found`; how many there are, and whether p is positive at the end.
+def crossings(p, positive, zeros, work, monotone):
+    """Sign changes of p on [0, 1), ascending, into `zeros`; how many there are, and whether p is positive at the end.
 
     `positive` is the sign that the steps before ended with: a zero that rounding puts between two steps counts once.
     `work` has the size of p. `monotone`: p is known to be.
@@ -83,13 +83,13 @@ def crossings(p, positive, found, work, monotone):
         now = end > 0
         if now == positive:
             return 0, now
-        found[0] = _zero(p, 0.0, 1.0, p[0], end)
+        zeros[0] = _zero(p, 0.0, 1.0, p[0], end)
         return 1, now
     radius = reach(p)
     if abs(p[0]) > radius or radius == 0:  # away from zero throughout, or zero throughout
         now = p[0] > 0 if p[0] != 0 else positive
         if now != positive:
-            found[0] = 0.0
+            zeros[0] = 0.0
             return 1, now
         return 0, now
     count, at, level = 0, 0, 0  # the interval [at, at + 1]/2^level
@@ -104,8 +104,8 @@ def crossings(p, positive, found, work, monotone):
         if abs(work[0]) > rest or abs(work[1]) > bend or level == DEPTH:
             end = value(work, 1.0)
             now = end > 0
-            if now != positive and count < len(found):
-                found[count] = (2 * at + 1 + _zero(work, -1.0, 1.0, value(work, -1.0), end)) * radius
+            if now != positive and count < len(zeros):
+                zeros[count] = (2 * at + 1 + _zero(work, -1.0, 1.0, value(work, -1.0), end)) * radius
                 count += 1
             positive = now
             at += 1

@@ -1,6 +1,6 @@
 """Long formulas worked in stages: 45 ns a point of the minimal surface instead of 58 to 67.
 
-Measured on 1000 x 1000 points, one core of a busy Intel Xeon (2.5 GHz); the price is some 10 s more of compilation.
+Timed on 1000 x 1000 points, one core of a busy Intel Xeon (2.5 GHz); the price is some 10 s more of compilation.
 
 A record is a number, or a (named) tuple of records. Its leaf number i of point j lies at table[i*BLOCK + j]: so a loop
 over neighbouring points fills the SIMD lanes of one instruction, and as the distances are known to the compiler, the

@@ -43,15 +43,15 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         from importlib.metadata import version
 
-        found: Any = version("tippetop")
+        public: Any = version("tippetop")
     elif name in _PLACES:
         from importlib import import_module
 
-        found = getattr(import_module(f".{_PLACES[name]}", __name__), name)
+        public = getattr(import_module(f".{_PLACES[name]}", __name__), name)
     else:
         raise AttributeError(f"module 'tippetop' has no attribute {name!r}")
-    globals()[name] = found
-    return found
+    globals()[name] = public
+    return public
 
 
 def __dir__() -> list[str]:

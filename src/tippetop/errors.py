@@ -7,14 +7,14 @@ from collections.abc import Collection, Iterable
 def nearest(word: str, known: Iterable[str]) -> str | None:
     """The known word nearest to a mistyped one, None where none is near; upper and lower case are the same."""
     lower = {k.lower(): k for k in known}
-    found = difflib.get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
-    return lower[found[0]] if found else None
+    matches = difflib.get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
+    return lower[matches[0]] if matches else None
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
     """`` Did you mean `x`?`` to be appended to a sentence, or nothing where no known word is near."""
-    found = nearest(word, known)
-    return f" Did you mean `{found}`?" if found else ""
+    match = nearest(word, known)
+    return f" Did you mean `{match}`?" if match else ""
 
 
 def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = ()) -> str:

@@ -171,9 +171,9 @@ class Problems:
 
     def given(self, table: str) -> dict[str, Any]:
         """What a table gives, by name: arrays where it varies."""
-        varied = {key.partition(".")[2]: v for key, v in self.columns.items() if key.startswith(f"{table}.")}
+        columns = {key.partition(".")[2]: v for key, v in self.columns.items() if key.startswith(f"{table}.")}
         base = self.base.tables[table]
-        return self.base.system.replaced(base, varied) if table == "initial" else {**base, **varied}
+        return self.base.system.replaced(base, columns) if table == "initial" else {**base, **columns}
 
     def _wide(self, value: Any) -> Any:
         """A number or a column in the type in which units are converted, (n,); a flag as it is."""
@@ -340,8 +340,8 @@ def key_faults(base: Problem, keys: Iterable[str], also: Iterable[str] = ()) -> 
     """What is wrong with varying these keys of a problem, in sentences; `also` are further names that may vary."""
     keys, known = list(keys), [*also, *base.rules]
     faults = [f"`{key}` must be one of {', '.join(known)}, but is not." for key in keys if key not in base.rules]
-    varied = [name for table, _, name in (key.partition(".") for key in keys) if table == "initial"]
-    return faults + base.system.clashes(_given(base.system.replaced(base.initial, dict.fromkeys(varied))), "varies")
+    names = [name for table, _, name in (key.partition(".") for key in keys) if table == "initial"]
+    return faults + base.system.clashes(_given(base.system.replaced(base.initial, dict.fromkeys(names))), "varies")
 
 
 def variation_faults(base: Problem, columns: Mapping[str, Any]) -> list[str]:
@@ -351,8 +351,8 @@ def variation_faults(base: Problem, columns: Mapping[str, Any]) -> list[str]:
     shapes = {key: np.shape(values) for key, values in columns.items() if key in base.rules}
     faults = key_faults(base, columns)
     if len(set(shapes.values())) > 1 or any(len(shape) != 1 or not shape[0] for shape in shapes.values()):
-        found = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
-        faults.append(f"`variations` must be arrays of one length and dimension, but are {found}.")
+        sizes = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
+        faults.append(f"`variations` must be arrays of one length and dimension, but are {sizes}.")
     return faults
 
 

@@ -1,4 +1,4 @@
-"""When rows are wanted: given times, or a grid that is never held in memory whole."""
+"""The times at which rows are stored: listed ones, or an even grid that is never held in memory whole."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -239,7 +239,7 @@ def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str, monkeypatc
     made = dataclasses.replace(start_of(name), system=toy, until=1e6)
     found = forecast.assessment(made)
     assert set(found) == {"at_start", "expected"}
-    assert forecast.remarks(made) == {}
+    assert forecast.comments(made) == {}
     report = {"reason": "end.", "steps": 1, "event_counts": {}, "theta_end": 0.1, "nutational_band": {}, "drift": {}}
     inversion = dict.fromkeys(("first_equator", "last_equator", "inverted_at"))
     words = dict(lines({**report, "system": toy.name, "inversion": inversion}))
@@ -255,7 +255,7 @@ def test_a_renamed_system_is_known_as_well(name: str, monkeypatch: pytest.Monkey
     made = start_of(name, omega3=155.0)
     other = dataclasses.replace(made, system=renamed)
     assert forecast.assessment(other) == forecast.assessment(made)
-    assert forecast.remarks(other) == forecast.remarks(made)
+    assert forecast.comments(other) == forecast.comments(made)
 
 
 NO_FRICTION = [

@@ -1,4 +1,4 @@
-"""The command line: words become calls, errors become sentences and an exit code. Heavy imports wait."""
+"""The command line: arguments become calls, errors become sentences and an exit code. Heavy imports wait."""
 
 from __future__ import annotations
 

@@ -90,9 +90,9 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     attrs = root.attributes(out)
     if attrs.get("content") != "surface":
         raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")
-    found = root.open_group(out, "surface")
+    stored = root.open_group(out, "surface")
     same = attrs["parameters"] == parameters
-    same = same and np.array_equal(found["D"].values, Ds) and np.array_equal(found["lambda"].values, lambdas)
+    same = same and np.array_equal(stored["D"].values, Ds) and np.array_equal(stored["lambda"].values, lambdas)
     if not same:
         raise StoreError(
             f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
@@ -147,7 +147,7 @@ def potential(
     V = potential.potential(parameters, z, D, lambda_, system)
     least = surface.minimal_surface(parameters, D, lambda_, system)
     meanings = least["status"].attrs["flag_meanings"].split()
-    found = {
+    report = {
         "F": least["F"].item(),
         "theta": least["theta"].item(),
         "F_D": least["F_D"].item(),
@@ -156,13 +156,13 @@ def potential(
     }
     if out is not None:
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
-        recording.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": found})
+        recording.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": report})
     if figure is not None:
         _draw_potential(V, least, figure)
     if as_json:
-        print(json.dumps(root.finite(found), allow_nan=False))
+        print(json.dumps(root.finite(report), allow_nan=False))
     else:
-        print(f"F = {found['F']:.12g} J at theta = {found['theta']:.9g} rad ({found['status'].replace('_', ' ')})")
+        print(f"F = {report['F']:.12g} J at theta = {report['theta']:.9g} rad ({report['status'].replace('_', ' ')})")
     return 0
 
 

@@ -1,4 +1,4 @@
-"""`--overwrite`: a store that exists gives way, unless somebody writes it or it is not ours."""
+"""`--overwrite`: an existing store is removed, unless it is being written or tippetop did not write it."""
 
 from __future__ import annotations
 

@@ -117,10 +117,10 @@ def _certificate(problem: Any, window: float | None, store: Path | None) -> dict
     from ..runs.certificate import certificate
     from ..store.root import annotate, finite
 
-    found = finite(certificate(problem, window))
+    result = finite(certificate(problem, window))
     if store is not None:
-        annotate(store, {"certificate": found})
-    return found
+        annotate(store, {"certificate": result})
+    return result
 
 
 def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
@@ -141,11 +141,11 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
     from ..runs.results import summary_of
     from .text import summary
 
-    found = summary_of(attrs)
+    report = summary_of(attrs)
     if as_json:
-        print(json.dumps(found.to_dict(), allow_nan=False))
+        print(json.dumps(report.to_dict(), allow_nan=False))
     else:
-        summary(headline_of(attrs), found, seconds, places)
+        summary(headline_of(attrs), report, seconds, places)
     if attrs["status"] in ("non-finite", "stalled"):
         print(f"tippetop: {attrs['reason']}", file=sys.stderr)
         return 3

@@ -41,22 +41,22 @@ def info(store: Path, *, as_json: Json = False) -> int:
         from .landscape import describe
 
         return describe(attrs, as_json)
-    found = summary_of(attrs)
+    content = summary_of(attrs)
     if as_json:
-        print(json.dumps(found.to_dict(), allow_nan=False))
+        print(json.dumps(content.to_dict(), allow_nan=False))
         return 0
     out = console()
     out.print(attrs["title"], style="bold")
     table = Table.grid(padding=(0, 2))
-    for name, text in lines(found):
+    for name, text in lines(content):
         table.add_row(name, text)
     units = attrs["units"] | _units(attrs)
     for name in ("parameters", "friction", "initial", "run"):
-        if name in found:
-            table.add_row(name, _entries(found[name], units))
-    table.add_row("versions", ", ".join(f"{name} {version}" for name, version in found["versions"].items()))
-    table.add_row("tolerance", f"{found['tolerance']:.3g}, {found['precision']} precision")
-    table.add_row("processor", found["cpu"])
+        if name in content:
+            table.add_row(name, _entries(content[name], units))
+    table.add_row("versions", ", ".join(f"{name} {version}" for name, version in content["versions"].items()))
+    table.add_row("tolerance", f"{content['tolerance']:.3g}, {content['precision']} precision")
+    table.add_row("processor", content["cpu"])
     out.print(table)
     return 0
 
@@ -94,17 +94,17 @@ def check(
 
         return sweep.examine(tables, Path(scenario).parent, as_json)
     problem = build.problem(tables)
-    found = {**build.resolved(problem), **forecast.assessment(problem)}
+    facts = {**build.resolved(problem), **forecast.assessment(problem)}
     if as_json:
         from ..store.root import finite
 
-        print(json.dumps(finite(found), allow_nan=False))
+        print(json.dumps(finite(facts), allow_nan=False))
         return 0
-    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()} | _units(found)
+    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()} | _units(facts)
     table = Table.grid(padding=(0, 2))
-    for name, value in found.items():
+    for name, value in facts.items():
         if name == "regularisation":
-            text = regularisation(found)
+            text = regularisation(facts)
         elif isinstance(value, dict):
             text = _entries(value, units)
         else:
@@ -185,7 +185,7 @@ def systems(*, as_json: Json = False) -> int:
     from .text import console
 
     load_entry_points()
-    found: dict[str, dict[str, Any]] = {
+    listing: dict[str, dict[str, Any]] = {
         name: {
             "title": s.title,
             "forms": list(s.forms),
@@ -201,10 +201,10 @@ def systems(*, as_json: Json = False) -> int:
         for name, s in SYSTEMS.items()
     }
     if as_json:
-        print(json.dumps(found))
+        print(json.dumps(listing))
         return 0
     out = console()
-    for number, (name, s) in enumerate(found.items()):
+    for number, (name, s) in enumerate(listing.items()):
         out.print(f"{chr(10) if number else ''}{name}: {s['title']}", style="bold")
         table = Table.grid(padding=(0, 2))
         for key in ("forms", "parameters", "friction", "initial", "quantities", "integrals", "events"):
@@ -240,12 +240,12 @@ def presets(*, as_json: Json = False) -> int:
     from ..scenario.reading import presets as texts
     from .text import console
 
-    found = {name: _comment(text) for name, text in texts().items()}
+    sources = {name: _comment(text) for name, text in texts().items()}
     if as_json:
-        print(json.dumps(found))
+        print(json.dumps(sources))
         return 0
     table = Table.grid(padding=(0, 2))
-    for name, comment in found.items():
+    for name, comment in sources.items():
         table.add_row(name, comment)
     console().print(table)
     return 0

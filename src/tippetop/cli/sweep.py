@@ -66,7 +66,7 @@ def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) 
     return " ".join(words + (["--scheduler", scheduler] if scheduler is not None else []))
 
 
-def describe(found: dict[str, Any], as_json: bool) -> int:
+def describe(report: dict[str, Any], as_json: bool) -> int:
     """Prints what is in a sweep's store."""
     from rich.table import Table
 
@@ -75,12 +75,12 @@ def describe(found: dict[str, Any], as_json: bool) -> int:
     from .text import console
 
     if as_json:
-        print(json.dumps(finite(found), allow_nan=False))
+        print(json.dumps(finite(report), allow_nan=False))
         return 0
     out, table = console(), Table.grid(padding=(0, 2))
-    for name, text in lines(found):
+    for name, text in lines(report):
         table.add_row(name, text)
-    out.print(found["title"], style="bold")
+    out.print(report["title"], style="bold")
     out.print(table)
     return 0
 
@@ -96,7 +96,7 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
 
     plan = Plan.from_tables(tables, folder)
     columns = chunk.column_schema(plan.base, plan.keep).values()
-    found: dict[str, Any] = {
+    report: dict[str, Any] = {
         "tops": plan.n,
         "axes": plan.design.sizes,
         "chunks": plan.chunks,
@@ -108,10 +108,10 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
         "plan": plan.document,
     }
     if as_json:
-        print(json.dumps(finite(found), allow_nan=False))
+        print(json.dumps(finite(report), allow_nan=False))
         return 0
     table = Table.grid(padding=(0, 2))
-    for name, value in {**found, **found["plan"]["scenario"]}.items():
+    for name, value in {**report, **report["plan"]["scenario"]}.items():
         if name != "plan":
             text = ", ".join(f"{k} = {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
             table.add_row(name.replace("_", " "), text)

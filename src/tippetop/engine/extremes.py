@@ -1,4 +1,4 @@
-"""The watch kept on every step: extremes of the normal force from the step's own Taylor polynomial."""
+"""Extremes of the normal force within every step, from the step's own Taylor polynomial."""
 
 from typing import NamedTuple
 
@@ -31,15 +31,15 @@ def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
     """
     times, h, rate = _rates(times, coefficients)
     samples = rate @ np.vander(_NODES, rate.shape[1], increasing=True).T
-    found = []
+    extremes = []
     for sign in (1, -1):
         lowest = (sign * samples).min(axis=1)
         near = np.flatnonzero(lowest <= lowest.min() + 0.01 * np.ptp(samples))  # a dip between nodes is shallower yet
         near = near[np.argsort(lowest[near])][:32]
         values, tau = _least(sign * rate[near])
         best = np.argmin(values)
-        found += [sign * float(values[best]), float(times[near[best]] + tau[best] * h[near[best]])]
-    return Extremes(*found)
+        extremes += [sign * float(values[best]), float(times[near[best]] + tau[best] * h[near[best]])]
+    return Extremes(*extremes)
 
 
 def falls_below_zero(times: np.ndarray, coefficients: np.ndarray) -> float | None:

@@ -1,4 +1,4 @@
-"""What a motion must keep, and how far it drifts."""
+"""Conserved quantities of a motion, and what their drift is relative to."""
 
 from typing import Any
 
@@ -10,13 +10,13 @@ from .expressions import component, integrated, integrates_axis
 
 def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """What a run must keep, of all that its states say."""
-    found = {name: values[name] for name in problem.system.integrals}
-    found["energy_balance"] = values["energy"] + values.get("work", 0.0)
+    integrals = {name: values[name] for name in problem.system.integrals}
+    integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
         axis = problem.system.vectors["axis"]
         x, y, z = (values.get(integrated(name), values[component(name)]) for name in axis)
-        found["axis_norm"] = np.sqrt(x**2 + y**2 + z**2)
-    return found
+        integrals["axis_norm"] = np.sqrt(x**2 + y**2 + z**2)
+    return integrals
 
 
 def size(start: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What integrated states mean: Euler angles, quantities and their drift, in SI units, as named columns."""
+"""Integrated states become named columns: Euler angles, quantities and their drift, in SI units."""
 
 from typing import Any
 
@@ -49,10 +49,10 @@ class Observables:
         else:
             with np.errstate(invalid="ignore", divide="ignore"):
                 q, carried = self.state(rows)
-                found = observed(self.system, self.form, q, carried, self.body)
+                by_name = observed(self.system, self.form, q, carried, self.body)
                 if self.system.undefined_at_poles:
                     polar = np.array(near_poles(self.form, q, self.body))
-            values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in found.items()}
+            values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in by_name.items()}
         if len(polar) and (pole := polar[0] == 0).any():
             values["theta_dot"][pole] = np.sqrt(polar[1][pole])  # a pole is left at full speed, along no azimuth
             for name in self.system.undefined_at_poles:
@@ -82,8 +82,8 @@ class Observables:
             values = self._compiled(function, rows)
         else:
             with np.errstate(invalid="ignore", divide="ignore"):
-                found = orientation_of(self.form, *self.state(rows), self.body)
-            values = np.array([np.broadcast_to(value, (len(rows),)) for value in found])
+                axes = orientation_of(self.form, *self.state(rows), self.body)
+            values = np.array([np.broadcast_to(value, (len(rows),)) for value in axes])
         if orientation.psi:
             values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
         return quaternion(values[:3], values[3:6]), values[6] if orientation.psi else None

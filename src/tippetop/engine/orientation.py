@@ -31,7 +31,7 @@ def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
     products[2] = c - g, b + d, 1 - a + e - i, f + h
     products[3] = d - b, c + g, f + h, 1 - a - e + i
     largest = np.argmax([products[k, k] for k in range(4)], axis=0)
-    found = products[largest, :, np.arange(len(a))]
-    found = found / np.sqrt((found[:, 0] ** 2 + found[:, 1] ** 2) + (found[:, 2] ** 2 + found[:, 3] ** 2))[:, None]
-    leading = np.take_along_axis(found, np.argmax(found != 0, axis=1)[:, None], axis=1)
-    return np.where(leading < 0, -found, found)
+    q = products[largest, :, np.arange(len(a))]
+    q = q / np.sqrt((q[:, 0] ** 2 + q[:, 1] ** 2) + (q[:, 2] ** 2 + q[:, 3] ** 2))[:, None]
+    leading = np.take_along_axis(q, np.argmax(q != 0, axis=1)[:, None], axis=1)
+    return np.where(leading < 0, -q, q)

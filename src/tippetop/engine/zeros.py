@@ -19,11 +19,11 @@ def sign_changes(function: Callable[[np.ndarray], np.ndarray], grid: np.ndarray)
 
     Bisected until the two numbers are neighbours; the later one is given.
     """
-    values, found = function(grid), []
+    values, changes = function(grid), []
     for i in np.flatnonzero(values[1:] * values[:-1] < 0):
         low, high, sign = float(grid[i]), float(grid[i + 1]), int(np.sign(values[i + 1]))
         while (middle := (low + high) / 2) not in (low, high):
             beyond = function(np.array([middle]))[0] * sign > 0
             low, high = (low, middle) if beyond else (middle, high)
-        found.append((high, sign))
-    return found
+        changes.append((high, sign))
+    return changes

@@ -70,9 +70,9 @@ class _Worker:
         """Compares invariants with the start."""
         every = self.outcomes.tops
         values = invariants(every.base, values_of(every, states[: self.variables], tops))
-        for name, found in values.items():
+        for name, value in values.items():
             start = self.starts[name][tops]
-            np.maximum.at(self.outcomes.drift[name], tops, np.abs(found - start) / size(start))
+            np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start) / size(start))
 
     def done(self, lane: int, status: Status) -> None:
         """Writes the row of a top that has ended. The end may confirm the turning that waits."""
@@ -174,7 +174,7 @@ def _run(
             try:
                 for task in tasks:
                     task.result()
-            except BaseException:  # Ctrl-C too: the others must not go on
+            except BaseException:  # Ctrl-C too: the others must stop
                 queue.stopped = True
                 raise
     measured.processor = sum(worker.processor for worker in workers)
@@ -186,18 +186,18 @@ def _event_functions(tops: Problems) -> np.ndarray:
     """The event functions of every top at its start, (n, events), internal units."""
     record, body = tops.record(tops.start), tops.internal_body
     scalars = tops.base.form.scalars(record, body)
-    found = np.empty((tops.n, len(tops.base.system.events)))
+    functions = np.empty((tops.n, len(tops.base.system.events)))
     for e, event in enumerate(tops.base.system.events):
-        found[:, e] = event.formula(scalars, body)
-    return found
+        functions[:, e] = event.formula(scalars, body)
+    return functions
 
 
 def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> Problems:
     """The tops of a scenario and its variations. Raises InputError."""
-    return varied(build.load(source, None, until), variations)
+    return vary(build.load(source, None, until), variations)
 
 
-def varied(base: Problem, variations: Mapping[str, Any]) -> Problems:
+def vary(base: Problem, variations: Mapping[str, Any]) -> Problems:
     """The tops of a problem and its variations, for lanes. Raises InputError; `check` tells of single tops."""
     sentences = [*base_faults(base), *variation_faults(base, variations)]
     if sentences:
@@ -227,6 +227,6 @@ def of_problem(
     `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
     of them stands in the attributes. Raises InputError if a key is wrong.
     """
-    tops = varied(base, variations)
+    tops = vary(base, variations)
     with reporting(progress, "tops") as tell:
         return dataset(measure(tops, threads=threads, progress=tell), tops.check()[1])

@@ -26,7 +26,7 @@ from .tallies import EventRows, StopRules, event_rows, new_tallies, reset
 
 LANES = 32  # two threads share the lock of Python better than with 16; alone 16 are as fast, 8 and 64 slower
 LONGEST, SHORTEST = 64, 8  # steps of a slice: overhead against idle lanes, and coefficients that stay in the cache
-AT_ONCE = 32  # slices between two looks at the invariants: a look takes 0.2 ms whatever its length
+SLICES_PER_CHECK = 32  # slices between two looks at the invariants: a look takes 0.2 ms whatever its length
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 STATUSES = {status.code: status for status in Status}
 
@@ -40,7 +40,7 @@ class CompiledBatch(NamedTuple):
 
 
 class Observer(Protocol):
-    """Who wants to know what becomes of the tops in the lanes."""
+    """What `Lanes.run` calls: with tops that begin, samples on the way, and ends."""
 
     def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
         """Signs of the event functions of a top at its start, (events,), and which of them are on their zero."""
@@ -112,7 +112,7 @@ class Lanes:
         self.end = np.zeros(lanes)
         self.final = np.zeros((lanes, len(integrator.state)))
         self.samples = np.empty((2, (LONGEST // EVERY + 1) * lanes), np.int64)
-        self.seen: list[tuple[np.ndarray, np.ndarray]] = []  # sampled states, and their tops, to be looked at together
+        self.seen: list[tuple[np.ndarray, np.ndarray]] = []  # sampled states and their tops, compared in one call
         # views of the integrator's own memory, and what is kept of it after every step
         self.now, self.state, self.tc, self.kept = integrator.time, integrator.state, integrator.tc, 0
         self.times = np.empty((LONGEST + 1, lanes))
@@ -219,7 +219,7 @@ class Lanes:
             if sampled:
                 steps, lanes = self.samples[:, :sampled]
                 self.seen.append((self.states[steps + 1, :, lanes].T, self.top[lanes]))
-                if len(self.seen) >= AT_ONCE:
+                if len(self.seen) >= SLICES_PER_CHECK:
                     self._look(observer)
             if not self._goes_on():
                 return

@@ -1,4 +1,4 @@
-"""Follows the steps of the lanes of a batch, and keeps of every top what its events are to leave.
+"""Follows the Taylor steps of a batch: finds the events of every top and records what is kept of them.
 
 Every number depends on the lane's own steps alone: not on its neighbours, nor on where slices end. What an event does
 is data (`EventRows`): nothing here knows one kind from another.
@@ -29,7 +29,7 @@ def follow(times, tcs, rows, rules, tallies, samples):
     """
     steps, _, size, lanes = tcs.shape
     events, numbers, axis, known, kept = rows.events, rows.numbers, rows.axis, tallies.functions, tallies.kept
-    p, work, found, nodes = np.empty(size), np.empty(size), np.empty(size), np.empty(9)
+    p, work, zeros, nodes = np.empty(size), np.empty(size), np.empty(size), np.empty(9)
     factors, sums, quiet = np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes)
     sampled = 0
     for i in range(steps):
@@ -48,19 +48,19 @@ def follow(times, tcs, rows, rules, tallies, samples):
                     event = events[e]
                     if event.ends != 0 and not _keeps_sign(e, known, lane):
                         _polynomial(tc, event, lane, factors, p)
-                        count, _ = crossings(p, known[SIGN, e, lane] > 0, found, work, known[STEADY, e, lane] > 0)
-                        upto = _ending(e, event, t, h, found, count, upto, tally, known, lane)
+                        count, _ = crossings(p, known[SIGN, e, lane] > 0, zeros, work, known[STEADY, e, lane] > 0)
+                        upto = _ending(e, event, t, h, zeros, count, upto, tally, known, lane)
                 for e in range(len(events)):
                     event, keeps = events[e], _keeps_sign(e, known, lane)
                     if keeps and (not event.extremes or _inside(e, known, lane)):
                         continue
                     _polynomial(tc, event, lane, factors, p)
                     if not keeps:
-                        count, _ = crossings(p, known[SIGN, e, lane] > 0, found, work, known[STEADY, e, lane] > 0)
+                        count, _ = crossings(p, known[SIGN, e, lane] > 0, zeros, work, known[STEADY, e, lane] > 0)
                         for k in range(count):
-                            if found[k] > upto:
+                            if zeros[k] > upto:
                                 break
-                            _passage(tc, e, event, t, h, found[k], numbers, axis, rules, tally, known, kept, lane)
+                            _passage(tc, e, event, t, h, zeros[k], numbers, axis, rules, tally, known, kept, lane)
                     if event.extremes:
                         _extremes(e, p, upto, known, lane, nodes)
             beyond = rules.lasting >= 0 and rules.way * known[SIGN, rules.lasting, lane] > 0
@@ -155,16 +155,16 @@ def _of_start(e, event, when, known, lane):
 
 
 @inlined
-def _ending(e, event, t, h, found, count, upto, tally, known, lane):
-    """Where the step ends, `upto` or before: at the first zero, of those found, by which this event ends the top."""
+def _ending(e, event, t, h, zeros, count, upto, tally, known, lane):
+    """Where the step ends, `upto` or before: at the first of the zeros by which this event ends the top."""
     sign = known[SIGN, e, lane]
     for k in range(count):
         sign = -sign
-        if found[k] >= upto:
+        if zeros[k] >= upto:
             break
-        if event.direction * sign >= 0 and not _of_start(e, event, t + found[k] * h, known, lane):
+        if event.direction * sign >= 0 and not _of_start(e, event, t + zeros[k] * h, known, lane):
             tally.status = event.ends
-            return found[k]
+            return zeros[k]
     return upto
 
 

@@ -115,10 +115,10 @@ def _conclude(outcomes: Outcomes) -> None:
 
 
 def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
-    """The lines as a labelled Dataset, dimension `top`."""
+    """The rows as a labelled Dataset, dimension `top`."""
     import xarray as xr
 
-    found, tops = table(outcomes), outcomes.tops
+    columns, tops = table(outcomes), outcomes.tops
     rules = tops.base.rules
     coords = {
         key: ("top", column, {"units": rules[key].unit.symbol, "long_name": rules[key].long_name})
@@ -132,18 +132,18 @@ def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
         "processor_seconds": outcomes.processor,
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],
     }
-    return xr.Dataset(found, coords, attrs)
+    return xr.Dataset(columns, coords, attrs)
 
 
 def table(outcomes: Outcomes) -> dict[str, Column]:
-    """The lines as columns along `top`, by name."""
+    """The rows as columns along `top`, by name."""
     words = statuses_of(outcomes.tops.base.system)
-    found: dict[str, Column] = {
+    columns: dict[str, Column] = {
         "status": Column(("top",), outcomes.status, flag_attributes(words, "how the run ended")),
         "class": Column(("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")),
     }
     for name, (_, unit, text) in outcomes.forms.items():
-        found[name] = Column(("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text})
+        columns[name] = Column(("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text})
     for name, worst in outcomes.drift.items():
-        found[f"drift_{name}"] = Column(("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
-    return found
+        columns[f"drift_{name}"] = Column(("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
+    return columns

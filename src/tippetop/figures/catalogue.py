@@ -124,9 +124,9 @@ def draw_sweep(kind: str, store: Path, path: Path) -> None:
     from . import sweep
     from .style import save, styled
 
-    made = maps.make_map(store, kind)
+    sweep_map = maps.make_map(store, kind)
     with styled():
-        save(sweep.draw_map(made), path)
+        save(sweep.draw_map(sweep_map), path)
 
 
 def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:

@@ -18,8 +18,8 @@ def surface(grid: Any, lines: Any = None, run: Any = None) -> Figure:
 
     `grid` as `minimal_surface` gives it, `lines` as `marked_lines`; `run` has routh, jellett and modified_energy.
     """
-    made = figure(9.5, 7.2)
-    axes: Any = made.add_subplot(projection="3d", computed_zorder=False)
+    fig = figure(9.5, 7.2)
+    axes: Any = fig.add_subplot(projection="3d", computed_zorder=False)
     x_name, y_name = grid["F"].dims
     rows, columns = (np.unique(np.linspace(0, n - 1, FACETS).astype(int)) for n in grid["F"].shape)
     part = grid["F"][rows, columns]
@@ -31,8 +31,8 @@ def surface(grid: Any, lines: Any = None, run: Any = None) -> Figure:
     if lines is not None:
         for i, (end, color) in enumerate(zip(lines["end"].values, (LOWER, UPPER), strict=True)):
             line = lines.isel(end=i)
-            shown = (line["D"] >= grid[x_name].min()) & (line["D"] <= grid[x_name].max())
-            at = {"above": shown & ~line["on_surface"], "on": shown & line["on_surface"]}
+            inside = (line["D"] >= grid[x_name].min()) & (line["D"] <= grid[x_name].max())
+            at = {"above": inside & ~line["on_surface"], "on": inside & line["on_surface"]}
             words = str(end).replace("theta", "θ").replace("pi", "π")
             for where, style in (("on", "-"), ("above", ":")):
                 keep = at[where].values
@@ -64,7 +64,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None) -> Figure:
     axes.set_title(f"minimal surface F({_symbol(x_name)}, {_symbol(y_name)})")
     if lines is not None or run is not None:
         axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.98))
-    return made
+    return fig
 
 
 def potential(curves: list[tuple[str, Any, Any]]) -> Figure:
@@ -75,8 +75,8 @@ def potential(curves: list[tuple[str, Any, Any]]) -> Figure:
     """
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
-    made = figure(1.2 + 3.6 * columns if columns > 1 else 7.5, 0.6 + (3.0 * rows if columns > 1 else 4.4))
-    panels = np.atleast_1d(made.subplots(rows, columns, sharex=True)).ravel()
+    fig = figure(1.2 + 3.6 * columns if columns > 1 else 7.5, 0.6 + (3.0 * rows if columns > 1 else 4.4))
+    panels = np.atleast_1d(fig.subplots(rows, columns, sharex=True)).ravel()
     for axes, (title, V, at) in zip(panels, curves, strict=False):
         _well(axes, title, V, at)
     for axes in panels[len(curves) :]:
@@ -86,7 +86,7 @@ def potential(curves: list[tuple[str, Any, Any]]) -> Figure:
     for axes in panels[max(0, len(curves) - columns) : len(curves)]:
         axes.set_xlabel("z = cos θ")
         axes.tick_params(labelbottom=True)
-    return made
+    return fig
 
 
 def _well(axes: Any, title: str, V: Any, at: Any) -> None:
@@ -111,19 +111,19 @@ def _well(axes: Any, title: str, V: Any, at: Any) -> None:
     axes.set(xlim=(-1, 1), ylim=(least - 0.2 * height, least + 2.8 * height))
 
 
-def band(found: Any, events: Any = None, title: str = "") -> Figure:
+def band(dataset: Any, events: Any = None, title: str = "") -> Figure:
     """theta(t) on the nutational band that the main equation predicts; logged turning angles as dots; below, how far
     they lie from the nearer edge of the band. `found` as `band` gives it; events: time, theta, edge (predicted)."""
-    made = figure(10, 6.4)
-    axes, below = made.subplots(2, sharex=True, height_ratios=(4, 1.4))
-    step = max(1, found["time"].size // MOST_POINTS)
-    t, low, high = (found[name].values[::step] for name in ("time", "theta_min", "theta_max"))
+    fig = figure(10, 6.4)
+    axes, below = fig.subplots(2, sharex=True, height_ratios=(4, 1.4))
+    step = max(1, dataset["time"].size // MOST_POINTS)
+    t, low, high = (dataset[name].values[::step] for name in ("time", "theta_min", "theta_max"))
     axes.fill_between(t, low, high, color=UPPER, alpha=0.18, lw=0, label="predicted band, V(θ) ≤ Ẽ(t)")
     axes.plot(t, high, color=UPPER, lw=0.5)
     axes.plot(t, low, color=LOWER, lw=0.5)
-    axes.plot(t, found["theta_star"].values[::step], color=QUIET, lw=0.8, ls="--", label="θ of least V")
-    if "theta" in found:
-        axes.plot(t, found["theta"].values[::step], color=RUN, lw=0.7, label="θ(t)")
+    axes.plot(t, dataset["theta_star"].values[::step], color=QUIET, lw=0.8, ls="--", label="θ of least V")
+    if "theta" in dataset:
+        axes.plot(t, dataset["theta"].values[::step], color=RUN, lw=0.7, label="θ(t)")
     if events is not None and events["time"].size:
         axes.scatter(events["time"], events["theta"], s=6, color="#111111", lw=0, zorder=3, label="logged turnings")
         away = np.abs(events["theta"].values - events["edge"].values)
@@ -137,7 +137,7 @@ def band(found: Any, events: Any = None, title: str = "") -> Figure:
     axes.set(ylabel="θ (rad)", title=title, ylim=(bottom - 0.04 * span, top + room * span), xlim=(t[0], t[-1]))
     axes.legend(loc="upper left", markerscale=2)
     below.set(xlabel="t (s)", ylabel="logged − edge (rad)")
-    return made
+    return fig
 
 
 def inversion(section: Any, lines: Any, run: Any, title: str = "") -> Figure:
@@ -145,8 +145,8 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "") -> Figure:
 
     `section`: F along D at that lambda; `lines`: marked lines at that lambda: the boundary values (D0, E0), (D1, E1).
     """
-    made = figure(9, 5.4)
-    axes = made.subplots()
+    fig = figure(9, 5.4)
+    axes = fig.subplots()
     D, F = section["D"].values, 1e3 * section["F"].values.ravel()
     scale, power = _scale(D)
     step = max(1, run["routh"].size // MOST_POINTS)
@@ -170,7 +170,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "") -> Figure:
         xlim=(D[0] / scale, D[-1] / scale),
     )
     axes.legend(loc="upper center")
-    return made
+    return fig
 
 
 def _scale(values: np.ndarray) -> tuple[float, str]:

@@ -16,8 +16,8 @@ MOST_POINTS = 40_000  # more cannot be seen; beyond it the smallest and largest 
 
 def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """theta(t) with the logged turning angles and their envelopes, the nutational band; below, its width."""
-    made = figure(10, 6.2)
-    axes, below = made.subplots(2, sharex=True, height_ratios=(4, 1.2))
+    fig = figure(10, 6.2)
+    axes, below = fig.subplots(2, sharex=True, height_ratios=(4, 1.2))
     t, angle = trajectory["time"].values, trajectory["theta"].values
     low, high = _turnings(events, +1), _turnings(events, -1)
     for when, bottom, top in _bands(low, high):
@@ -35,7 +35,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         axes.set_ylim(-0.08, min(np.pi + 0.12, max(np.max(angle) * 1.15, 0.9)))
     for when in _of(events, "liftoff")[:1]:
         axes.axvline(when, color=ALARM, lw=1.0, ls="--", label=f"liftoff at {when:.4g} s")
-    made.legend(loc="outside upper right", ncols=4, markerscale=2.5, fontsize=9)
+    fig.legend(loc="outside upper right", ncols=4, markerscale=2.5, fontsize=9)
     turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     swing = events["amplitude"].values[turning]
     if len(swing):
@@ -45,13 +45,13 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         else:
             below.set_ylim(0, 1.25 * swing.max())
     below.set(xlabel="t (s)", ylabel="swing of θ (rad)")
-    return made
+    return fig
 
 
 def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """g_n(t) in units of the weight m g."""
-    made = figure(10, 4.2)
-    axes = made.subplots()
+    fig = figure(10, 4.2)
+    axes = fig.subplots()
     t, weight = trajectory["time"].values, attrs["parameters"]["m"] * attrs["parameters"]["g"]
     force = trajectory["normal_force"].values / weight
     axes.plot(*_thinned(t, force), color=RUN, lw=0.8)
@@ -88,7 +88,7 @@ def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     low, high = min(0.0, float(force.min())), float(force.max())
     axes.set(xlabel="t (s)", ylabel="$g_n\\,/\\,mg$", title=_title(attrs), xlim=_span(t))
     axes.set_ylim(low - 0.12 * (high - low), high + 0.15 * (high - low))
-    return made
+    return fig
 
 
 INTEGRALS = {
@@ -116,8 +116,8 @@ def _changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarr
 
 def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """How well the run kept what must not change: the picture of trust."""
-    made = figure(10, 4.6)
-    axes = made.subplots()
+    fig = figure(10, 4.6)
+    axes = fig.subplots()
     t, curves = trajectory["time"].values, _changes(trajectory, attrs)
     for words, values, color in curves:
         axes.semilogy(*_worst(t, np.maximum(values, 1e-17)), color=color, lw=1.3, label=words)
@@ -126,13 +126,13 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     top = max((float(v.max()) for _, v, _ in curves), default=0.0)
     axes.set_ylim(0.6e-17, max(1e-14, 30 * top))
     axes.legend(loc="upper left", ncols=2)
-    return made
+    return fig
 
 
 def growth(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """How the worst change since the start grows with the length of the run, beside a random walk's sqrt(t)."""
-    made = figure(9, 5.2)
-    axes = made.subplots()
+    fig = figure(9, 5.2)
+    axes = fig.subplots()
     t, curves = trajectory["time"].values[1:], _changes(trajectory, attrs)
     for words, values, color in curves:
         axes.loglog(t, np.maximum(np.maximum.accumulate(values[1:]), 1e-17), color=color, lw=1.3, label=words)
@@ -142,7 +142,7 @@ def growth(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     axes.set(xlabel="t (s)", ylabel="worst relative change up to t", title=_title(attrs), xlim=(t[0], t[-1]))
     axes.set_ylim(0.6e-17, max(1e-14, 100 * max(float(values.max()) for _, values, _ in curves)))
     axes.legend(loc="upper left", ncols=2)
-    return made
+    return fig
 
 
 def _rounding_unit(axes: Any) -> None:
@@ -159,7 +159,7 @@ def _rounding_unit(axes: Any) -> None:
 
 def sphere(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """The path of 3hat on the unit sphere: from the side, from above, from below; the far side is left out."""
-    made = figure(12, 4.9)
+    fig = figure(12, 4.9)
     path, t = trajectory["axis"].values, trajectory["time"].values
     step = max(1, len(path) // MOST_POINTS)
     path, t = path[::step], t[::step]
@@ -168,16 +168,16 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         ("from above", (0, 1, 2), "x", "y"),
         ("from below", (0, 1, 2), "x", "y"),
     )
-    drawn: Any = None
-    for axes, (words, (right, up, towards), xlabel, ylabel) in zip(made.subplots(1, 3), views, strict=True):
+    lines: Any = None
+    for axes, (words, (right, up, towards), xlabel, ylabel) in zip(fig.subplots(1, 3), views, strict=True):
         depth = path[:, towards] * (-1 if words == "from below" else 1)
         near = (depth[1:] >= 0) & (depth[:-1] >= 0)
         plane = path[:, (right, up)] * ((1, -1) if words == "from below" else (1, 1))
         segments = np.stack([plane[:-1], plane[1:]], axis=1)[near]
-        drawn = LineCollection(list(segments), array=t[1:][near], cmap="viridis", lw=0.5)
-        drawn.set_clim(*_span(t))
+        lines = LineCollection(list(segments), array=t[1:][near], cmap="viridis", lw=0.5)
+        lines.set_clim(*_span(t))
         axes.add_patch(Circle((0, 0), 1, fill=False, color=QUIET, lw=0.8))
-        axes.add_collection(drawn)
+        axes.add_collection(lines)
         for angle in (np.pi / 6, np.pi / 3):  # circles of latitude, 30 and 60 degrees
             if towards == 2:
                 axes.add_patch(Circle((0, 0), np.cos(angle), fill=False, color="#e3e6ea", lw=0.6, zorder=0))
@@ -190,15 +190,15 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
         )
         axes.set_xlabel(f"3hat · {xlabel}")
         axes.set_ylabel(f"3hat · {'−' if words == 'from below' else ''}{ylabel}")
-    made.colorbar(drawn, ax=made.axes, shrink=0.8, pad=0.01, label="t (s)")
-    made.suptitle(_title(attrs), x=0.01, ha="left", fontsize=11)
-    return made
+    fig.colorbar(lines, ax=fig.axes, shrink=0.8, pad=0.01, label="t (s)")
+    fig.suptitle(_title(attrs), x=0.01, ha="left", fontsize=11)
+    return fig
 
 
 def energy(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     """Energy E, modified energy E~ and what friction has taken."""
-    made = figure(10, 4.6)
-    axes = made.subplots()
+    fig = figure(10, 4.6)
+    axes = fig.subplots()
     t = trajectory["time"].values
     curves = (
         ("modified_energy", "modified energy Ẽ", UPPER),
@@ -210,7 +210,7 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
             axes.plot(*_thinned(t, 1e3 * trajectory[name].values), color=color, lw=0.9, label=words)
     axes.set(xlabel="t (s)", ylabel="energy (mJ)", title=_title(attrs), xlim=_span(t))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return made
+    return fig
 
 
 def _bands(low: Any, high: Any) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:

@@ -15,8 +15,8 @@ NAMES = {"upright": "upright spin", "tumbling": "tumbling", "inverted": "inverte
 def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, float] | None = None) -> Figure:
     """Branches of asymptotic states, stable ones solid, unstable ones dashed; `marks` are values of lambda that are
     named on the axis; `path` is cos(theta) of a run and its lambda."""
-    made = figure(8.0, 5.2)
-    axes = made.add_subplot()
+    fig = figure(8.0, 5.2)
+    axes = fig.add_subplot()
     for kind, colour in COLOURS.items():
         axes.plot([], [], color=colour, lw=2.6, label=NAMES[kind])
     for branch in branches:
@@ -45,4 +45,4 @@ def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, 
     axes.set_xlim(0, most * 1e6)
     axes.set_title("Asymptotic states: solid stable, dashed unstable", pad=10)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return made
+    return fig

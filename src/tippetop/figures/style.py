@@ -1,4 +1,4 @@
-"""How all our figures look."""
+"""The common style of the figures, and how one is saved."""
 
 from pathlib import Path
 from typing import Any
@@ -29,9 +29,9 @@ RC: dict[str, Any] = {
 
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
     """An empty figure, inches, with room managed by matplotlib."""
-    made = Figure(figsize=(width, height), layout="constrained", **options)
-    FigureCanvasAgg(made)
-    return made
+    fig = Figure(figsize=(width, height), layout="constrained", **options)
+    FigureCanvasAgg(fig)
+    return fig
 
 
 def styled() -> Any:
@@ -39,8 +39,8 @@ def styled() -> Any:
     return mpl.rc_context(dict(mpl.rcParamsDefault) | RC)  # type: ignore[arg-type]
 
 
-def save(made: Figure, path: Path) -> None:
+def save(fig: Figure, path: Path) -> None:
     """Writes a figure whole or not at all; the ending of `path` names the format. Raises StoreError."""
     path = Path(path)
     with writing(path), replacing(path) as scratch:
-        made.savefig(scratch, dpi=150, format=path.suffix.removeprefix(".").lower())
+        fig.savefig(scratch, dpi=150, format=path.suffix.removeprefix(".").lower())

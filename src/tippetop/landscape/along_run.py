@@ -39,7 +39,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
     from scipy.interpolate import CubicSpline
 
     parameters, system, landscape = _body(attrs)
-    found = band_along(parameters, trajectory, system)
+    angles = band_along(parameters, trajectory, system)
     turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     when, theta = events["time"].values[turning], events["theta"].values[turning]
     if trajectory["time"].size < 4:
@@ -51,7 +51,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
     low, high = edges["theta_min"].values, edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
-    return found, logged, attrs["title"] + ": the band that the main equation predicts"
+    return angles, logged, attrs["title"] + ": the band that the main equation predicts"
 
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[xr.Dataset, ...]:

@@ -135,9 +135,9 @@ def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
             old.unlink()
     group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
     axes = wanted.axes()
-    made = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0), compressors="auto")
+    arrays = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0), compressors="auto")
     for name, axis in axes.items():
-        made[name][...] = axis.values
+        arrays[name][...] = axis.values
     flags = {
         k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in labels.flags(Status, "how F is taken").items()
     }
@@ -148,16 +148,16 @@ def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
         "status": Column(dims, none.astype(np.int8), flags),
     }
     sizes = {dim: (n, min(wanted.chunk, n)) for dim, n in zip(dims, (wanted.x.size, wanted.y.size), strict=True)}
-    return made | tables.create_table(group, columns, sizes, fill={"status": -1}, compressors="auto")
+    return arrays | tables.create_table(group, columns, sizes, fill={"status": -1}, compressors="auto")
 
 
 def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:
     """The arrays of an unfinished store of the same surface."""
     try:
-        found = json.loads((scratch / "zarr.json").read_text(encoding="utf-8"))["attributes"]
+        stored = json.loads((scratch / "zarr.json").read_text(encoding="utf-8"))["attributes"]
         arrays, attributes = tables.open_root(scratch, GROUP, write_empty=False)[1][0], wanted.attributes()
         files.remove_scratch(scratch)
-        same = all(found[k] == attributes[k] for k in ("system", "parameters", "axes", "chunk", "format_version"))
+        same = all(stored[k] == attributes[k] for k in ("system", "parameters", "axes", "chunk", "format_version"))
         same = same and all(np.array_equal(np.asarray(arrays[k]), axis.values) for k, axis in wanted.axes().items())
         if "status" not in arrays:  # it is made last
             return _created(scratch, wanted)

@@ -54,13 +54,13 @@ def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray) -> Swing:
     return Swing(low, high, q, F, curvature, level, period)
 
 
-def small_period(t: Top, found: Swing) -> np.ndarray:
+def small_period(t: Top, swing: Swing) -> np.ndarray:
     """The period of vanishing nutations about the minimum of V [s], 2 pi sqrt(2 g/V'') by theta, (n,)."""
-    q = found.q
+    q = swing.q
     inertia = t.system.theta_inertia
     assert inertia is not None
     # d2V/dtheta2 = 4/sin(theta)^2 d2V/dln(q)^2, sin(theta)^2 = 4q/(1 + q)^2
-    return np.pi * np.sqrt(2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / found.curvature)
+    return np.pi * np.sqrt(2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / swing.curvature)
 
 
 def turning_angles(
@@ -97,8 +97,8 @@ def turning_angles(
 
     t = top(parameters, system)
     (x, y, E), shape, dims, coords = _aligned(first, second, energy)
-    found = swings(t, x, y, E)
-    inner, outer = (found.low, found.high) if t.upright == 1 else (found.high, found.low)
+    swing = swings(t, x, y, E)
+    inner, outer = (swing.low, swing.high) if t.upright == 1 else (swing.high, swing.low)
     angles = "inclination theta [rad] where V = E~"
 
     def angle(q: np.ndarray, long_name: str) -> tuple:
@@ -107,11 +107,11 @@ def turning_angles(
     data = {
         "theta_min": angle(inner, "least " + angles),
         "theta_max": angle(outer, "largest " + angles),
-        "theta_star": angle(found.q, "theta of least V"),
-        "F": labelled("F", dims, found.F.reshape(shape)),
-        "period": labelled("", dims, found.period.reshape(shape), "s", "period of nutation"),
-        "small_period": labelled("", dims, small_period(t, found).reshape(shape), "s", "period of small nutations"),
-        "level": (dims, found.level.reshape(shape), flags(Level, "how E~ lies to the minimum of V")),
+        "theta_star": angle(swing.q, "theta of least V"),
+        "F": labelled("F", dims, swing.F.reshape(shape)),
+        "period": labelled("", dims, swing.period.reshape(shape), "s", "period of nutation"),
+        "small_period": labelled("", dims, small_period(t, swing).reshape(shape), "s", "period of small nutations"),
+        "level": (dims, swing.level.reshape(shape), flags(Level, "how E~ lies to the minimum of V")),
     }
     return xr.Dataset(data, coords, attributes(t))
 
@@ -141,11 +141,11 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
     """
     names = landscape_of(system)[1].columns
     first, second, energy = (run[name] for name in names)
-    found = turning_angles(parameters, first, second, energy, system)
+    angles = turning_angles(parameters, first, second, energy, system)
     for name in (*names, "theta"):
         if name in run:
-            found[name] = run[name]
-    return found
+            angles[name] = run[name]
+    return angles
 
 
 def _inertia(t: Top) -> Any:

@@ -26,10 +26,10 @@ class Top:
 
     def __post_init__(self) -> None:
         system = SYSTEMS[self.gliding]
-        found = checked("parameters", system.parameters, {f.name: getattr(self, f.name) for f in fields(self)})
-        if faults := system.checks(found):
+        numbers = checked("parameters", system.parameters, {f.name: getattr(self, f.name) for f in fields(self)})
+        if faults := system.checks(numbers):
             raise InputError(faults)
-        for name, value in found.items():
+        for name, value in numbers.items():
             object.__setattr__(self, name, value)
 
     def numbers(self) -> dict[str, float]:

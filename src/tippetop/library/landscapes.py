@@ -1,4 +1,4 @@
-"""Potential and minimal surface of a top, said in Python: the body first, the momenta by their letters."""
+"""Potential and minimal surface from Python: first the body, then the momenta by their letters."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -235,13 +235,13 @@ def _momenta(system: str | System, first: Any, second: Any, **letters: Any) -> t
         for letter, value in letters.items()
         if value is not None and letter not in names
     ]
-    found = []
+    momenta = []
     for name, by_place in zip(names, (first, second), strict=True):
         by_letter = letters[name]
         if (by_letter is None) == (by_place is None):
             how = "missing" if by_letter is None else "given twice"
             sentences.append(f"`{name}` must be given once, but is {how}.")
-        found.append(by_place if by_letter is None else by_letter)
+        momenta.append(by_place if by_letter is None else by_letter)
     if sentences:
         raise InputError(sentences)
-    return found[0], found[1]
+    return momenta[0], momenta[1]

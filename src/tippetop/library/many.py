@@ -1,4 +1,4 @@
-"""Many tops of one scenario, said in Python."""
+"""Ensembles and sweeps from Python: many tops of one scenario."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path

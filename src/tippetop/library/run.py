@@ -1,4 +1,4 @@
-"""A finished run as the user holds it, in memory or in a store: tables, summary, figures, representations."""
+"""A finished run as an object, in memory or in a store: tables, summary, figures, representations."""
 
 import html
 from functools import cached_property
@@ -34,7 +34,7 @@ class Run:
     events : xarray.Dataset
         The event log along `event`: time [s], kind, theta [rad], amplitude [rad], whether it is significant.
     summary : Summary
-        What the run amounts to, as `tippetop info --json` prints it.
+        The summary of the run, as `tippetop info --json` prints it.
     drift : Record
         Of each invariant, the largest relative deviation from its start.
     final : xarray.Dataset
@@ -70,7 +70,9 @@ class Run:
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
-        return {name: made.assign_attrs(self.attributes) for name, made in attributes.datasets(self.solution).items()}
+        return {
+            name: dataset.assign_attrs(self.attributes) for name, dataset in attributes.datasets(self.solution).items()
+        }
 
     @property
     def trajectory(self) -> "xr.Dataset":
@@ -200,10 +202,10 @@ class Run:
             `against` (the wider precision), `window` [s], the largest difference of `theta` [rad] and of its end,
             whether both end the same way, and of the times of shared turnings [s]. It joins the summary.
         """
-        found = root.finite(certificate(self.problem, window))
-        self.attributes["certificate"] = found
+        result = root.finite(certificate(self.problem, window))
+        self.attributes["certificate"] = result
         self.__dict__.pop("summary", None)
-        return Record(found)
+        return Record(result)
 
     def __repr__(self) -> str:
         attrs = self.attributes

@@ -1,4 +1,4 @@
-"""What is said in Python becomes the tables of a scenario, and a checked Problem."""
+"""Python arguments become the tables of a scenario, and a checked Problem."""
 
 import os
 import re

@@ -202,7 +202,7 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
     energy, *momenta = (
         rows[name].values / float(problem.scales.of(units[name])) for name in ("modified_energy", *system.momenta)
     )
-    found = main_equation.reconstruct(
+    solution = main_equation.reconstruct(
         system,
         Observables(problem).body,
         rows["time"].values / second,
@@ -213,12 +213,12 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
     )
     theta = {"units": "rad", "long_name": "theta by the main equation"}
     return xr.Dataset(
-        {"theta": ("time", np.arccos(found.z), theta)},
+        {"theta": ("time", np.arccos(solution.z), theta)},
         {
             "time": rows["time"],
-            "turning": ("turning", found.turnings * second, {"units": "s", "long_name": "times of the turnings"}),
+            "turning": ("turning", solution.turnings * second, {"units": "s", "long_name": "times of the turnings"}),
         },
-        {"mismatch": found.mismatch},
+        {"mismatch": solution.mismatch},
     )
 
 

@@ -1,4 +1,4 @@
-"""What a system may contradict itself in."""
+"""Checks that the records of a system do not contradict one another."""
 
 from .system import System
 

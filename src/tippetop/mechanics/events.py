@@ -61,8 +61,8 @@ def kinds(events: Sequence[Event]) -> tuple[str, ...]:
 def hysteresis(waiting, waits_at, sign, theta):
     """One step of the rule that tells which turnings of theta are more than rounding; floats or scalars in numba.
 
-    The extreme of a stretch counts once theta has come back from it by the noise floor, whatever small wiggles lie
-    between. So a true turning that rounding splits into three counts once, and a decay that ends in noise not at all.
+    An extreme counts once theta has come back from it by the noise floor, whatever small wiggles lie between.
+    So a true turning that rounding splits into three counts once, and a decay that ends in noise not at all.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the effective potential of a top is made of, in a variable that keeps its digits at both poles. [section 5, 8]
+"""Coefficients of the effective potential of a top, in a variable that keeps its digits at both poles. [section 5, 8]
 
 The systems say what these numbers are for their bodies; `landscape.formulas` evaluates V from them.
 """

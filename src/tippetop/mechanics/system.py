@@ -293,11 +293,11 @@ class System:
 
     def rivals(self, name: str) -> set[str]:
         """The initial numbers that cannot be given beside another."""
-        found = set()
+        names = set()
         for alternative in self.alternatives:
             if not alternative.flag and name in (alternative.name, *alternative.others):
-                found |= {alternative.name, *alternative.others} - {name}
-        return found
+                names |= {alternative.name, *alternative.others} - {name}
+        return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
         """Initial data with some changed: a number takes the place of those that say the same in another way."""

@@ -1,4 +1,4 @@
-"""What a run leaves: the tables of its store, and the summary that `run` and `info` give."""
+"""The tables and attributes of a run's store, and the summary that `run` and `info` give."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -71,6 +71,6 @@ def headline_of(attrs: dict[str, Any]) -> str:
         system = find(attrs["system"])
         known = system.laws.get(law[1]) if system else None  # None: of a package that is not installed here
         units = {name: known.parameters[name].unit.symbol if known else "" for name, _ in numbers}
-        said = [f"{name} = {value:g} {units[name]}".removesuffix(" 1") for name, value in numbers]
-        words.append(", ".join([f"{law[1]} friction", *said]) if numbers else "no friction")
+        parts = [f"{name} = {value:g} {units[name]}".removesuffix(" 1") for name, value in numbers]
+        words.append(", ".join([f"{law[1]} friction", *parts]) if numbers else "no friction")
     return " · ".join(words)

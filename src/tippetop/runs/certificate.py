@@ -43,7 +43,7 @@ def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]
     mine, witness = solve(plain), solve(wide)
     rows = min(len(mine.times), len(witness.times))
     theta = _difference(mine, witness, "theta", rows)
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "against": wide.precision,
         "window": [0.0, until],
         "theta": float(theta.max(initial=0.0)),
@@ -51,25 +51,25 @@ def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]
         "same_end": mine.status is witness.status,
     }
     if "axis" in problem.system.vectors:
-        found["axis"] = float(_difference(mine, witness, "axis", rows).max(initial=0.0))
+        result["axis"] = float(_difference(mine, witness, "axis", rows).max(initial=0.0))
     turnings = [run.events.of("turning", significant=True).time for run in (mine, witness)]
     shared = min(map(len, turnings))
     if shared:
-        found["turnings"] = {"compared": shared, "counts": [len(t) for t in turnings]}
-        found["turnings"]["time"] = float(np.abs(turnings[0][:shared] - turnings[1][:shared]).max())
-    return found
+        result["turnings"] = {"compared": shared, "counts": [len(t) for t in turnings]}
+        result["turnings"]["time"] = float(np.abs(turnings[0][:shared] - turnings[1][:shared]).max())
+    return result
 
 
-def broken_certificate(found: dict[str, Any]) -> list[str]:
+def broken_certificate(result: dict[str, Any]) -> list[str]:
     """Sentences on what the wider run contradicts."""
-    if found["against"] is None:
+    if result["against"] is None:
         return []
     faults = []
-    if not found["theta"] <= PROMISED_THETA:
+    if not result["theta"] <= PROMISED_THETA:
         faults.append(
-            f"theta must be within {PROMISED_THETA:.0e} of the wider run, but differs by {found['theta']:.1e}."
+            f"theta must be within {PROMISED_THETA:.0e} of the wider run, but differs by {result['theta']:.1e}."
         )
-    if not found["same_end"]:
+    if not result["same_end"]:
         faults.append("the run must end as the wider run does, but ends otherwise.")
     return faults
 

@@ -1,4 +1,4 @@
-"""What a run says of itself: drift of the invariants, range of the normal force, inversion, band."""
+"""The measured part of a run's report: drift of the invariants, range of the normal force, inversion, band."""
 
 import math
 from dataclasses import dataclass, field

@@ -156,7 +156,7 @@ class EventLog:
             self.tally.kept[name] = float(seconds[-1 if what == "last" else 0])
 
     def _table(self, logged: Passages) -> EventTable:
-        """Rows of the log; the swings go on from the turning before."""
+        """Rows of the log; the swings continue from the turning before."""
         turning = np.isin(logged.kind, self.turnings)
         swing = np.full(logged.theta.shape, np.nan)
         swing[turning] = np.abs(np.diff(logged.theta[turning], prepend=self.tally.before))
@@ -181,8 +181,8 @@ class EventLog:
 
     def settled_since(self, last: np.ndarray) -> float | None:
         """When the lasting event last happened [s], if in the state `last`, (1, variables), it still holds."""
-        found = [self.tally.lasting[event.name][1] for event in self.lasting if self._holds(event, last)]
-        return max(found) if found and len(found) == len(self.lasting) else None
+        times = [self.tally.lasting[event.name][1] for event in self.lasting if self._holds(event, last)]
+        return max(times) if times and len(times) == len(self.lasting) else None
 
     def _holds(self, event: Event, last: np.ndarray) -> bool:
         """Whether a lasting event has happened, and its function is still beyond its zero."""

@@ -63,10 +63,10 @@ class Confirmation:
             confirmed = waiting + list(zip(rows[:-1].tolist(), theta[:-1].tolist(), strict=True))
             self.row, self.theta, self.sign = int(rows[-1]), float(theta[-1]), int(sign[-1])
             return confirmed
-        found = []
+        marks = []
         for row, angle, way in zip(rows.tolist(), theta.tolist(), sign.tolist(), strict=True):
-            found += self._next(row, angle, way)
-        return found
+            marks += self._next(row, angle, way)
+        return marks
 
     def reached(self, theta: float) -> list[tuple[int, float]]:
         """(row, theta) of the waiting turning if the end of the run, at theta, confirms it; then none waits."""

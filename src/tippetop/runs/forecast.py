@@ -28,12 +28,12 @@ def at_start(problem: Problem) -> dict[str, float]:
     return {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
 
 
-def remarks(problem: Problem) -> dict[str, Any]:
+def comments(problem: Problem) -> dict[str, Any]:
     """What theory adds to the report of a finished run: the name of its motion, what eps decides."""
-    remarks = _regularisation(problem, cost(problem))
+    result = _regularisation(problem, cost(problem))
     if problem.system.motion is not None:
-        remarks["motion"] = problem.system.motion(problem.body(), at_start(problem))
-    return remarks
+        result["motion"] = problem.system.motion(problem.body(), at_start(problem))
+    return result
 
 
 def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
@@ -59,17 +59,17 @@ def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, A
     friction = problem.friction
     if not problem.system.inverts or "eps" not in friction._fields or is_frictionless(friction):
         return {}
-    found: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
+    result: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
     if expected["seconds"] < AFFORDABLE:
         from .regularisation import inversion_sensitivity
 
         sensitivity = inversion_sensitivity(problem)
-        found["inversion_by_eps"] = {
+        result["inversion_by_eps"] = {
             "eps": {"value": list(sensitivity["inversion_time"]), "unit": "m s-1"},
             "first_equator": {"value": list(sensitivity["inversion_time"].values()), "unit": "s"},
             "exponent": {"value": sensitivity["exponent"], "unit": "1"},
         }
-    return found
+    return result
 
 
 def cost(problem: Problem) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""A run from start to end: slices flow to a sink, the monitor and the log follow, and the end gets its name."""
+"""One run from start to end: slices go to a sink, the drift monitor and the event log; the end gets a status."""
 
 import math
 import time
@@ -48,9 +48,9 @@ class Integration:
         if self.fresh and problem.output != "times":
             self._write(sink, np.array([0.0]), self.first)
         steps = SETTLED_SLICE if problem.stop_when == "settled" else None
-        for found in slices(self.integrator, end, endings_of(problem), steps):
-            force = normal_force(found, problem) if len(found.times) > 1 else Extremes()
-            piece = grazing(found, force, problem)
+        for part in slices(self.integrator, end, endings_of(problem), steps):
+            force = normal_force(part, problem) if len(part.times) > 1 else Extremes()
+            piece = grazing(part, force, problem)
             self.seconds["integrate"] += piece.wall
             self.fresh = False
             self._follow(piece, force, sink)
@@ -120,8 +120,8 @@ class Integration:
         if status is Status.FINISHED:
             return f"finished at t = {t:.6g} s{beyond}"
         if status is Status.SETTLED:
-            died = self.log.settled_since(self.last)
-            return f"settled: sliding died at t = {died:.6g} s, stopped at t = {t:.6g} s{beyond}"
+            settled = self.log.settled_since(self.last)
+            return f"settled: sliding died at t = {settled:.6g} s, stopped at t = {t:.6g} s{beyond}"
         if status is Status.LIFTOFF:
             return f"the top lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
         if status is Status.FALLEN:

@@ -1,4 +1,4 @@
-"""What a run amounts to, as a record: what `tippetop info --json` prints."""
+"""The summary of a run as a record: what `tippetop info --json` prints."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -45,7 +45,7 @@ class Record(Mapping[str, Any]):
 
 
 class Summary(Record):
-    """What a run amounts to. Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
+    """The summary of a run. Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class Summary(Record):
 def summary_of(attrs: Mapping[str, Any], problem: Problem | None = None) -> Summary:
     """The summary of a run, from the root attributes of its store and, where it is at hand, its problem."""
     try:
-        remarks = forecast.remarks(problem or build.problem(build.tables_of(dict(attrs))))
+        comments = forecast.comments(problem or build.problem(build.tables_of(dict(attrs))))
     except InputError:  # of a system, law or event that this process does not know
-        remarks = {}
-    return Summary(attributes.info(dict(attrs)) | finite(remarks))
+        comments = {}
+    return Summary(attributes.info(dict(attrs)) | finite(comments))

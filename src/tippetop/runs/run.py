@@ -37,7 +37,7 @@ class Solution:
 
 
 def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:
-    """Integrates a problem to its end, gathering rows and events in memory, unless not told to keep them.
+    """Integrates a problem to its end, with rows and events kept in memory unless switched off.
 
     `progress` is called after every slice.
     """

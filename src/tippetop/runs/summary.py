@@ -11,31 +11,31 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
     if seconds is not None:
         status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
-    found = [("status", status)]
+    result = [("status", status)]
     system = find(info["system"])
     if any(info["inversion"].values()) or (system is not None and system.inverts):
-        found.append(("inversion", _inversion(info)))
+        result.append(("inversion", _inversion(info)))
     else:
-        found.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
-    found.append(("turning angles", _turnings(info)))
+        result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
+    result.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
-        found.append(("other events", ", ".join(f"{kind} {_times(n)}" for kind, n in others.items())))
+        result.append(("other events", ", ".join(f"{kind} {_times(n)}" for kind, n in others.items())))
     if "normal_force" in info:
         force, weight = info["normal_force"], info["normal_force"]["weight"]
         low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
-        found.append(
+        result.append(
             ("normal force", f"{low:.5g} to {high:.5g} N, that is {low / weight:.4f} to {high / weight:.4f} m g")
         )
     drift = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items())
-    found.append(("drift", f"{drift} (relative, worst of the run)"))
+    result.append(("drift", f"{drift} (relative, worst of the run)"))
     if "motion" in info:
-        found.append(("motion", info["motion"]))
+        result.append(("motion", info["motion"]))
     if "regularisation" in info:
-        found.append(("regularisation", regularisation(info)))
+        result.append(("regularisation", regularisation(info)))
     if "certificate" in info:
-        found.append(("certificate", _certificate(info["certificate"])))
-    return found
+        result.append(("certificate", _certificate(info["certificate"])))
+    return result
 
 
 def _times(n: int) -> str:
@@ -55,14 +55,13 @@ def regularisation(info: Mapping[str, Any]) -> str:
     return f"{info['regularisation']}; theta = pi/2 at: {times}; exponent d log t/d log eps {exponent}"
 
 
-def _certificate(found: Mapping[str, Any]) -> str:
-    if found["against"] is None:
-        return found["reason"]
-    text = (
-        f"against {found['against']} over {found['window'][1]:g} s: theta differs by at most {found['theta']:.1e} rad"
-    )
-    if "turnings" in found:
-        turnings = found["turnings"]
+def _certificate(result: Mapping[str, Any]) -> str:
+    if result["against"] is None:
+        return result["reason"]
+    span = f"against {result['against']} over {result['window'][1]:g} s"
+    text = f"{span}: theta differs by at most {result['theta']:.1e} rad"
+    if "turnings" in result:
+        turnings = result["turnings"]
         text += f", {turnings['compared']} turning times by {turnings['time']:.1e} s"
     return text
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..errors import InputError, suggestion
-from ..mechanics.contact.gliding.catalogue import POLE
+from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
@@ -73,9 +73,9 @@ def system_of(tables: dict[str, Any]) -> System:
     name = tables.get("system")
     system = find(name) if isinstance(name, str) else None
     if system is None:
-        found = "is missing" if name is None else f"is {name!r}"
+        given = "is missing" if name is None else f"is {name!r}"
         near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
-        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {found}.{near}"])
+        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}"])
     return system
 
 
@@ -150,7 +150,7 @@ def _output(problem: Problem) -> dict[str, Any]:
 
 
 def _pole_faults(problem: Problem) -> list[str]:
-    if POLE not in problem.form.domains or problem.initial.get("theta", 0.0) not in (0.0, math.pi):
+    if AWAY_FROM_POLE not in problem.form.domains or problem.initial.get("theta", 0.0) not in (0.0, math.pi):
         return []
     name = problem.form.name
     return [f'`initial.theta` must not be 0 or pi where form = "{name}" is singular; form = "vector" can.']

@@ -14,9 +14,9 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape:
     place = [p for p in error["loc"] if not (p in laws and error["loc"][0] == "friction")]
     key, context, kind = ".".join(map(str, place)), error.get("ctx", {}), error["type"]
     if kind in ("union_tag_not_found", "union_tag_invalid"):
-        found = repr(context.get("tag")) if kind == "union_tag_invalid" else "missing"
+        given = repr(context.get("tag")) if kind == "union_tag_invalid" else "missing"
         near = suggestion(str(context.get("tag", "")), laws)
-        return f"`{key}.law` must be one of {', '.join(laws)}, but is {found}.{near}"
+        return f"`{key}.law` must be one of {', '.join(laws)}, but is {given}.{near}"
     if kind != "extra_forbidden":
         return error_sentence(error, key, [])
     if key == "friction":
@@ -39,14 +39,14 @@ def _known(system: System, tables: dict[str, Any], shape: type[BaseModel], place
 
 def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) -> list[str]:
     """Every dotted key that a scenario of this system and friction law may have."""
-    found = [name for name in shape.model_fields if not _model(shape, name)]
+    keys = [name for name in shape.model_fields if not _model(shape, name)]
     for name in shape.model_fields:
         model = _model(shape, name)
         if model is not None:
-            found += [f"{name}.{key}" for key in model.model_fields]
+            keys += [f"{name}.{key}" for key in model.model_fields]
     friction = tables.get("friction")
     law = system.laws.get(friction.get("law")) if isinstance(friction, dict) else None
-    return found + ([f"friction.{key}" for key in ("law", *law.parameters)] if law else [])
+    return keys + ([f"friction.{key}" for key in ("law", *law.parameters)] if law else [])
 
 
 def _model(shape: type[BaseModel], name: str) -> Any:
@@ -58,9 +58,9 @@ def _model(shape: type[BaseModel], name: str) -> Any:
 def error_sentence(error: Any, key: str, known: list[str]) -> str:
     """One pydantic error at `key` as a sentence; `known` are the keys that its table may have."""
     context, kind = error.get("ctx", {}), error["type"]
-    found = repr(error["input"]) if not isinstance(error["input"], dict) else "a table"
-    if len(found) > 60:
-        found = found[:57] + "..."
+    given = repr(error["input"]) if not isinstance(error["input"], dict) else "a table"
+    if len(given) > 60:
+        given = given[:57] + "..."
     if kind == "missing":
         return f"`{key}` must be given, but is missing."
     if kind == "extra_forbidden":
@@ -85,4 +85,4 @@ def error_sentence(error: Any, key: str, known: list[str]) -> str:
         "model_type": "must be a table",
         "model_attributes_type": "must be a table",
     }.get(kind, f"must be valid ({error['msg']})")
-    return f"`{key}` {must}, but is {found}."
+    return f"`{key}` {must}, but is {given}."

@@ -127,7 +127,7 @@ def _chunk_file(array: Any, start: int) -> str:
 
 
 def pieces(path: str | Path, group: str, names: list[str], rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
-    """The columns of a group, a stretch of rows at a time. Raises StoreError."""
+    """The columns of a group, a block of rows at a time. Raises StoreError."""
     arrays = {name: array for name, array in read_member(path, group).items() if name in names}
     total = min((array.shape[0] for array in arrays.values()), default=0)
     for start in range(0, total, rows):

@@ -1,4 +1,4 @@
-"""A store in the formats of others: netCDF, CSV, Parquet; a stretch of rows at a time, whole or not at all."""
+"""A store in the formats of others: netCDF, CSV, Parquet; a block of rows at a time, whole or not at all."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -15,13 +15,13 @@ FORMAT_VERSION = 1
 @lru_cache
 def versions() -> dict[str, str]:
     """Versions of what a result depends on."""
-    found = {"python": platform.python_version()}
+    result = {"python": platform.python_version()}
     for name in ("tippetop", "heyoka", "numpy", "zarr"):
         try:
-            found[name] = version(name)
+            result[name] = version(name)
         except PackageNotFoundError:
-            found[name] = "unknown"
-    return found
+            result[name] = "unknown"
+    return result
 
 
 @lru_cache

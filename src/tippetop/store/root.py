@@ -1,4 +1,4 @@
-"""The root attributes of a store: what it is, and whether it is ours."""
+"""The root attributes of a store: what it holds, and whether tippetop wrote it."""
 
 import contextlib
 import json
@@ -36,23 +36,23 @@ def attributes(path: str | Path) -> dict[str, Any]:
     """Root attributes of a store. Raises StoreError if there is none of ours."""
     place = Path(path)
     try:
-        found = json.loads((place / "zarr.json").read_text(encoding="utf-8"))["attributes"]
-        if found["format"] != FORMAT:
+        stored = json.loads((place / "zarr.json").read_text(encoding="utf-8"))["attributes"]
+        if stored["format"] != FORMAT:
             raise KeyError("format")
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise StoreError(f"`{path}` {_no_store(place, error)}.") from None
-    if found.get("format_version") != FORMAT_VERSION:
+    if stored.get("format_version") != FORMAT_VERSION:
         raise StoreError(
-            f"`{path}` must have format version {FORMAT_VERSION}, but has {found.get('format_version')}: "
+            f"`{path}` must have format version {FORMAT_VERSION}, but has {stored.get('format_version')}: "
             "use the release that wrote it."
         )
-    if found.get("status") == "running":
+    if stored.get("status") == "running":
         try:
             record = json.loads((place / CHECKPOINT).read_text(encoding="utf-8"))
-            found |= {"report": record["report"], "reason": record["reason"]}
+            stored |= {"report": record["report"], "reason": record["reason"]}
         except (OSError, ValueError, KeyError):
             pass  # it just finished, or never began: the root attributes stand
-    return found
+    return stored
 
 
 def _no_store(place: Path, error: Exception) -> str:

@@ -83,11 +83,11 @@ def create_table(
         Name -> array.
     """
     fill = fill or {}
-    made = {}
+    arrays = {}
     for name, column in columns.items():
         own = [(n, max(n, 1)) for n in column.values.shape]
         each = [sizes.get(dim, size) for dim, size in zip(column.dims, own, strict=True)]
-        made[name] = group.create_array(
+        arrays[name] = group.create_array(
             name,
             shape=tuple(length for length, _ in each),
             dtype=column.values.dtype,
@@ -97,4 +97,4 @@ def create_table(
             fill_value=fill.get(name, np.nan if column.values.dtype.kind == "f" else 0),
             compressors=compressors or codecs(),
         )
-    return made
+    return arrays

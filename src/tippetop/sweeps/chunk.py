@@ -32,20 +32,20 @@ class OtherVersions(Exception):
 def compute_chunk(task: Task, threads: int = 1) -> dict[str, np.ndarray]:
     """The columns of a chunk, by name. What it computes depends on the task alone."""
     if provenance.versions() != task.versions:
-        differ = [name for name, found in provenance.versions().items() if found != task.versions.get(name)]
+        differ = [name for name, release in provenance.versions().items() if release != task.versions.get(name)]
         raise OtherVersions(f"the worker has other versions of {', '.join(differ)} than the sweep was begun with")
-    found = columns(build.problem(task.tables), task.columns, task.keep, threads)
-    return {name: column.values for name, column in found.items()}
+    table = columns(build.problem(task.tables), task.columns, task.keep, threads)
+    return {name: column.values for name, column in table.items()}
 
 
 def columns(
     base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
 ) -> dict[str, Column]:
     """The rows of tops as labelled columns; `status` is among them whatever is kept."""
-    measured = ensemble.measure(ensemble.varied(base, numbers), threads=threads)
+    measured = ensemble.measure(ensemble.vary(base, numbers), threads=threads)
     with np.errstate(all="ignore"):  # of invalid tops
-        found = {**outcomes.table(measured), **_final_states(measured)}
-    return {name: column for name, column in found.items() if name == "status" or keep is None or _kept(name, keep)}
+        table = {**outcomes.table(measured), **_final_states(measured)}
+    return {name: column for name, column in table.items() if name == "status" or keep is None or _kept(name, keep)}
 
 
 def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
@@ -65,8 +65,8 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
 
 def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
     """Labelled columns without a row."""
-    found = columns(base, {"run.until": np.array([np.nan])}, keep)  # an invalid top is not run
-    return {name: Column(c.dims, c.values[:0], c.attrs) for name, c in found.items()}
+    table = columns(base, {"run.until": np.array([np.nan])}, keep)  # an invalid top is not run
+    return {name: Column(c.dims, c.values[:0], c.attrs) for name, c in table.items()}
 
 
 def column_names(base: Problem) -> list[str]:

@@ -83,17 +83,17 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
     """What is wrong with varying these keys together."""
-    found = []
+    sentences = []
     for name, rule in DERIVED.items():
         if name not in keys:
             continue
         if rule.inverts and not base.system.inverts:
             known = ", ".join(system.name for system in SYSTEMS.values() if system.inverts)
-            found.append(f"`{name}` must be an axis of {known}, but the system is {base.system.name}.")
+            sentences.append(f"`{name}` must be an axis of {known}, but the system is {base.system.name}.")
         missing = [p for p in rule.needs if p not in base.parameters]
         if missing:
-            found.append(f"`{name}` must have {', '.join(rule.needs)}, but {base.system.name} has no {missing[0]}.")
+            sentences.append(f"`{name}` must have {', '.join(rule.needs)}, but {base.system.name} has no {missing[0]}.")
         initial = [key.partition(".")[2] for key in rule.sets if key.startswith("initial.")]
         rivals = {*rule.sets, *(f"initial.{rival}" for name in initial for rival in base.system.rivals(name))}
-        found += [f"`{name}` must stand alone, but `{key}` varies too." for key in keys if key in rivals]
-    return found
+        sentences += [f"`{name}` must stand alone, but `{key}` varies too." for key in keys if key in rivals]
+    return sentences

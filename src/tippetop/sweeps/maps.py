@@ -69,22 +69,22 @@ def make_map(path: Path, kind: str) -> Map:
     if kind not in NEEDED:
         raise InputError([f"the kind of figure must be one of {', '.join(NEEDED)} of a sweep, but is `{kind}`."])
     table = open_sweep(path)
-    made = Plan.from_tables(table.attrs["plan"])
-    varying = [axis for axis in made.design.axes if axis.sampled or len(set(axis.values)) > 1] or [made.design.axes[0]]
+    plan = Plan.from_tables(table.attrs["plan"])
+    varying = [axis for axis in plan.design.axes if axis.sampled or len(set(axis.values)) > 1] or [plan.design.axes[0]]
     wanted = NEEDED[kind][:1] if len(varying) > 1 else NEEDED[kind]
     missing = [name for name in wanted if name not in table]
     if missing:
         raise InputError([f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."])
-    axes = tuple(_map_axis(made, axis, table[axis.key].attrs) for axis in varying[:2])
-    numbers = made.design.numbers(np.arange(made.n))
-    chosen, notes = _slice(made, varying[2:], numbers)
+    axes = tuple(_map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
+    numbers = plan.design.numbers(np.arange(plan.n))
+    chosen, notes = _slice(plan, varying[2:], numbers)
     chosen &= table["status"].values != Status.TODO.code
     for axis in axes:
         chosen &= np.isfinite(numbers[axis.key])
     cells, shape = _cells(axes, numbers)[chosen], tuple(len(axis.edges) - 1 for axis in axes)
     fields = {}
     for name in wanted:
-        values = table[name].values / _weight(made, numbers) if kind == "normal-force" else table[name].values
+        values = table[name].values / _weight(plan, numbers) if kind == "normal-force" else table[name].values
         fields[name] = _gathered(name, cells, values[chosen], math.prod(shape)).reshape(shape)
     if len(cells) and np.bincount(cells).max() > 1:
         how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
@@ -92,10 +92,10 @@ def make_map(path: Path, kind: str) -> Map:
     if table.attrs["status"] != "finished":
         notes.append("unfinished")
     title = table.attrs["title"].partition(": ")[2]
-    return Map(kind, title, axes, fields, _borders(made, axes, varying[2:]), notes)
+    return Map(kind, title, axes, fields, _borders(plan, axes, varying[2:]), notes)
 
 
-def _map_axis(made: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
+def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
     label = greek(attrs["long_name"]) + (f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else "")
     values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
@@ -104,8 +104,8 @@ def _map_axis(made: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     log = axis.log and values[0] > 0
     scaled = np.log(values) if log else values
     if axis.sampled:
-        drawn = sum(a.sampled for a in made.design.axes)
-        edges = _bins(scaled, (made.n / TOPS_PER_CELL) ** (1 / min(drawn, 2)))
+        sampled = sum(a.sampled for a in plan.design.axes)
+        edges = _bins(scaled, (plan.n / TOPS_PER_CELL) ** (1 / min(sampled, 2)))
     else:
         edges = _bins(scaled, MOST_CELLS) if len(values) > MOST_CELLS else _around(scaled)
     return MapAxis(axis.key, label, np.exp(edges) if log else edges, log)
@@ -132,9 +132,9 @@ def _cells(axes: tuple[MapAxis, ...], numbers: dict[str, np.ndarray]) -> np.ndar
     return cells
 
 
-def _slice(made: Plan, others: list[Axis], numbers: dict[str, np.ndarray]) -> tuple[np.ndarray, list[str]]:
+def _slice(plan: Plan, others: list[Axis], numbers: dict[str, np.ndarray]) -> tuple[np.ndarray, list[str]]:
     """Which tops are mapped, and what that means: of further axes of the grid the middle number."""
-    chosen, notes = np.ones(made.n, bool), []
+    chosen, notes = np.ones(plan.n, bool), []
     for axis in others:
         if axis.sampled:
             notes.append(f"all {axis.key}")
@@ -147,7 +147,7 @@ def _slice(made: Plan, others: list[Axis], numbers: dict[str, np.ndarray]) -> tu
 
 def _gathered(name: str, cells: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
     """One number for each cell: the most frequent class, the least force, the median of anything else."""
-    found = np.full(size, np.nan)
+    result = np.full(size, np.nan)
     counts = np.bincount(cells, minlength=size)
     if name == "class":
         each = np.bincount(cells * len(CLASSES) + values, minlength=size * len(CLASSES)).reshape(size, -1)
@@ -157,19 +157,19 @@ def _gathered(name: str, cells: np.ndarray, values: np.ndarray, size: int) -> np
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
     filled = counts > 0
     rank = 0 if name == "normal_force_min" else np.where(name == "normal_force_max", counts - 1, (counts - 1) // 2)
-    found[filled] = ranked[order[(first + rank)[filled]]]
-    return np.where(np.isinf(found), np.nan, found)
+    result[filled] = ranked[order[(first + rank)[filled]]]
+    return np.where(np.isinf(result), np.nan, result)
 
 
-def _weight(made: Plan, numbers: dict[str, np.ndarray]) -> Any:
+def _weight(plan: Plan, numbers: dict[str, np.ndarray]) -> Any:
     """m g of the tops [N]."""
-    b = derived.body(made.base, derived.resolved(made.base, numbers))
+    b = derived.body(plan.base, derived.resolved(plan.base, numbers))
     return b.m * b.g
 
 
-def _borders(made: Plan, axes: tuple[MapAxis, ...], others: list[Axis]) -> dict[str, np.ndarray]:
+def _borders(plan: Plan, axes: tuple[MapAxis, ...], others: list[Axis]) -> dict[str, np.ndarray]:
     """log(|lambda|/threshold) over the axes, by what the threshold means; none where theory has none."""
-    borders = made.base.system.borders
+    borders = plan.base.system.borders
     if borders is None or any(axis.sampled for axis in others):
         return {}
     grids = np.meshgrid(*(axis.span for axis in axes), indexing="ij")
@@ -178,8 +178,8 @@ def _borders(made: Plan, axes: tuple[MapAxis, ...], others: list[Axis]) -> dict[
     for axis in others:
         numbers[axis.key] = np.full(grids[0].size, axis.values[len(axis.values) // 2])
     with np.errstate(all="ignore"):
-        columns = derived.resolved(made.base, numbers)
-        lam, b = np.abs(derived.jellett(made.base, columns)), derived.body(made.base, columns)
+        columns = derived.resolved(plan.base, numbers)
+        lam, b = np.abs(derived.jellett(plan.base, columns)), derived.body(plan.base, columns)
         limits = borders(b)
-        found = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
-        return {label: values for label, values in found.items() if (values < 0).any() and (values > 0).any()}
+        ratios = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
+        return {label: values for label, values in ratios.items() if (values < 0).any() and (values > 0).any()}

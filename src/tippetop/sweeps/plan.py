@@ -100,11 +100,11 @@ class Plan:
         for axis in plain["axis"]:
             if "values" in axis:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
-        made = cls(base, design, {"keep": None, "chunk": None, **plain})
-        sentences = _whole_faults(made)
+        plan = cls(base, design, {"keep": None, "chunk": None, **plain})
+        sentences = _whole_faults(plan)
         if sentences:
             raise InputError(sentences)
-        return made
+        return plan
 
     @property
     def n(self) -> int:
@@ -199,35 +199,37 @@ def _axis(axis: _Axis) -> Axis:
 def _axis_faults(name: str, axis: _Axis) -> list[str]:
     ways = ("values", "linspace", "geomspace", "between")
     given = [way for way in ways if getattr(axis, way) is not None]
-    found = []
+    sentences = []
     if len(given) != 1:
-        found.append(f"`{name}` must have one of {', '.join(ways)}, but has {' and '.join(given) or 'none'}.")
+        sentences.append(f"`{name}` must have one of {', '.join(ways)}, but has {' and '.join(given) or 'none'}.")
     spaced = {"linspace", "geomspace"} & set(given)
     if spaced and axis.n is None:
-        found.append(f"`{name}.n` must be given beside `{name}.{min(spaced)}`, but is missing.")
+        sentences.append(f"`{name}.n` must be given beside `{name}.{min(spaced)}`, but is missing.")
     if axis.n is not None and not spaced:
-        found.append(f"`{name}.n` must stand beside linspace or geomspace, but there is none.")
+        sentences.append(f"`{name}.n` must stand beside linspace or geomspace, but there is none.")
     if axis.log is not None and "between" not in given:
-        found.append(f"`{name}.log` must stand beside between, but there is none.")
+        sentences.append(f"`{name}.log` must stand beside between, but there is none.")
     if axis.geomspace and not axis.geomspace[0] * axis.geomspace[1] > 0:
-        found.append(f"`{name}.geomspace` must have two ends of one sign, but has {axis.geomspace}.")
+        sentences.append(f"`{name}.geomspace` must have two ends of one sign, but has {axis.geomspace}.")
     if axis.between and not (axis.between[0] < axis.between[1] and (not axis.log or axis.between[0] > 0)):
         must = "ascend from above 0" if axis.log else "ascend"
-        found.append(f"`{name}.between` must {must}, but is {axis.between}.")
-    return found
+        sentences.append(f"`{name}.between` must {must}, but is {axis.between}.")
+    return sentences
 
 
 def _design_faults(shape: _Plan) -> list[str]:
     keys = [axis.of for axis in shape.axis]
-    found = [f"`{key}` must be one axis only, but is several." for key in dict.fromkeys(keys) if keys.count(key) > 1]
-    drawn = any(axis.between is not None for axis in shape.axis)
-    if drawn and shape.sample is None:
-        found.append("`sample` must say method, n and seed where an axis has `between`, but is missing.")
-    if shape.sample and not drawn:
-        found.append("`sample` must have an axis with `between` to draw, but there is none.")
+    sentences = [
+        f"`{key}` must be one axis only, but is several." for key in dict.fromkeys(keys) if keys.count(key) > 1
+    ]
+    sampled = any(axis.between is not None for axis in shape.axis)
+    if sampled and shape.sample is None:
+        sentences.append("`sample` must say method, n and seed where an axis has `between`, but is missing.")
+    if shape.sample and not sampled:
+        sentences.append("`sample` must have an axis with `between` to draw, but there is none.")
     if shape.sample and shape.sample.method == "sobol" and shape.sample.n & (shape.sample.n - 1):
-        found.append(f"`sample.n` must be a power of two for sobol, but is {shape.sample.n}.")
-    return found
+        sentences.append(f"`sample.n` must be a power of two for sobol, but is {shape.sample.n}.")
+    return sentences
 
 
 def _key_faults(base: Problem, keys: list[str]) -> list[str]:
@@ -236,25 +238,27 @@ def _key_faults(base: Problem, keys: list[str]) -> list[str]:
     return [*derived.faults(base, keys), *ensemble.base_faults(base), *key_faults(base, plain, derived.DERIVED)]
 
 
-def _whole_faults(made: Plan) -> list[str]:
+def _whole_faults(plan: Plan) -> list[str]:
     """What is wrong with the plan as a whole."""
-    found = []
-    if made.n > MOST_TOPS:
-        found.append(f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {made.n:.3g}.")
-    for top in made.runs:
-        if top >= made.n:
-            found.append(f"`runs` must be numbers of tops, 0 to {made.n - 1}, but has {top}.")
+    sentences = []
+    if plan.n > MOST_TOPS:
+        sentences.append(f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {plan.n:.3g}.")
+    for top in plan.runs:
+        if top >= plan.n:
+            sentences.append(f"`runs` must be numbers of tops, 0 to {plan.n - 1}, but has {top}.")
             continue
         try:
-            made.problem(top)
+            plan.problem(top)
         except InputError as error:
-            found += [f"`runs` must name tops that can be, but top {top}: {s}" for s in error.sentences]
-    if made.keep is not None:
+            sentences += [f"`runs` must name tops that can be, but top {top}: {s}" for s in error.sentences]
+    if plan.keep is not None:
         from .chunk import column_names
 
-        known = column_names(made.base)
-        found += [f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in made.keep if name not in known]
-    return found
+        known = column_names(plan.base)
+        sentences += [
+            f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in plan.keep if name not in known
+        ]
+    return sentences
 
 
 def scenario_sentence(error: Any) -> str:

@@ -173,19 +173,19 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 
 def _there(folder: Path, plan: Plan) -> Path:
     """The folder of a sweep that was begun, if it is this one."""
-    found, wanted = read_attributes(folder), json.loads(json.dumps(_attributes(plan)))
-    if found.get("content") != GROUP:
+    stored, wanted = read_attributes(folder), json.loads(json.dumps(_attributes(plan)))
+    if stored.get("content") != GROUP:
         raise StoreError(f"`{folder}` must be a sweep to be continued, but is something else.")
-    if found["plan"] != wanted["plan"]:
-        differ = [key for key in wanted["plan"] if found["plan"].get(key) != wanted["plan"][key]]
+    if stored["plan"] != wanted["plan"]:
+        differ = [key for key in wanted["plan"] if stored["plan"].get(key) != wanted["plan"][key]]
         raise StoreError(
             f"`{folder}` must be of the same plan to be continued, but differs in {', '.join(differ)}: "
             "name another store."
         )
     for key in ("versions", "cpu", "chunk"):
-        if found[key] != wanted[key]:
+        if stored[key] != wanted[key]:
             raise StoreError(
-                f"`{folder}` must be continued by the same {key}, but was begun with {found[key]}, "
+                f"`{folder}` must be continued by the same {key}, but was begun with {stored[key]}, "
                 f"and here is {wanted[key]}."
             )
     return folder
@@ -211,12 +211,12 @@ def _created(folder: Path, plan: Plan) -> Lock:
 def _coordinates(plan: Plan) -> dict[str, Column]:
     """What varies: axes, and the numbers of the scenario that derived axes set."""
     rules, first, none = plan.base.rules, np.zeros(1, int), np.zeros(0)
-    found = {}
+    columns = {}
     for key in {**plan.design.numbers(first), **plan.columns(first)}:
         words = (
             {"units": rules[key].unit.symbol, "long_name": rules[key].long_name}
             if key in rules
             else {"units": "1", "long_name": derived.DERIVED[key].long_name}
         )
-        found[key] = Column(("top",), none, words)
-    return found
+        columns[key] = Column(("top",), none, words)
+    return columns

@@ -13,13 +13,13 @@ from .plan import Plan
 from .store import CHUNK_STATUSES, GROUP, RUNS, failures
 
 
-FAULTS = 5  # invalid tops of which it is said why
+FAULTS = 5  # invalid tops whose faults are printed
 
 
 def open_sweep(path: str | Path) -> Any:
     """The table of a sweep, dimension `top`, read when needed; what varies is its coordinates. Raises StoreError."""
-    found = root.open_group(path, GROUP)
-    return found.set_coords(found.attrs["coordinates"])[found.attrs["columns"]]
+    table = root.open_group(path, GROUP)
+    return table.set_coords(table.attrs["coordinates"])[table.attrs["columns"]]
 
 
 def gridded(table: Any) -> Any:
@@ -39,13 +39,13 @@ def gridded(table: Any) -> Any:
 
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
     axes = Plan.from_tables(table.attrs["plan"]).design.grid
-    found = xr.Dataset(attrs=table.attrs)
+    grid = xr.Dataset(attrs=table.attrs)
     for name, values in table.variables.items():
         if name not in names:
-            found[name] = (names, np.asarray(values).reshape(shape), values.attrs)
+            grid[name] = (names, np.asarray(values).reshape(shape), values.attrs)
     for axis in axes:
-        found = found.assign_coords({axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)})
-    return found.set_coords([name for name in table.coords if name not in names])
+        grid = grid.assign_coords({axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)})
+    return grid.set_coords([name for name in table.coords if name not in names])
 
 
 def report(path: str | Path) -> dict[str, Any]:
@@ -73,27 +73,27 @@ def report(path: str | Path) -> dict[str, Any]:
     }
 
 
-def lines(found: dict[str, Any]) -> list[tuple[str, str]]:
+def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     """Name and text of each line of a report."""
-    chunks, sizes = found["chunks"], dict(zip(found["dimensions"], found["shape"], strict=True))
-    drawn = ", ".join(axis["of"] for axis in found["plan"]["axis"] if "between" in axis)
+    chunks, sizes = facts["chunks"], dict(zip(facts["dimensions"], facts["shape"], strict=True))
+    sampled = ", ".join(axis["of"] for axis in facts["plan"]["axis"] if "between" in axis)
     result = [
-        ("status", f"{found['status']}: {found['tops_done']} of {found['tops']} tops; {_text(chunks)} chunks"),
-        ("axes", " x ".join(f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes.items())),
+        ("status", f"{facts['status']}: {facts['tops_done']} of {facts['tops']} tops; {_text(chunks)} chunks"),
+        ("axes", " x ".join(f"{sampled if name == 'sample' else name} ({n})" for name, n in sizes.items())),
     ]
-    result += [(name, _text(counts)) for name, counts in found["counts"].items()]
-    if found["drift"]:
-        worst = (f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})" for k, v in found["drift"].items() if v)
+    result += [(name, _text(counts)) for name, counts in facts["counts"].items()]
+    if facts["drift"]:
+        worst = (f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})" for k, v in facts["drift"].items() if v)
         result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
-    if found["runs"]:
-        result.append(("runs", ", ".join(f"{RUNS}/{top}" for top in found["runs"])))
-    result += [("fault", fault) for fault in found["faults"]]
-    result += [("failed", f"chunk {k}: {sentence}") for k, sentence in found["failed"].items()]
-    base = found["plan"]["scenario"]
+    if facts["runs"]:
+        result.append(("runs", ", ".join(f"{RUNS}/{top}" for top in facts["runs"])))
+    result += [("fault", fault) for fault in facts["faults"]]
+    result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
+    base = facts["plan"]["scenario"]
     for name in ("parameters", "friction", "initial", "run"):
         if name in base:
             result.append((name, ", ".join(f"{k} = {v}" for k, v in base[name].items())))
-    return [*result, ("versions", ", ".join(f"{k} = {v}" for k, v in found["versions"].items()))]
+    return [*result, ("versions", ", ".join(f"{k} = {v}" for k, v in facts["versions"].items()))]
 
 
 def _text(counts: dict[str, int]) -> str:
@@ -112,8 +112,8 @@ def _chunks(path: str | Path) -> np.ndarray:
 
 
 def _counts(values: np.ndarray, attrs: dict[str, Any]) -> dict[str, int]:
-    found = np.bincount(values, minlength=len(attrs["flag_values"]))
-    return {name: int(n) for name, n in zip(attrs["flag_meanings"].split(), found, strict=True) if n}
+    counts = np.bincount(values, minlength=len(attrs["flag_values"]))
+    return {name: int(n) for name, n in zip(attrs["flag_meanings"].split(), counts, strict=True) if n}
 
 
 def _worst(values: np.ndarray) -> dict[str, Any] | None:
@@ -127,6 +127,6 @@ def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
     """Why the first invalid tops are invalid."""
     if not len(invalid):
         return []
-    made, some = Plan.from_tables(document), invalid[:FAULTS]
-    _, faults = ensemble.varied(made.base, made.columns(some)).check()
+    plan, some = Plan.from_tables(document), invalid[:FAULTS]
+    _, faults = ensemble.vary(plan.base, plan.columns(some)).check()
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

@@ -1,4 +1,4 @@
-"""Who computes the chunks of a sweep: this process, or the workers of dask. They come back here, in any order.
+"""Where the chunks of a sweep are computed: in this process or by the workers of dask. Results come in any order.
 
 The results travel to the one process that holds the store's lock, which writes them: workers need no file system in
 common, two writers cannot meet, and a worker that dies leaves nothing half-written.
@@ -44,13 +44,13 @@ def connect(scheduler: str) -> Iterator[Any]:
 
     try:
         get_address_host_port(scheduler)
-        found = Client(scheduler, timeout=CONNECT_FOR, set_as_default=False)
+        client = Client(scheduler, timeout=CONNECT_FOR, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:  # TimeoutError is an OSError
         raise InputError(
             [f"--scheduler must be the address of a running dask scheduler, but `{scheduler}`: {error}."]
         ) from None
-    with found:
-        yield found
+    with client:
+        yield client
 
 
 @contextlib.contextmanager
@@ -95,14 +95,14 @@ def on_client(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
 
     blamed = []
     try:
-        for task, found, killed in _flow(client, tasks):
+        for task, result, killed in _flow(client, tasks):
             if killed:
                 blamed.append(task)
             else:
-                yield task, found
+                yield task, result
         for task in blamed:
-            for _, found, _ in _flow(client, iter([task])):
-                yield task, found
+            for _, result, _ in _flow(client, iter([task])):
+                yield task, result
     except (CancelledError, OSError) as error:  # CommClosedError is an OSError
         raise SchedulerLost from error
 
@@ -133,12 +133,12 @@ def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]
             raise SchedulerLost
         task, killed = flying.pop(future), False
         try:
-            found = future.result()
+            result = future.result()
         except (CancelledError, CommClosedError):
             raise
         except Exception as error:  # whatever it is, the other chunks are computed
-            found, killed = _sentence(error), isinstance(error, KilledWorker)
-        yield task, found, killed
+            result, killed = _sentence(error), isinstance(error, KilledWorker)
+        yield task, result, killed
         send()
 
 

@@ -218,7 +218,7 @@ def to_angles(q, carried, b):
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
-    """The angle record of what a person gave; centre_at_rest may stand for nu_x."""
+    """The angle record of the given initial values; centre_at_rest may stand for nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
     return e._replace(nu_x=e.nu_x - e.theta_dot * (b.R - b.c * z)) if data.get("centre_at_rest") else e
 
@@ -249,7 +249,7 @@ def sliding(c, b):
     return c.v2 - 1e-12
 
 
-JAMMED = gliding.JAMMED._replace(formula=contact_mobility)
+NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
 FORM = Form(
     "angle",
     UNITS,
@@ -264,7 +264,7 @@ FORM = Form(
         integral("impulse", lambda q, carried, b: normal_force(scalars(q, b), b)),
     ),
     orientation=planar(lambda q: (q.s, q.z)),
-    domains=(JAMMED,),
+    domains=(NOT_JAMMED,),
 )
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
 LIFTOFF = replace(

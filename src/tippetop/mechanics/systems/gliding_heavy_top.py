@@ -134,7 +134,7 @@ CONTACT = Form(
         integral("impulse", lambda q, carried, b: contact.g_n(contact_scalars(q, b), b)),
     ),
     orientation=carried_along(axis, heavy_top.tip_axis_rate, rolling_vector.spin),
-    domains=(gliding.JAMMED,),
+    domains=(gliding.NOT_JAMMED,),
 )
 
 

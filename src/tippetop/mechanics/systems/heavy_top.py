@@ -267,7 +267,7 @@ def angles_of_euler(q, carried, b):
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
-    """The angles of what a person gave."""
+    """The angle record of the given initial values."""
     return gliding.given_angles(Angles, data, z)
 
 
@@ -293,7 +293,7 @@ FIXED_EULER = Form(
         integral("impulse", euler_vertical_reaction),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
-    domains=(gliding.POLE,),
+    domains=(gliding.AWAY_FROM_POLE,),
 )
 
 

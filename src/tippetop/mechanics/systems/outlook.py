@@ -39,12 +39,12 @@ def tippe_top(b: Body, start: Start) -> Outlook:
 def tippe_top_borders(b: Body) -> dict[str, Any]:
     """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too. NaN: no border."""
     upright, tumbling = lambda_u(b), lambda_t(b)
-    folded = np.abs(np.log(tumbling / upright)) >= 1e-3  # else tumbling begins where the upright spin ends
+    distinct = np.abs(np.log(tumbling / upright)) >= 1e-3  # else tumbling begins where the upright spin ends
     return {
         "λ = λ_u: upright spin stable below": upright,
         "λ = λ_s: inverted spin stable above": lambda_s(b),
         "λ = λ_de: inverted spin has less energy above": lambda_de(b),
-        "λ = λ_t: tumbling possible above": np.where(folded, tumbling, np.nan),
+        "λ = λ_t: tumbling possible above": np.where(distinct, tumbling, np.nan),
     }
 
 

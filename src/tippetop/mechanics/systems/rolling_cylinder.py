@@ -106,7 +106,7 @@ def rolling_to_angles(q, carried, b):
 
 
 def rolling_start(data: dict[str, Any], s: Any, z: Any, b: Body) -> RollingAngles:
-    """The angle record of what a person gave."""
+    """The angle record of the given initial values."""
     return RollingAngles(*(data.get(name, 0) for name in RollingAngles._fields))
 
 

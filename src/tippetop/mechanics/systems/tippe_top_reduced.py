@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from ..contact import body as contact
-from ..contact.gliding.catalogue import POLE
+from ..contact.gliding.catalogue import AWAY_FROM_POLE
 from ..contact.integrals import integral
 from ..contact.orientation import by_angles
 from ..contact.rolling import euler as rolling_euler
@@ -133,7 +133,7 @@ REDUCED = Form(
         integral("impulse", lambda q, carried, b: reaction.normal_force(reduced_kinematics(q, b), b)),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
-    domains=(POLE,),
+    domains=(AWAY_FROM_POLE,),
     length_unit=LENGTH_UNIT,
     not_normalised=("R",),
 )

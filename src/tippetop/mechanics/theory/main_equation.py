@@ -91,10 +91,10 @@ def reconstruct(
             return y[1] ** 2 - MEET * peak
 
         past.terminal, past.direction = True, -1  # type: ignore[attr-defined]
-        found = solve_ivp(
+        solution = solve_ivp(
             motion, (edge, until), [start(edge), start.speed(edge)], "DOP853", None, True, past, rtol=1e-11, atol=1e-13
         )
-        return found.sol, float(found.t[-1]), found.y[:, -1]
+        return solution.sol, float(solution.t[-1]), solution.y[:, -1]
 
     out, known, mismatch = np.full(len(times), np.nan), float(times[0]), 0.0
     turnings: list[Any] = []

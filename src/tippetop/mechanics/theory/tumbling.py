@@ -78,11 +78,11 @@ def branches(b: Body, most: float) -> list[Branch]:
     most
         The spinning states are given for 0 <= lambda <= most [kg m^3/s]; the tumbling ones wherever they are.
     """
-    found = []
+    result = []
     for kind, pole, limit, inside in (("upright", 1.0, lambda_u(b), True), ("inverted", -1.0, lambda_s(b), False)):
         for ends, calm in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):
             if ends[0] < ends[1]:
-                found.append(Branch(kind, calm, np.full(2, pole), np.array(ends)))
+                result.append(Branch(kind, calm, np.full(2, pole), np.array(ends)))
     low, high = tumbling_limits(b)
     z = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 2001)[1:-1])) / 2
     lam: Any = tumbling_jellett(z, b)
@@ -90,5 +90,5 @@ def branches(b: Body, most: float) -> list[Branch]:
     cuts = [0, *(np.flatnonzero(np.diff(stable)) + 1), len(z)]
     for first, last in itertools.pairwise(cuts):
         piece = slice(first, min(last + 1, len(z)))  # one point on, so that the curve has no gap
-        found.append(Branch("tumbling", bool(stable[first]), z[piece], lam[piece]))
-    return found
+        result.append(Branch("tumbling", bool(stable[first]), z[piece], lam[piece]))
+    return result

@@ -1,4 +1,4 @@
-"""What people give and read of a gliding body: initial data, forms, events, quantities."""
+"""Input and output of a gliding body: initial data, forms, events, quantities."""
 
 from dataclasses import replace
 from typing import Any
@@ -53,10 +53,10 @@ def away_from_pole(s, b):
     return s.s2
 
 
-JAMMED = Domain(
+NOT_JAMMED = Domain(
     contact_mobility, "the friction jams the contact (denominator of g_n not positive): no solution of the model"
 )
-POLE = Domain(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
+AWAY_FROM_POLE = Domain(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
 
 
 def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
@@ -80,7 +80,7 @@ VECTOR = Form(
         *work_and_impulse(vector_scalars),
     ),
     orientation=carried_along(axis, axis_rate, lambda q, b: q.L3 / b.I3),
-    domains=(JAMMED,),
+    domains=(NOT_JAMMED,),
 )
 EULER = Form(
     "euler",
@@ -96,7 +96,7 @@ EULER = Form(
         *work_and_impulse(euler_scalars),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
-    domains=(JAMMED, POLE),
+    domains=(NOT_JAMMED, AWAY_FROM_POLE),
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")

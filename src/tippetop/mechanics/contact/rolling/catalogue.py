@@ -1,4 +1,4 @@
-"""What people give and read of a rolling body: initial data, forms, events, quantities."""
+"""Input and output of a rolling body: initial data, forms, events, quantities."""
 
 from dataclasses import replace
 from typing import Any
@@ -25,7 +25,7 @@ INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
-    """The angles of what a person gave."""
+    """The angle record of the given initial values."""
     return given_angles(Angles, data, z)
 
 
@@ -57,7 +57,7 @@ EULER = Form(
         integral("impulse", euler.vertical_force),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
-    domains=(gliding.POLE,),
+    domains=(gliding.AWAY_FROM_POLE,),
 )
 UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}
