@@ -48,7 +48,7 @@ def problem() -> Problem:
 
 @pytest.mark.parametrize(("side", "factor"), [(s, f) for s in ("upright", "inverted") for f in (0.9, 1.1)])
 def test_a_spin_stays_iff_it_is_stable(side: str, factor: float, problem: Problem) -> None:
-    """Upright below lambda_u, inverted above lambda_s [section 6]; spin in internal units, of any size of the second."""
+    """Upright below lambda_u, inverted above lambda_s [section 6]; the spin is in internal units."""
     body, upright = problem.body(float), side == "upright"
     limit = thresholds.lambda_u(body) if upright else thresholds.lambda_s(body)
     spin = thresholds.spin_of(factor * limit, body, inverted=not upright)
