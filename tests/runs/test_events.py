@@ -159,3 +159,10 @@ def test_sliding_that_dies_for_a_moment_has_not_settled() -> None:
     run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0).solution
     assert len(run.events.of("settled").time) > 3
     assert len(run.events.of("settled", significant=True).time) == 0
+
+
+def test_a_cylinder_that_slides_no_more_has_settled() -> None:
+    """A motion in a plane has no spin: nothing asks for it."""
+    run = solve(build.load("gliding-cylinder", ["run.stop_when=settled"], 4000.0), keep=False)
+    assert run.status is Status.SETTLED
+    assert run.report["t_end"] < 4000.0

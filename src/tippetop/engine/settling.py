@@ -15,7 +15,8 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     """Whether a motion in which nothing slides stays what it is; a top near a pole that is unstable will leave it.
 
     The body in SI units; values are those of one state, (1,) each, in internal units, of which a time is `second` [s].
+    A motion in a plane has no spin, hence no pole that it could leave.
     """
-    if not isinstance(body, Body):
+    if not isinstance(body, Body) or "omega3" not in values:
         return True
     return not will_leave(float(values["theta"][0]), float(values["omega3"][0]) / second, body)

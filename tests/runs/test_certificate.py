@@ -1,0 +1,111 @@
+"""A planted error is seen, by the drift of what a run must keep or by its witness; and none is seen in a sound run."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tippetop.engine.status import Status
+from tippetop.problem import Problem
+from tippetop.runs import certificate
+from tippetop.runs.certificate import broken_certificate, broken_promises
+from tippetop.runs.run import Solution, solve
+from tippetop.scenario import build
+
+
+def report(t_end: float = 8.0, **drift: float) -> dict[str, Any]:
+    return {"t_end": t_end, "drift": {"jellett": 0.0, "energy_balance": 0.0, "axis_norm": 0.0, **drift}}
+
+
+@pytest.mark.parametrize(
+    ("name", "bound"),
+    [("jellett", 1e-13), ("axis_norm", 1e-13), ("energy_balance", 1e-12), ("routh", 1e-12), ("Lz", 1e-12)],
+)
+def test_each_invariant_has_its_bound(name: str, bound: float) -> None:
+    """The numbers of the contract; a drift that is no number is beyond any bound."""
+    assert broken_promises(report(**{name: bound}), 2.2e-16, "double") == []
+    for drift in (1.01 * bound, np.inf, np.nan):
+        (sentence,) = broken_promises(report(**{name: drift}), 2.2e-16, "double")
+        assert sentence.startswith(f"the drift of {name.replace('_', ' ')} must be at most {bound:.1e}, but is ")
+
+
+def test_the_bound_grows_like_a_random_walk_after_ten_thousand_seconds() -> None:
+    for t_end, growth in ((1e2, 1.0), (1e4, 1.0), (4e4, 2.0), (1e6, 10.0)):
+        assert broken_promises(report(t_end, jellett=0.99e-13 * growth), 2.2e-16, "double") == []
+        assert len(broken_promises(report(t_end, jellett=1.01e-13 * growth), 2.2e-16, "double")) == 1
+
+
+def test_a_tolerance_of_ones_own_promises_nothing() -> None:
+    assert broken_promises(report(jellett=1.0), 1e-9, "double") == []
+    assert len(broken_promises(report(jellett=1.0), 1e-18, "double")) == 1
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    return build.load("inverting", until=0.5)
+
+
+def spoil(monkeypatch: pytest.MonkeyPatch, spoiled: Any) -> None:
+    """Runs in double, as the certificate gets them, are spoiled; the witness is not."""
+
+    def run(problem: Problem) -> Solution:
+        made = solve(problem)
+        return spoiled(made) if problem.precision == "double" else made
+
+    monkeypatch.setattr(certificate, "solve", run)
+
+
+def test_a_planted_error_of_the_state_is_measured(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The axis of one row in the middle is tilted by a known angle: that angle is the error."""
+    error, row = 3e-9, 1234
+
+    def tilt(made: Solution) -> Solution:
+        names = made.problem.variables.names
+        x, z = names.index("ux"), names.index("uz")
+        y = names.index("uy")
+        theta = np.arctan2(np.hypot(made.rows[row, x], made.rows[row, y]), made.rows[row, z])
+        made.rows[row, [x, y]] *= np.sin(theta + error) / np.sin(theta)
+        made.rows[row, z] = np.cos(theta + error)
+        return made
+
+    spoil(monkeypatch, tilt)
+    found = certificate.certificate(problem)
+    assert found["theta"] == pytest.approx(error, rel=1e-3)
+    assert found["theta_end"] < 1e-12, "the last row is sound"
+    (sentence,) = broken_certificate(found)
+    assert sentence == "theta must be within 1e-10 of the wider run, but differs by 3.0e-09."
+
+
+def test_a_planted_error_of_an_event_is_measured(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    def late(made: Solution) -> Solution:
+        made.events.time[3] += 2e-6
+        return made
+
+    spoil(monkeypatch, late)
+    found = certificate.certificate(problem)
+    assert found["turnings"]["time"] == pytest.approx(2e-6, rel=1e-3)
+    assert found["theta"] < 1e-12
+
+
+def test_another_end_is_seen(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    spoil(monkeypatch, lambda made: dataclasses.replace(made, status=Status.LIFTOFF))
+    found = certificate.certificate(problem)
+    assert found["same_end"] is False
+    assert broken_certificate(found) == ["the run must end as the wider run does, but ends otherwise."]
+
+
+def test_no_number_is_no_certificate() -> None:
+    found = {"against": "quad", "theta": np.nan, "same_end": True}
+    assert len(broken_certificate(found)) == 1
+
+
+def test_the_widest_numbers_have_no_witness(problem: Problem) -> None:
+    found = certificate.certificate(dataclasses.replace(problem, precision="quad"))
+    assert found["against"] is None
+    assert broken_certificate(found) == []
+
+
+def test_only_the_window_is_compared(problem: Problem) -> None:
+    assert certificate.certificate(problem, 0.125)["window"] == [0.0, 0.125]
+    assert certificate.certificate(problem, 99.0)["window"] == [0.0, 0.5]

@@ -1,0 +1,144 @@
+"""The summary of a run in words: each sentence says the numbers that it is given, and none that it is not."""
+
+from typing import Any
+
+import pytest
+
+from tippetop.runs.summary import lines, regularisation
+
+
+NEVER = {"first_equator": None, "last_equator": None, "inverted_at": None}
+
+
+def info(**changes: Any) -> dict[str, Any]:
+    """What a run of a tippe top amounts to, with numbers that are easy to read."""
+    return {
+        "system": "tippe-top",
+        "reason": "finished at t = 8 s.",
+        "steps": 1337,
+        "inversion": NEVER,
+        "theta_end": 0.25,
+        "event_counts": {"turning": 0, "turning_significant": 0},
+        "nutational_band": {"theta_min": None, "theta_max": None},
+        "drift": {"jellett": 2e-15, "energy_balance": 3.5e-14},
+        **changes,
+    }
+
+
+def text(name: str, **changes: Any) -> str:
+    return dict(lines(info(**changes)))[name]
+
+
+def test_names_come_in_one_order_and_only_where_they_apply() -> None:
+    assert [name for name, _ in lines(info())] == ["status", "inversion", "turning angles", "drift"]
+    force = {"min": 0.1, "max": 0.3, "t_min": 0.0, "t_max": 1.0, "weight": 0.2}
+    more = info(
+        normal_force=force,
+        motion="loops",
+        event_counts={"turning": 0, "turning_significant": 0, "liftoff": 1},
+        regularisation="eps decides",
+        certificate={"against": None, "reason": "no wider precision than quad"},
+    )
+    assert [name for name, _ in lines(more)] == [
+        *("status", "inversion", "turning angles", "other events", "normal force", "drift"),
+        *("motion", "regularisation", "certificate"),
+    ]
+
+
+def test_status_says_what_the_run_took() -> None:
+    assert text("status") == "finished at t = 8 s; 1337 steps"
+    timed = dict(lines(info(), {"integrate": 0.0125, "compile": 0.5}))["status"]
+    assert timed == "finished at t = 8 s; 1337 steps, integrated in 12.5 ms, compiled in 0.50 s"
+
+
+@pytest.mark.parametrize(
+    ("inversion", "sentence"),
+    [
+        ({}, "none; theta ends at 0.25 rad"),
+        (
+            {"first_equator": 5.5, "last_equator": 5.5},
+            "theta = pi/2 at 5.500000 s, not beyond pi - 0.1; theta ends at 0.25",
+        ),
+        (
+            {"first_equator": 5.5, "last_equator": 5.5, "inverted_at": 6.75},
+            "theta = pi/2 at 5.500000 s, pi - 0.1 at 6.750000 s",
+        ),
+        (
+            {"first_equator": 5.5, "last_equator": 6.0, "inverted_at": 6.75},
+            "theta = pi/2 at 5.500000 s (last at 6.000000 s), pi - 0.1 at 6.750000 s",
+        ),
+    ],
+)
+def test_an_inversion_is_told_as_far_as_it_came(inversion: dict[str, float], sentence: str) -> None:
+    assert text("inversion", inversion=NEVER | inversion) == sentence
+
+
+def test_what_cannot_invert_ends_at_an_angle() -> None:
+    """A system that friction does not turn over, and one that is not known here; unless it did pass the equator."""
+    for system in ("rolling-cylinder", "of-another-package"):
+        found = dict(lines(info(system=system)))
+        assert found["theta"] == "ends at 0.25 rad"
+        assert "inversion" not in found
+        assert "inversion" in dict(lines(info(system=system, inversion=NEVER | {"first_equator": 1.0})))
+
+
+@pytest.mark.parametrize(
+    ("counts", "band", "sentence"),
+    [
+        ((0, 0), (None, None), "none logged"),
+        ((9, 9), (0.125, 2.5), "9 logged, theta between 0.125 and 2.5 rad"),
+        ((9, 7), (0.125, 2.5), "7 logged, theta between 0.125 and 2.5 rad; 2 more below the rounding floor"),
+        ((3, 0), (None, None), "0 logged; 3 more below the rounding floor"),
+    ],
+)
+def test_turnings_are_counted_and_noise_apart(counts: tuple, band: tuple, sentence: str) -> None:
+    found = text(
+        "turning angles",
+        event_counts={"turning": counts[0], "turning_significant": counts[1]},
+        nutational_band={"theta_min": band[0], "theta_max": band[1]},
+    )
+    assert found == sentence
+
+
+def test_other_events_are_counted_in_words() -> None:
+    counts = {"turning": 4, "turning_significant": 4, "liftoff": 1, "equator": 2, "inverted": 3}
+    assert text("other events", event_counts=counts) == "liftoff once, equator twice, inverted 3 times"
+
+
+def test_a_force_is_said_in_newtons_and_in_weights() -> None:
+    """What is zero within rounding is zero, without a sign."""
+    force = {"min": 0.05, "max": 0.3, "weight": 0.2}
+    assert text("normal force", normal_force=force) == "0.05 to 0.3 N, that is 0.2500 to 1.5000 m g"
+    force["min"] = -1e-14
+    assert text("normal force", normal_force=force) == "0 to 0.3 N, that is 0.0000 to 1.5000 m g"
+    force["min"] = -0.1
+    assert text("normal force", normal_force=force).startswith("-0.1 to 0.3 N, that is -0.5000 to")
+
+
+def test_drift_names_every_invariant() -> None:
+    assert text("drift") == "jellett 2.0e-15, energy balance 3.5e-14 (relative, worst of the run)"
+
+
+def test_a_certificate_is_said_with_its_window() -> None:
+    found: dict[str, Any] = {"against": "longdouble", "window": [0.0, 2.5], "theta": 3e-14}
+    expected = "against longdouble over 2.5 s: theta differs by at most 3.0e-14 rad"
+    assert text("certificate", certificate=found) == expected
+    found["turnings"] = {"compared": 12, "time": 4e-15}
+    assert text("certificate", certificate=found) == f"{expected}, 12 turning times by 4.0e-15 s"
+    assert text("certificate", certificate={"against": None, "reason": "no wider one"}) == "no wider one"
+
+
+def test_what_eps_decides_is_said_for_each_of_its_values() -> None:
+    by_eps = {
+        "eps": {"value": [0.005, 0.01]},
+        "first_equator": {"value": [1.5, None]},
+        "exponent": {"value": None},
+    }
+    found = regularisation({"regularisation": "eps decides", "inversion_by_eps": by_eps})
+    assert found == (
+        "eps decides; theta = pi/2 at: 1.5 s (eps = 5 mm/s), never (10 mm/s); exponent d log t/d log eps undefined"
+    )
+    by_eps["exponent"]["value"] = -0.25  # type: ignore[assignment]
+    found = regularisation({"regularisation": "eps decides", "inversion_by_eps": by_eps})
+    assert found.endswith("exponent d log t/d log eps -0.25")
+    assert regularisation({"regularisation": "eps decides"}) == "eps decides"

@@ -1,0 +1,102 @@
+"""What `--set` writes is what TOML would say there, and nothing else changes; what it removes is gone."""
+
+import copy
+import json
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tippetop.errors import InputError
+from tippetop.scenario.reading import override, presets, read
+
+
+TABLES: dict[str, Any] = {"system": "tippe-top", "initial": {"theta": 0.1, "omega3": 155.0}, "run": {"until": 8.0}}
+LETTERS = st.characters(max_codepoint=0x17F, exclude_categories=["Cs"])
+KEYS = st.from_regex(r"[a-z][a-z0-9_-]{0,8}", fullmatch=True)
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+VALUES = st.one_of(st.integers(-(2**60), 2**60), FINITE, st.booleans(), st.text(LETTERS, max_size=9))
+
+
+def toml(value: Any) -> str:
+    """A value as TOML writes it; JSON writes texts, numbers and lists alike, but for the sign of deletion."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.sampled_from(["initial", "run", "friction"]), KEYS, st.one_of(VALUES, st.lists(VALUES, max_size=3)))
+def test_an_assignment_sets_one_key_to_its_value(table: str, key: str, value: Any) -> None:
+    before = copy.deepcopy(TABLES)
+    changed = override(TABLES, [f"{table}.{key}={toml(value)}"])
+    assert changed[table][key] == value
+    assert type(changed[table][key]) is type(value)
+    assert before == TABLES, "what was given stays as it was"
+    del changed[table][key]
+    expected = copy.deepcopy(TABLES) | {table: {k: v for k, v in TABLES.get(table, {}).items() if k != key}}
+    assert changed == expected
+
+
+@settings(max_examples=50, deadline=None)
+@given(KEYS, KEYS)
+def test_a_bare_word_is_a_text_unless_toml_has_a_meaning_for_it(key: str, word: str) -> None:
+    (found,) = override({}, [f"{key}={word}"]).values()
+    if word in ("true", "false"):
+        assert found is (word == "true")
+    elif word in ("nan", "inf"):
+        assert isinstance(found, float)
+        assert math.isnan(found) or found == math.inf
+    else:
+        assert found == word
+
+
+@settings(max_examples=50, deadline=None)
+@given(KEYS, VALUES)
+def test_to_remove_undoes_to_set(key: str, value: Any) -> None:
+    name = f"friction.{key}"
+    assert override(TABLES, [f"{name}={toml(value)}", f"{name}="]) == TABLES | {"friction": {}}
+
+
+def test_the_last_assignment_counts() -> None:
+    assert override(TABLES, ["run.until=1", "run.until=2"])["run"] == {"until": 2}
+    assert override(TABLES, ["initial=", "initial.theta=1.0"])["initial"] == {"theta": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("assignment", "sentence"),
+    [
+        ("run.until", "must be table.key=value, but is `run.until`"),
+        ("=3", "must be table.key=value"),
+        ("a.b.c=3", "must be table.key=value"),
+        ("run .until=3 4", "must be table.key=value"),
+        ("run.until=3 4", "must be given a TOML value"),
+        ("system.name=3", "`system` is not a table"),
+        ("run.step=", "`run.step` is not: the keys are until"),
+        ("friction=", "`friction` is not: the keys are system, initial, run"),
+        ("friction.mu=", "the keys are none"),
+    ],
+)
+def test_what_cannot_be_set_is_a_sentence(assignment: str, sentence: str) -> None:
+    with pytest.raises(InputError, match="--set") as found:
+        override(TABLES, [assignment])
+    assert sentence in str(found.value)
+    assert len(found.value.sentences) == 1
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.text(LETTERS, max_size=30))
+def test_any_text_is_an_assignment_or_a_sentence(text: str) -> None:
+    try:
+        found, sentences = override(TABLES, [text]), [""]
+    except InputError as error:
+        found, sentences = {}, error.sentences
+    assert isinstance(found, dict)
+    assert len(sentences) == 1
+
+
+def test_a_preset_is_the_file_of_its_text(tmp_path) -> None:
+    for name, text in presets().items():
+        place = tmp_path / f"{name}.toml"
+        place.write_text(text, encoding="utf-8")
+        assert read(name) == read(str(place))

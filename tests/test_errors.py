@@ -1,0 +1,51 @@
+"""Sentences on words that do not exist name the word that was meant, and none where nothing is near."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tippetop.errors import InputError, Unfinished, a_system, nearest, suggestion, unknown_key
+
+
+KNOWN = ("omega3", "theta", "theta_dot", "phi_dot", "Lz")
+
+
+@pytest.mark.parametrize("word", KNOWN)
+def test_a_known_word_is_nearest_to_itself_and_to_its_misspellings(word: str) -> None:
+    swapped = word[1] + word[0] + word[2:]
+    for typed in (word, word.upper(), word.lower(), *([swapped, word[:-1]] if len(word) > 3 else [])):
+        assert nearest(typed, KNOWN) in (word, "theta" if word == "theta_dot" else word)
+
+
+def test_nothing_is_guessed_where_nothing_is_near() -> None:
+    assert nearest("colour", KNOWN) is None
+    assert suggestion("colour", KNOWN) == ""
+    assert suggestion("omega", KNOWN) == " Did you mean `omega3`?"
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.text("abcXY_", max_size=12), st.lists(st.text("abcXY_", min_size=1, max_size=8), max_size=5))
+def test_what_is_guessed_is_one_of_the_known(word: str, known: list[str]) -> None:
+    assert nearest(word, known) in {None, *known}
+
+
+def test_an_unknown_key_is_looked_for_everywhere() -> None:
+    """First in its own table, then in the others; what is known is listed either way."""
+    everywhere = ["friction.mu", "initial.theta"]
+    assert unknown_key("initial.omega", ["theta", "omega3"], everywhere) == (
+        "unknown key `initial.omega`; did you mean `initial.omega3`? The keys of `initial` are theta, omega3."
+    )
+    assert "did you mean `friction.mu`?" in unknown_key("initial.mu", ["theta", "omega3"], everywhere)
+    assert unknown_key("zzzz", ["system", "form"]) == "unknown key `zzzz`. The keys are system, form."
+
+
+def test_a_system_has_its_article() -> None:
+    assert a_system("gliding-heavy-top") == "a gliding heavy top"
+    assert a_system("ellipsoid") == "an ellipsoid"
+
+
+@pytest.mark.parametrize("kind", [InputError, Unfinished])
+def test_sentences_stay_apart_and_are_read_as_lines(kind: type[Exception]) -> None:
+    error = kind(["One.", "Two."])
+    assert error.sentences == ["One.", "Two."]  # type: ignore[attr-defined]
+    assert str(error) == "One.\nTwo."
