@@ -115,9 +115,9 @@ def test_peers_are_compared_with_runs_without_the_orientation() -> None:
 def test_a_row_that_was_measured_is_in_the_table_of_events() -> None:
     results = report.read(report.RESULTS)
     name = report.ENGINE[-1]
-    for course in ("inversion", "rolling"):
-        results[course]["contestants"].setdefault(
-            f"tippetop, {name}", results[course]["contestants"]["tippetop, whole run with rows"]
+    for case in ("inversion", "rolling"):
+        results[case]["contestants"].setdefault(
+            f"tippetop, {name}", results[case]["contestants"]["tippetop, whole run with rows"]
         )
     assert f" {name} |" in report.events(results).splitlines()[0]
 
