@@ -197,12 +197,34 @@ def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> 
     return vary(build.load(source, None, until), variations)
 
 
-def vary(base: Problem, variations: Mapping[str, Any]) -> Problems:
-    """The tops of a problem and its variations, for lanes. Raises InputError; `check` tells of single tops."""
+def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = False) -> Problems:
+    """The tops of a problem and its variations, for lanes.
+
+    Parameters
+    ----------
+    base
+        What they have in common.
+    variations
+        Arrays (n,) in SI units, under dotted keys like `friction.mu`.
+    orientation
+        Whether the orientation of the bodies is integrated too.
+
+    Returns
+    -------
+    Problems
+        Its `check` says which tops are invalid, and why.
+
+    Raises
+    ------
+    InputError
+        If the problem cannot run in lanes, or a key or a shape is wrong.
+    """
     sentences = [*base_faults(base), *variation_faults(base, variations)]
+    if orientation and base.form.orientation is None:
+        sentences.append("`orientation` must be false, of a form that does not know it.")
     if sentences:
         raise InputError(sentences)
-    return Problems.vary(base, variations)
+    return Problems.vary(base, variations, orientation)
 
 
 def base_faults(base: Problem) -> list[str]:
@@ -221,12 +243,13 @@ def of_problem(
     *,
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
+    orientation: bool = False,
 ) -> "xr.Dataset":
     """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
     `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
     of them stands in the attributes. Raises InputError if a key is wrong.
     """
-    tops = vary(base, variations)
+    tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
         return dataset(measure(tops, threads=threads, progress=tell), tops.check()[1])

@@ -32,15 +32,15 @@ class Problems:
 
     base: "Problem"
     columns: Mapping[str, np.ndarray]
-    orientation: bool = False  # whether the turn about the axis is integrated too: of one among many, nobody asks
+    orientation: bool = False  # whether the turn about the axis is integrated too: of one among many, few ask
 
     @classmethod
-    def vary(cls, base: "Problem", columns: Mapping[str, Any]) -> "Problems":
+    def vary(cls, base: "Problem", columns: Mapping[str, Any], orientation: bool = False) -> "Problems":
         """Problems of arrays or lists (n,). Raises InputError if a key is wrong; `check` tells of single numbers."""
         sentences = variation_faults(base, columns)
         if sentences:
             raise InputError(sentences)
-        return cls(base, {key: np.array(values, dtype=float) for key, values in columns.items()})
+        return cls(base, {key: np.array(values, dtype=float) for key, values in columns.items()}, orientation)
 
     @property
     def n(self) -> int:
