@@ -137,6 +137,22 @@ class Observables:
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
     """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,) each, doubles.
 
+    Parameters
+    ----------
+    problems
+        The runs.
+    states
+        (variables, k), internal units.
+    which
+        Numbers of the runs, (k,).
+
+    Returns
+    -------
+    dict
+        Quantities and angles by name, (k,) each.
+
+    Notes
+    -----
     The last column is repeated to fill whole SIMD batches: so the bits of a column do not depend on its neighbours.
     """
     base, k = problems.base, states.shape[1]
@@ -148,7 +164,24 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
 
 
 def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """The orientation in states (variables, k) of the runs `which` (k,), as `Observables.orientation` has it."""
+    """The orientation in states (variables, k) of the runs `which` (k,), as `Observables.orientation` has it.
+
+    Parameters
+    ----------
+    problems
+        The runs, with orientation.
+    states
+        (variables, k), internal units.
+    which
+        Numbers of the runs, (k,).
+
+    Returns
+    -------
+    quaternions
+        (k, 4): w, x, y, z, w >= 0.
+    psi
+        (k,) [rad], NaN exactly at a pole; None of a planar motion.
+    """
     base, k = problems.base, states.shape[1]
     function = compile_orientation(base.system, base.form.name, base.friction.__class__)
     fill = ((0, 0), (0, -k % function.batch_size))

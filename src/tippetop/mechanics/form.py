@@ -10,7 +10,15 @@ from .units import Unit
 
 @dataclass(frozen=True)
 class Quantity:
-    """A function of the scalars of a form, hence of no form in particular: formula(scalars, b)."""
+    """A function of the scalars of a form, hence of no form in particular: formula(scalars, b).
+
+    Parameters
+    ----------
+    name, symbol, unit, long_name
+        As a column of a run, and as a label of a figure.
+    formula
+        formula(scalars, b), in any consistent units.
+    """
 
     name: str
     symbol: str

@@ -31,7 +31,18 @@ class Parameter:
         return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
 
     def broken(self, values: Any) -> Any:
-        """Where values lie outside the interval or are not finite: a mask of their shape."""
+        """Where values lie outside the interval or are not finite: a mask of their shape.
+
+        Parameters
+        ----------
+        values
+            A number or an array, in SI units.
+
+        Returns
+        -------
+        bool or array of bool
+            True where the value is not allowed.
+        """
         broken = ~np.isfinite(values)
         for _, limit, breaks in self._bounds():
             broken = broken | breaks(values, limit)

@@ -113,6 +113,27 @@ class System:
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
 
+        Parameters
+        ----------
+        parameters
+            Numbers or arrays (n,) by name, SI.
+        friction
+            The record of a friction law, numbers or arrays (n,), SI.
+        number
+            What each of them passes through.
+
+        Returns
+        -------
+        NamedTuple
+            The body, `b` of every formula.
+
+        Raises
+        ------
+        KeyError
+            If a parameter is missing.
+
+        Notes
+        -----
         `number` is applied to each of them: a type, or what makes arrays of one shape.
         """
         given = {name: number(parameters[name]) for name in self.parameters}
@@ -131,7 +152,20 @@ class System:
         return faults or list(self.checks(parameters))
 
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
-        """Sentences on initial data, by name, of which some say the same in two ways."""
+        """Sentences on initial data, by name, of which some say the same in two ways.
+
+        Parameters
+        ----------
+        initial
+            Names of initial data.
+        verb
+            How the others come, in a sentence.
+
+        Returns
+        -------
+        list of str
+            Empty if nothing is said twice.
+        """
         return [a.fault(verb) for a in self.alternatives if a.name in initial and not set(a.others).isdisjoint(initial)]
 
     def rivals(self, name: str) -> set[str]:
@@ -143,7 +177,20 @@ class System:
         return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
-        """Initial data with some changed: a number takes the place of those that say the same in another way."""
+        """Initial data with some changed: a number takes the place of those that say the same in another way.
+
+        Parameters
+        ----------
+        initial
+            What stands: values by name.
+        changed
+            What takes its place.
+
+        Returns
+        -------
+        dict
+            Both, without what `changed` says in another way.
+        """
         rivals = {rival for name in changed for rival in self.rivals(name)}
         return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
 
@@ -192,5 +239,19 @@ class System:
 def of_one_phase(
     phase: str, *, forms: dict[str, Form], quantities: Sequence[Quantity], events: Sequence[Event], **rest: Any
 ) -> System:
-    """A system whose contact never changes; `rest` is what else a System has."""
+    """A system whose contact never changes; `rest` is what else a System has.
+
+    Parameters
+    ----------
+    phase
+        Its name, such as "gliding".
+    forms, quantities, events
+        As of a `Phase`.
+    **rest
+        The other fields of a `System`.
+
+    Returns
+    -------
+    System
+    """
     return System(phases={phase: Phase(forms, quantities, events)}, **rest)

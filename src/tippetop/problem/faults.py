@@ -12,7 +12,22 @@ if TYPE_CHECKING:
 
 
 def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -> list[str]:
-    """What is wrong with varying these keys of a problem, in sentences; `also` are further names that may vary."""
+    """What is wrong with varying these keys of a problem, in sentences; `also` are further names that may vary.
+
+    Parameters
+    ----------
+    base
+        The problem that varies.
+    keys
+        Dotted keys like `friction.mu`.
+    also
+        Names that may vary beside those of the problem.
+
+    Returns
+    -------
+    list of str
+        Empty if all may vary together.
+    """
     keys, known = list(keys), [*also, *base.rules]
     faults = [f"`{key}` must be one of {', '.join(known)}, but is not." for key in keys if key not in base.rules]
     names = [name for table, _, name in (key.partition(".") for key in keys) if table == "initial"]
@@ -22,7 +37,20 @@ def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -
 
 
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
-    """What is wrong with the keys and the shapes of columns, in sentences."""
+    """What is wrong with the keys and the shapes of columns, in sentences.
+
+    Parameters
+    ----------
+    base
+        The problem that varies.
+    columns
+        Arrays by dotted key; they must have one shape (n,), n > 0.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
     if not columns:
         return ["`variations` must vary something, but is empty."]
     shapes = {key: np.shape(values) for key, values in columns.items() if key in base.rules}

@@ -36,7 +36,26 @@ class Problems:
 
     @classmethod
     def vary(cls, base: "Problem", columns: Mapping[str, Any], orientation: bool = False) -> "Problems":
-        """Problems of arrays or lists (n,). Raises InputError if a key is wrong; `check` tells of single numbers."""
+        """Problems of arrays or lists (n,). Raises InputError if a key is wrong; `check` tells of single numbers.
+
+        Parameters
+        ----------
+        base
+            What the runs have in common.
+        columns
+            Arrays (n,), SI, by dotted key.
+        orientation
+            Whether the turn of the body about its axis is integrated too.
+
+        Returns
+        -------
+        Problems
+
+        Raises
+        ------
+        InputError
+            If a key or a shape is wrong.
+        """
         sentences = variation_faults(base, columns)
         if sentences:
             raise InputError(sentences)
@@ -154,6 +173,15 @@ class Problems:
     def check(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
         """Which runs are valid, (n,), and what is wrong with the others: (number, sentence), ascending.
 
+        Returns
+        -------
+        valid
+            (n,) bool.
+        faults
+            Sentences with the number of their run.
+
+        Notes
+        -----
         Looks at every number that varies, at what parameters break together, and at the start: all that is computed of
         it must be finite, and the model must have a solution there.
         """
