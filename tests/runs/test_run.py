@@ -69,7 +69,7 @@ def test_slices_are_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(a.tobytes() == b.tobytes() for a, b in columns)
 
 
-def test_quadratures_never_control_the_step() -> None:
+def test_integrals_never_control_the_step() -> None:
     """The place of the top may be a kilometre away: steps and motion are the same to the bit."""
     here, there = solve(load()), solve(load("initial.x=1000.0", "initial.y=-2000.0"))
     names = here.problem.variables.names
