@@ -31,9 +31,7 @@ def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -
     keys, known = list(keys), [*also, *base.rules]
     faults = [f"`{key}` must be one of {', '.join(known)}, but is not." for key in keys if key not in base.rules]
     names = [name for table, _, name in (key.partition(".") for key in keys) if table == "initial"]
-    return faults + base.system.clashes(
-        given_names(base.system.replaced(base.initial, dict.fromkeys(names))), "varies"
-    )
+    return faults + base.system.clashes(given_names(base.system.replaced(base.initial, dict.fromkeys(names))), "varies")
 
 
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
