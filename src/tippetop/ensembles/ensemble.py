@@ -119,7 +119,7 @@ def measure(
     Parameters
     ----------
     tops
-        As `varied` gives them.
+        As `vary` gives them.
     threads
         How many; by default one per usable core.
     progress

@@ -164,7 +164,7 @@ class System:
         Returns
         -------
         list of str
-            Empty if nothing is said twice.
+            Empty if each datum is given once.
         """
         return [a.fault(verb) for a in self.alternatives if a.name in initial and not set(a.others).isdisjoint(initial)]
 
