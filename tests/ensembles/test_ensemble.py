@@ -304,7 +304,7 @@ def test_the_orientation_of_lanes_is_that_of_runs_and_changes_no_other_column() 
     assert same(full.drop_vars(list(outcomes.ORIENTATION)), plain)
     for i in range(4):
         sets = [f"initial.{name}={float(column[i])!r}" for name, column in numbers.items()]
-        row = solve(build.load("inverting", [*sets, "run.output_times=[0.5]"], 0.5)).columns()
+        row = solve(build.load("inverting", [*sets, "run.output_step=", "run.output_times=[0.5]"], 0.5)).columns()
         turn = np.array([float(full[f"orientation_{part}_end"][i]) for part in "wxyz"])
         assert turn == pytest.approx(row["orientation"].values[0], abs=1e-11)
         assert float(full["psi_end"][i]) == pytest.approx(row["psi"].values[0], abs=1e-11)
