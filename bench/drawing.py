@@ -18,6 +18,7 @@ LOOKS = {  # colour, marker, line
     "tippetop, events on": (style.RUN, "s", "--"),
     "tippetop, whole run without rows": (style.RUN, "v", ":"),
     "tippetop, whole run with rows": (style.RUN, "^", ":"),
+    "tippetop, whole run with rows and orientation": (style.RUN, "P", ":"),
     "heyoka by hand": (style.LOWER, "o", "-"),
     "heyoka by hand, events on": (style.LOWER, "s", "--"),
     "DOP853, C++": (style.UPPER, "o", "-"),

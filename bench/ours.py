@@ -27,10 +27,10 @@ TAYLOR = (1e-8, 1e-11, 1e-13, 1e-15, 0.0)  # 0: to rounding
 WHOLE = (1e-8, 1e-13, 0.0)
 
 
-def at(minimal: Minimal, tolerance: float) -> Problem:
-    """The problem at a tolerance, with rows at the samples."""
+def at(minimal: Minimal, tolerance: float, orientation: bool = False) -> Problem:
+    """The problem at a tolerance, with rows at the samples; without the orientation of the body, which no peer has."""
     tolerance = tolerance or 2.0**-52
-    return replace(minimal.problem, tolerance=tolerance, times=minimal.samples)
+    return replace(minimal.problem, tolerance=tolerance, times=minimal.samples, orientation=orientation)
 
 
 def end_of(problem: Problem) -> float:
@@ -114,11 +114,11 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
     return solver
 
 
-def solved(minimal: Minimal) -> Callable[[float], Solver]:
-    """`tippetop.integrate` as the preset has it, with its rows: all that a user waits for, in memory."""
+def solved(orientation: bool, minimal: Minimal) -> Callable[[float], Solver]:
+    """`tippetop.integrate` with the rows of the preset; with the orientation, all that a user waits for in memory."""
 
     def solver(tolerance: float) -> Solver:
-        problem = at(minimal, tolerance)
+        problem = at(minimal, tolerance, orientation)
         asked = replace(problem, times=minimal.problem.times)
         return Solver(lambda _: solve(asked), lambda: _solved(problem))
 
@@ -204,5 +204,6 @@ ENGINE = (
     Peer("tippetop, equations only", OURS, equations, tolerances=TAYLOR),
     Peer("tippetop, events on", OURS, with_events, tolerances=TAYLOR),
     Peer("tippetop, whole run without rows", OURS, followed, tolerances=WHOLE),
-    Peer("tippetop, whole run with rows", OURS, solved, tolerances=WHOLE),
+    Peer("tippetop, whole run with rows", OURS, partial(solved, False), tolerances=WHOLE),
+    Peer("tippetop, whole run with rows and orientation", OURS, partial(solved, True), tolerances=WHOLE),
 )

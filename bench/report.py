@@ -7,6 +7,7 @@ A table stands between `<!-- bench:NAME -->` and `<!-- /bench:NAME -->`; nobody 
 
 import argparse
 import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +20,13 @@ from .goals import BARE, ERROR, goals
 HERE = Path(__file__).parent
 RESULTS, PAGE, FRONT, FIGURES = HERE / "results", HERE / "README.md", HERE.parent / "README.md", HERE / "figures"
 COMPARISONS = ("inversion", "rolling", "heavy-top", "cylinder", "ensemble")
-ENGINE = ("equations only", "events on", "whole run without rows", "whole run with rows")
+ENGINE = (
+    "equations only",
+    "events on",
+    "whole run without rows",
+    "whole run with rows",
+    "whole run with rows and orientation",
+)
 
 
 def read(folder: Path) -> dict[str, Any]:
@@ -114,10 +121,15 @@ def front(results: dict[str, Any]) -> str:
 def events(results: dict[str, Any]) -> str:
     """What events, confirmation and rows add to the equations, to rounding, in ms."""
     rows = []
+    there = [results[name]["contestants"] for name in COMPARISONS[:-1] if name in results]
+    parts = [part for part in ENGINE if any(f"tippetop, {part}" in found for found in there)]
     for name in COMPARISONS[:-1]:
         if name in results:
             found = results[name]["contestants"]
-            last = [found[f"tippetop, {part}"]["points"][-1]["seconds"] for part in ENGINE]
+            last = [
+                found[f"tippetop, {part}"]["points"][-1]["seconds"] if f"tippetop, {part}" in found else math.inf
+                for part in parts
+            ]
             rows.append(
                 [
                     f"{results[name]['title']}, {results[name]['until']:g} s",
@@ -125,7 +137,7 @@ def events(results: dict[str, Any]) -> str:
                     number(last[1] / last[0]),
                 ]
             )
-    return table(["", *ENGINE, "events on / equations only"], rows)
+    return table(["", *parts, "events on / equations only"], rows)
 
 
 def formulations(result: dict[str, Any]) -> str:

@@ -17,7 +17,7 @@ from .cases import COMPARISONS
 from .dop853 import Compiled
 from .equal import common, ratio, seconds
 from .minimal import COMPILER, Minimal
-from .ours import start_by_hand, tippe_top_by_hand
+from .ours import ENGINE, at, start_by_hand, tippe_top_by_hand
 from .peers import Peer
 
 
@@ -101,6 +101,25 @@ def test_dop853_converges_to_the_engine() -> None:
     errors = [np.abs(minimal.theta(solve(tolerance))[1:] - exact).max() for tolerance in (1e-8, 1e-11, 1e-14)]
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
     assert errors[2] < 1e-13
+
+
+def test_peers_are_compared_with_runs_without_the_orientation() -> None:
+    """One row, the last of the engine's, has it: what a run does by default."""
+    minimal = made("inversion")
+    assert not at(minimal, 1e-8).orientation
+    assert at(minimal, 1e-8, orientation=True).orientation
+    assert [peer.name for peer in ENGINE if "orientation" in peer.name] == [f"tippetop, {report.ENGINE[-1]}"]
+    assert {f"tippetop, {part}" for part in report.ENGINE} <= {peer.name for peer in ENGINE}
+
+
+def test_a_row_that_was_measured_is_in_the_table_of_events() -> None:
+    results = report.read(report.RESULTS)
+    name = report.ENGINE[-1]
+    for case in ("inversion", "rolling"):
+        results[case]["contestants"].setdefault(
+            f"tippetop, {name}", results[case]["contestants"]["tippetop, whole run with rows"]
+        )
+    assert f" {name} |" in report.events(results).splitlines()[0]
 
 
 def ladder(factor: float, power: float, least: float) -> dict:

@@ -58,6 +58,13 @@ def test_run_json_equals_info_json(tmp_path: Path, capsys: pytest.CaptureFixture
     assert json.loads(out) == json.loads(said(capsys, "info", path, "--json")[0])
 
 
+def test_a_run_without_a_store_says_that_it_has_no_orientation(capsys) -> None:
+    """Nobody could read it; what is printed is what was integrated."""
+    found = json.loads(said(capsys, "run", "inverting", "--until", "0.1", "--json")[0])
+    assert found["run"]["orientation"] is False
+    assert found["t_end"] == 0.1
+
+
 def test_an_existing_store_is_refused_and_overwritten_only_when_said(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -291,3 +291,26 @@ def test_a_top_that_will_leave_its_pole_has_not_settled_in_a_lane() -> None:
     made = measure(tops, threads=1, lanes=4)
     assert made.status[0] == Status.SETTLED.code
     assert made.columns["theta_end"][0] > np.pi - 1e-6
+
+
+# --- orientation ----------------------------------------------------------------------------------------------------
+
+
+def test_the_orientation_of_lanes_is_that_of_runs_and_changes_no_other_column() -> None:
+    numbers = {"omega3": np.array([120.0, 155.0, -140.0, 155.0]), "psi": np.array([0.0, 0.4, -1.0, 0.0])}
+    plain = tippetop.ensemble("inverting", numbers, until=0.5, threads=1)
+    full = tippetop.ensemble("inverting", numbers, until=0.5, threads=1, orientation=True)
+    assert set(full.variables) - set(plain.variables) == set(outcomes.ORIENTATION)
+    assert same(full.drop_vars(list(outcomes.ORIENTATION)), plain)
+    for i in range(4):
+        sets = [f"initial.{name}={float(column[i])!r}" for name, column in numbers.items()]
+        row = solve(build.load("inverting", [*sets, "run.output_step=", "run.output_times=[0.5]"], 0.5)).columns()
+        turn = np.array([float(full[f"orientation_{part}_end"][i]) for part in "wxyz"])
+        assert turn == pytest.approx(row["orientation"].values[0], abs=1e-11)
+        assert float(full["psi_end"][i]) == pytest.approx(row["psi"].values[0], abs=1e-11)
+
+
+def test_the_orientation_of_tops_that_did_not_run_is_nan() -> None:
+    found = tippetop.ensemble("inverting", {"omega3": [155.0, np.nan]}, until=0.1, threads=1, orientation=True)
+    assert kinds(found, "status").tolist() == ["finished", "invalid"]
+    assert all(np.isfinite(found[name].values).tolist() == [True, False] for name in outcomes.ORIENTATION)

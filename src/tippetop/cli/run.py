@@ -62,7 +62,7 @@ def run(
 
         with Bar("s", "t = {done:.4g} s") as bar:
             done = solve(problem, following(bar), keep=figure is not None)
-        attrs = root.finite(attributes.attributes(problem, done.status, done.reason, done.final, done.report))
+        attrs = root.finite(attributes.attributes(done.problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
         _picture(figure, attributes.groups(done), attrs)

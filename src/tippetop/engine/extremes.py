@@ -26,6 +26,20 @@ _NODES = np.linspace(0.0, 1.0, 9)  # a step holds about a radian of nutation: a 
 def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
     """Extremes of the rate of a variable over a run of steps.
 
+    Parameters
+    ----------
+    times
+        (n + 1,), ends of n steps, internal.
+    coefficients
+        (n, order + 1), Taylor coefficients of the variable in the time since the start of each step.
+
+    Returns
+    -------
+    Extremes
+        Of the rate, internal units.
+
+    Notes
+    -----
     times (n + 1,) are the ends of n steps, coefficients (n, order + 1) the variable's Taylor coefficients in time
     since the start of each step. The sampled extreme is refined on the polynomial of its step and of its neighbours.
     """
@@ -43,7 +57,18 @@ def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
 
 
 def falls_below_zero(times: np.ndarray, coefficients: np.ndarray) -> float | None:
-    """When the rate of a variable first falls below zero over a run of steps; None if it does not."""
+    """When the rate of a variable first falls below zero over a run of steps; None if it does not.
+
+    Parameters
+    ----------
+    times, coefficients
+        As for `rate_extremes`.
+
+    Returns
+    -------
+    float or None
+        Internal time, bisected to neighbouring numbers.
+    """
     times, h, rate = _rates(times, coefficients)
     tau = np.linspace(0.0, 1.0, 65)
     negative = rate @ np.vander(tau, rate.shape[1], increasing=True).T < 0

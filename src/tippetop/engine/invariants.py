@@ -9,7 +9,21 @@ from .expressions import component, integrated, integrates_axis
 
 
 def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """What a run must keep, of all that its states say."""
+    """What a run must keep, of all that its states say.
+
+    Parameters
+    ----------
+    problem
+        The run, or what runs have in common.
+    values
+        Arrays (k,) by name, internal units.
+
+    Returns
+    -------
+    dict
+        The conserved quantities of the system; energy_balance = energy + work of friction; axis_norm = |3hat| in forms
+        that integrate the axis. Internal units, (k,) each.
+    """
     integrals = {name: values[name] for name in problem.system.integrals}
     integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
@@ -20,5 +34,16 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
 
 
 def size(start: Any) -> Any:
-    """What the drift of an invariant is relative to: its start; an invariant that is zero, to internal units."""
+    """What the drift of an invariant is relative to: its start; an invariant that is zero, to internal units.
+
+    Parameters
+    ----------
+    start
+        The invariant at t = 0, internal units, (k,).
+
+    Returns
+    -------
+    array
+        (k,), internal units.
+    """
     return np.where(np.abs(start) > 1e-6, np.abs(start), 1.0)

@@ -14,6 +14,22 @@ from .zeros import Zero
 def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
     """The slice, cut at the moment the normal force falls below zero, if the integrator found no liftoff.
 
+    Parameters
+    ----------
+    piece
+        The steps of a slice.
+    force
+        The extremes of g_n over it.
+    problem
+        The run.
+
+    Returns
+    -------
+    Slice
+        The same one where nothing grazes; otherwise it ends at the zero, with the status of the event.
+
+    Notes
+    -----
     Event detection finds simple roots; a force that dips below zero within rounding of a double root, or that is
     negative from the start, is seen here, in the extremes of every step.
     """
@@ -34,7 +50,20 @@ def grazing(piece: Slice, force: Extremes, problem: Problem) -> Slice:
 
 
 def normal_force(piece: Slice, problem: Problem) -> Extremes:
-    """Extremes of the normal force over every step of the slice, in internal units."""
+    """Extremes of the normal force over every step of the slice, in internal units.
+
+    Parameters
+    ----------
+    piece
+        The steps of a slice.
+    problem
+        The run.
+
+    Returns
+    -------
+    Extremes
+        Of g_n; empty where no normal force is integrated.
+    """
     if "impulse" not in problem.variables.names:
         return Extremes()
     return rate_extremes(piece.times, _impulse(piece, problem))

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..columns import Column, column
 from ..mechanics.operand import leaves
+from ..mechanics.system import Form
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
 from ..problem import Problem, Problems
 from .expressions import (
@@ -75,8 +76,6 @@ class Observables:
     def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
         """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN exactly at a pole;
         None where the motion is planar. Only of a problem with orientation."""
-        orientation = self.form.orientation
-        assert orientation is not None
         if self._wide is np.float64:
             function = compile_orientation(self.system, self.form.name, self.problem.friction.__class__)
             values = self._compiled(function, rows)
@@ -84,9 +83,7 @@ class Observables:
             with np.errstate(invalid="ignore", divide="ignore"):
                 axes = orientation_of(self.form, *self.state(rows), self.body)
             values = np.array([np.broadcast_to(value, (len(rows),)) for value in axes])
-        if orientation.psi:
-            values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
-        return quaternion(values[:3], values[3:6]), values[6] if orientation.psi else None
+        return _turned(self.form, values)
 
     def theta(self, row: np.ndarray) -> float:
         """theta of one row, (1, variables) [rad]."""
@@ -140,6 +137,22 @@ class Observables:
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
     """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,) each, doubles.
 
+    Parameters
+    ----------
+    problems
+        The runs.
+    states
+        (variables, k), internal units.
+    which
+        Numbers of the runs, (k,).
+
+    Returns
+    -------
+    dict
+        Quantities and angles by name, (k,) each.
+
+    Notes
+    -----
     The last column is repeated to fill whole SIMD batches: so the bits of a column do not depend on its neighbours.
     """
     base, k = problems.base, states.shape[1]
@@ -148,6 +161,41 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     padded = np.ascontiguousarray(np.pad(states, fill, mode="edge"))
     pars = np.ascontiguousarray(np.pad(problems.pars[: function.nparams, which], fill, mode="edge"))
     return dict(zip(names, function(padded, pars=pars)[:, :k], strict=False))  # beyond the names: what poles need
+
+
+def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    """The orientation in states (variables, k) of the runs `which` (k,), as `Observables.orientation` has it.
+
+    Parameters
+    ----------
+    problems
+        The runs, with orientation.
+    states
+        (variables, k), internal units.
+    which
+        Numbers of the runs, (k,).
+
+    Returns
+    -------
+    quaternions
+        (k, 4): w, x, y, z, w >= 0.
+    psi
+        (k,) [rad], NaN exactly at a pole; None of a planar motion.
+    """
+    base, k = problems.base, states.shape[1]
+    function = compile_orientation(base.system, base.form.name, base.friction.__class__)
+    fill = ((0, 0), (0, -k % function.batch_size))
+    padded = np.ascontiguousarray(np.pad(states, fill, mode="edge"))
+    pars = np.ascontiguousarray(np.pad(problems.pars[: function.nparams, which], fill, mode="edge"))
+    return _turned(base.form, function(padded, pars=pars)[:, :k])
+
+
+def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    """Quaternions (n, 4), and psi (n,) where the form knows it, of what `orientation_of` gives, (6 or 7, n)."""
+    assert form.orientation is not None
+    if form.orientation.psi:
+        values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
+    return quaternion(values[:3], values[3:6]), values[6] if form.orientation.psi else None
 
 
 PSI = "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"

@@ -32,7 +32,18 @@ class Status(Enum):
 
     @classmethod
     def of_event(cls, ends: str) -> "Status":
-        """The status of a run that an event with this ending has ended."""
+        """The status of a run that an event with this ending has ended.
+
+        Parameters
+        ----------
+        ends
+            As in `Event.ends`.
+
+        Returns
+        -------
+        Status
+            ENDED for a word that has no status of its own.
+        """
         return cls(ends) if ends in {status.value for status in cls} else cls.ENDED
 
 

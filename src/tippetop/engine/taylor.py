@@ -85,7 +85,28 @@ def compiled(
 ) -> Compiled:
     """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
     heyoka). `events` are the kinds to detect; some of them end the run if `stop`. `compact` code compiles at once, and
-    runs a third slower."""
+    runs a third slower.
+
+    Parameters
+    ----------
+    system, form_name, friction
+        What moves: friction is the type of the record of the law.
+    precision, tolerance
+        Of the integrator.
+    events
+        Kinds that are detected.
+    stop
+        Whether events that have an ending end the run.
+    compact
+        Whether heyoka's compact code is made.
+    orientation
+        Whether the orientation of the body is integrated too.
+
+    Returns
+    -------
+    Compiled
+        To be copied: state, parameters and time are zero.
+    """
     form = system.forms[form_name]
     q, _, body, rates = equations_of_motion(system, Variables(form, orientation), friction)
     scalars, number = form.scalars(q, body), PRECISIONS[precision]

@@ -17,6 +17,20 @@ class Zero(NamedTuple):
 def sign_changes(function: Callable[[np.ndarray], np.ndarray], grid: np.ndarray) -> list[tuple[float, int]]:
     """Where a function changes sign between neighbouring points of a grid, and the sign that it then has.
 
+    Parameters
+    ----------
+    function
+        Of an array (k,), with values (k,).
+    grid
+        Ascending, (n,).
+
+    Returns
+    -------
+    list of (float, int)
+        Place and sign, ascending.
+
+    Notes
+    -----
     Bisected until the two numbers are neighbours; the later one is given.
     """
     values, changes = function(grid), []

@@ -114,7 +114,24 @@ def measure(
     progress: Callable[[int, int], None] | None = None,
     lanes: int = LANES,
 ) -> Outcomes:
-    """Integrates every valid top to its end; `progress(done, n)` is called now and then."""
+    """Integrates every valid top to its end; `progress(done, n)` is called now and then.
+
+    Parameters
+    ----------
+    tops
+        As `vary` gives them.
+    threads
+        How many; by default one per usable core.
+    progress
+        Called as progress(done, of), which count valid tops, from any thread.
+    lanes
+        Tops that one integrator advances at a time. It changes no bit.
+
+    Returns
+    -------
+    Outcomes
+        A row per top; invalid ones have the status `invalid`.
+    """
     measured = Outcomes(tops)
     measured.status[~tops.valid] = Status.INVALID.code
     everything = np.arange(tops.n)
@@ -197,16 +214,49 @@ def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> 
     return vary(build.load(source, None, until), variations)
 
 
-def vary(base: Problem, variations: Mapping[str, Any]) -> Problems:
-    """The tops of a problem and its variations, for lanes. Raises InputError; `check` tells of single tops."""
+def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = False) -> Problems:
+    """The tops of a problem and its variations, for lanes.
+
+    Parameters
+    ----------
+    base
+        What they have in common.
+    variations
+        Arrays (n,) in SI units, under dotted keys like `friction.mu`.
+    orientation
+        Whether the orientation of the bodies is integrated too.
+
+    Returns
+    -------
+    Problems
+        Its `check` says which tops are invalid, and why.
+
+    Raises
+    ------
+    InputError
+        If the problem cannot run in lanes, or a key or a shape is wrong.
+    """
     sentences = [*base_faults(base), *variation_faults(base, variations)]
+    if orientation and base.form.orientation is None:
+        sentences.append("`orientation` must be false, of a form that does not know it.")
     if sentences:
         raise InputError(sentences)
-    return Problems.vary(base, variations)
+    return Problems.vary(base, variations, orientation)
 
 
 def base_faults(base: Problem) -> list[str]:
-    """Why a problem cannot run in lanes, in sentences; empty if it can."""
+    """Why a problem cannot run in lanes, in sentences; empty if it can.
+
+    Parameters
+    ----------
+    base
+        What the tops have in common.
+
+    Returns
+    -------
+    list of str
+        Sentences; lanes need the vector form and doubles.
+    """
     sentences = []
     if not base.system.events or "ux" not in base.form.units._fields:
         sentences.append('`form` must be "vector" in an ensemble, of a system that has it.')
@@ -221,12 +271,38 @@ def of_problem(
     *,
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
+    orientation: bool = False,
 ) -> "xr.Dataset":
     """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
+    Parameters
+    ----------
+    base
+        What the tops have in common.
+    variations
+        Arrays (n,) in SI units, under dotted keys.
+    threads
+        How many; by default one per usable core.
+    progress
+        Called as progress(done, of); True draws a bar.
+    orientation
+        Whether the orientation at the end is wanted.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension `top`, SI units.
+
+    Raises
+    ------
+    InputError
+        If the problem cannot run in lanes, or a key or a shape is wrong.
+
+    Notes
+    -----
     `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
     of them stands in the attributes. Raises InputError if a key is wrong.
     """
-    tops = vary(base, variations)
+    tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
         return dataset(measure(tops, threads=threads, progress=tell), tops.check()[1])

@@ -53,14 +53,16 @@ class Observer(Protocol):
 
 
 @lru_cache(maxsize=32)
-def compiled(system: System, form_name: str, friction: Any, tolerance: float, lanes: int) -> CompiledBatch:
+def compiled(
+    system: System, form_name: str, friction: Any, tolerance: float, lanes: int, orientation: bool = False
+) -> CompiledBatch:
     """The batch integrator of a system in a form with a friction law.
 
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is neither, its integral is
     integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
     """
     form = system.forms[form_name]
-    variables = Variables(form, orientation=False)
+    variables = Variables(form, orientation)
     q, _, body, equations = equations_of_motion(system, variables, friction)
     scalars = form.scalars(q, body)
     sources = []
@@ -100,7 +102,7 @@ class Lanes:
 
     def __init__(self, tops: Problems, lanes: int = LANES):
         base = tops.base
-        batch = compiled(base.system, base.form.name, base.friction.__class__, base.tolerance, lanes)
+        batch = compiled(base.system, base.form.name, base.friction.__class__, base.tolerance, lanes, tops.orientation)
         self.tops, self.lanes, self.batch = tops, lanes, batch
         integrator = self.integrator = copy.deepcopy(batch.integrator)
         self.rules, self.rows = rules(base), batch.rows

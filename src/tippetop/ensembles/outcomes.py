@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..columns import Column, flag_attributes
-from ..engine.observables import values_of
+from ..engine.observables import PSI, orientations_of, values_of
 from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
 from ..mechanics.events import Event
@@ -24,6 +24,16 @@ CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way")
 NEAR = 0.1  # rad from a pole: upright or inverted
 
 Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
+ORIENTATION = {  # columns of the orientation at the end, where it is wanted: unit, meaning
+    **{
+        f"orientation_{part}_end": (
+            ONE,
+            f"{part} of the unit quaternion that turns body axes into space axes, at the end",
+        )
+        for part in "wxyz"
+    },
+    "psi_end": (RADIAN, f"{PSI}; at the end"),
+}
 
 
 def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
@@ -86,6 +96,7 @@ class Outcomes:
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
         self.drift: dict[str, np.ndarray] = {}
+        self.orientation = {name: np.full(n, np.nan) for name in ORIENTATION} if tops.orientation else {}
         self.steps_made = self.steps_possible = 0
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
 
@@ -105,6 +116,11 @@ def _conclude(outcomes: Outcomes) -> None:
     ended = np.isfinite(outcomes.final).all(axis=0)
     theta = columns["theta_end"]
     theta[ended] = values_of(tops, outcomes.final[:, ended], np.flatnonzero(ended))["theta"]
+    if tops.orientation:
+        turns, psi = orientations_of(tops, outcomes.final[:, ended], np.flatnonzero(ended))
+        values = [*turns.T, *([] if psi is None else [psi])]
+        for column, value in zip(outcomes.orientation.values(), values, strict=False):
+            column[ended] = value
     kind = np.full(tops.n, CLASSES.index("under-way"))
     ends = {"tumbling": outcomes.settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     for name in tops.base.system.classes:
@@ -144,6 +160,9 @@ def table(outcomes: Outcomes) -> dict[str, Column]:
     }
     for name, (_, unit, text) in outcomes.forms.items():
         columns[name] = Column(("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text})
+    for name, values in outcomes.orientation.items():
+        unit, text = ORIENTATION[name]
+        columns[name] = Column(("top",), values, {"units": unit.symbol, "long_name": text})
     for name, worst in outcomes.drift.items():
         columns[f"drift_{name}"] = Column(("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
     return columns

@@ -39,7 +39,22 @@ class Top:
 
 
 def landscape_of(system: str | System) -> tuple[System, Landscape]:
-    """A system, by name or itself, and its landscape. Raises InputError where there is none."""
+    """A system, by name or itself, and its landscape. Raises InputError where there is none.
+
+    Parameters
+    ----------
+    system
+        A system or the name of one.
+
+    Returns
+    -------
+    System, Landscape
+
+    Raises
+    ------
+    InputError
+        If it is unknown or has no landscape.
+    """
     record = find(system) if isinstance(system, str) else system
     if record is None or record.landscape is None:
         known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)

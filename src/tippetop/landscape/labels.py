@@ -61,10 +61,34 @@ def flags(kind: type[IntEnum], long_name: str) -> dict[str, Any]:
 
 
 def cosine(q: np.ndarray, upright: int) -> np.ndarray:
-    """z = cos(theta) of q; an end of the range of q is the pole itself."""
+    """z = cos(theta) of q; an end of the range of q is the pole itself.
+
+    Parameters
+    ----------
+    q
+        tan(theta/2)^2 if upright is 1, its inverse if -1.
+    upright
+        z = cos(theta) at q = 0.
+
+    Returns
+    -------
+    array
+        Of the shape of q, in [-1, 1].
+    """
     return upright * ((1 - q) / (1 + q))
 
 
 def inclination(q: np.ndarray, upright: int) -> np.ndarray:
-    """Theta of q [rad], with all digits near theta = 0 too."""
+    """Theta of q [rad], with all digits near theta = 0 too.
+
+    Parameters
+    ----------
+    q, upright
+        As for `cosine`.
+
+    Returns
+    -------
+    array
+        Of the shape of q, in [0, pi].
+    """
     return 2 * np.arctan(np.sqrt(q) if upright == 1 else 1 / np.sqrt(q))

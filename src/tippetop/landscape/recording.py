@@ -82,6 +82,29 @@ def write(
 ) -> Path:
     """Writes F [J], z and status of a surface into the group `surface` of a new store at `path`.
 
+    Parameters
+    ----------
+    path
+        The store.
+    wanted
+        The surface.
+    threads
+        How many compute; all cores if None.
+    progress
+        Called as progress(done, of), which count chunks.
+
+    Returns
+    -------
+    Path
+        Of the store.
+
+    Raises
+    ------
+    StoreError
+        If `path` exists or cannot be written, or an unfinished store beside it is another surface.
+
+    Notes
+    -----
     17 bytes a point before compression; memory: some 40 bytes a point of one chunk. progress(done, of) is called after
     every chunk. Raises StoreError if `path` exists, or cannot be written, or an unfinished store beside it is another
     surface.

@@ -13,7 +13,20 @@ from .labels import attributes, axis, cosine, flags, inclination, labelled, of_m
 
 
 def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> tuple[np.ndarray, np.ndarray]:
-    """z = cos(theta) and theta [rad] where V is least: the pole itself where the infimum is approached there."""
+    """z = cos(theta) and theta [rad] where V is least: the pole itself where the infimum is approached there.
+
+    Parameters
+    ----------
+    q, status
+        As `minima` gives them.
+    upright
+        z at q = 0: 1 or -1.
+
+    Returns
+    -------
+    z, theta
+        Of the shape of q.
+    """
     from tippetop_kernels.minimise import Status
 
     z, theta = cosine(q, upright), inclination(q, upright)
@@ -25,7 +38,22 @@ def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> tuple[np.ndarray,
 
 
 def minima(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> tuple[np.ndarray, ...]:
-    """F [J], q of the minimum and Status over x x y, each (x.size, y.size)."""
+    """F [J], q of the minimum and Status over x x y, each (x.size, y.size).
+
+    Parameters
+    ----------
+    t
+        The body.
+    x, y
+        The momenta, SI, (nx,) and (ny,).
+    threads
+        How many; all cores if None. No bit depends on it.
+
+    Returns
+    -------
+    F, q, status
+        F in J; status as `tippetop_kernels.minimise.Status`.
+    """
     from tippetop_kernels.grid import on_threads
 
     k, c, two = kernels(), t.coefficients, t.two_wells
@@ -47,7 +75,20 @@ def heights(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) ->
 def gradients(
     t: Top, x: np.ndarray, y: np.ndarray, q: np.ndarray, threads: int | None = None
 ) -> tuple[np.ndarray, ...]:
-    """dF by the first and the second momentum, each (x.size, y.size); q as `minima` gives it."""
+    """dF by the first and the second momentum, each (x.size, y.size); q as `minima` gives it.
+
+    Parameters
+    ----------
+    t, x, y, threads
+        As for `minima`.
+    q
+        (x.size, y.size), where V is least.
+
+    Returns
+    -------
+    by_x, by_y
+        Joules per unit of the momentum.
+    """
     from tippetop_kernels.grid import on_threads
 
     k, by_x, by_y = kernels(), np.empty_like(q), np.empty_like(q)

@@ -24,6 +24,7 @@ def ensemble(
     until: float | None = None,
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
+    orientation: bool = False,
     **scenario: Any,
 ) -> "xr.Dataset":
     """Integrates many tops at once, which differ in numbers only: a row of results per top.
@@ -39,6 +40,10 @@ def ensemble(
         How many threads compute; by default one per usable core.
     progress : callable or bool
         `progress(done, of)` counts tops; True draws a bar.
+    orientation : bool
+        Whether the orientation of each body at its end is wanted: columns orientation_w_end, orientation_x_end,
+        orientation_y_end, orientation_z_end (the unit quaternion that turns body axes into space axes) and psi_end
+        [rad]. It changes no other column.
     **scenario
         Further arguments of `run` that say what the tops have in common: start, parameters, system, ...
 
@@ -71,4 +76,4 @@ def ensemble(
         dotted[fits[0] if fits else name] = values
     if sentences:
         raise InputError(sentences)
-    return ensembles.of_problem(base, dotted, threads=threads, progress=progress)
+    return ensembles.of_problem(base, dotted, threads=threads, progress=progress, orientation=orientation)

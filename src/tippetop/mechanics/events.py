@@ -52,6 +52,18 @@ class Event:
 def kinds(events: Sequence[Event]) -> tuple[str, ...]:
     """Names of the kinds of events in a log; the place of a name is its number in a store.
 
+    Parameters
+    ----------
+    events
+        The events of a system.
+
+    Returns
+    -------
+    tuple of str
+        `NUMBERED`, then the others.
+
+    Notes
+    -----
     The numbered kinds come first, whether these events have them or not; then new ones in their order.
     """
     return (*NUMBERED, *(event.name for event in events if event.name not in NUMBERED))

@@ -26,6 +26,18 @@ class Vector(NamedTuple):
 def formula(function: F) -> F:
     """Marks a formula: an ordinary function, which numba may also call inside its own.
 
+    Parameters
+    ----------
+    function
+        Arithmetic, functions of this module and other formulas; no `if`, no `abs`.
+
+    Returns
+    -------
+    function
+        The same function.
+
+    Notes
+    -----
     numba is imported only by those who use it: it learns the formulas through its entry point
     (`numba_extensions` in pyproject.toml), which calls `teach_numba` before it compiles anything.
     """
@@ -51,7 +63,18 @@ sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("e
 
 
 def product_error(x: Operand, y: Operand) -> Operand:
-    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971; in numba an fma)."""
+    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971; in numba an fma).
+
+    Parameters
+    ----------
+    x, y
+        Doubles or arrays of them, of magnitudes at which neither the product nor 2^27 x overflows.
+
+    Returns
+    -------
+    float or array
+        x y - fl(x y).
+    """
     product = x * y
     a, b = _half(x), _half(y)
     return (((a * b - product) + a * (y - b)) + (x - a) * b) + (x - a) * (y - b)
@@ -87,19 +110,58 @@ def plus(a: Vector, b: Vector) -> Vector:
 
 
 def leaves(record: Any) -> list:
-    """The numbers of a record of records, in order."""
+    """The numbers of a record of records, in order.
+
+    Parameters
+    ----------
+    record
+        A NamedTuple whose fields are numbers, arrays, expressions or such records.
+
+    Returns
+    -------
+    list
+        What is no record, depth first.
+    """
     return [leaf for field in record for leaf in (leaves(field) if isinstance(field, tuple) else [field])]
 
 
 def refill(record: Any, values: Any) -> Any:
-    """The same record of records with other leaves, taken in order from the iterator `values`."""
+    """The same record of records with other leaves, taken in order from the iterator `values`.
+
+    Parameters
+    ----------
+    record
+        The pattern.
+    values
+        An iterator with as many values as the record has leaves.
+
+    Returns
+    -------
+    record
+        Of the same types.
+    """
     return type(record)(*(refill(f, values) if isinstance(f, tuple) else next(values) for f in record))
 
 
 def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> Callable:
     """A formula that is chosen by the type of its last argument, a NamedTuple: in Python and inside numba.
 
-    `choices` is read when the formula is called (in numba, compiled): it may grow. `otherwise` is for other types."""
+    Parameters
+    ----------
+    choices
+        The formula for each type.
+    otherwise
+        The formula for other types; None: a KeyError.
+
+    Returns
+    -------
+    function
+        Called with the arguments of the formulas.
+
+    Notes
+    -----
+    `choices` is read when the formula is called (in numba, compiled): it may grow. `otherwise` is for other types.
+    """
 
     def selected(*arguments: Operand) -> Operand:
         return chosen(type(arguments[-1]))(*arguments)

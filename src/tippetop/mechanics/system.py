@@ -5,186 +5,29 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ..errors import unknown_key
 from .events import Event, kinds
+from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
+from .parameter import Alternative, Parameter
 from .units import Unit
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A number that the user gives: its unit, its meaning, and the open or closed interval it must lie in."""
-
-    unit: Unit
-    long_name: str
-    above: float | None = None  # must be greater than
-    least: float | None = None  # must be at least
-    below: float | None = None  # must be less than
-    most: float | None = None  # must be at most
-
-    def _bounds(self) -> list[tuple[str, float, Callable]]:
-        """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
-        bounds = (
-            ("greater than", self.above, np.less_equal),
-            ("at least", self.least, np.less),
-            ("less than", self.below, np.greater_equal),
-            ("at most", self.most, np.greater),
-        )
-        return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
-
-    def broken(self, values: Any) -> Any:
-        """Where values lie outside the interval or are not finite: a mask of their shape."""
-        broken = ~np.isfinite(values)
-        for _, limit, breaks in self._bounds():
-            broken = broken | breaks(values, limit)
-        return broken
-
-    def must(self, value: float | None = None) -> str:
-        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that it breaks."""
-        if value is None:
-            return "must be finite" + "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds())
-        broken = [f"{words} {limit}" for words, limit, breaks in self._bounds() if breaks(value, limit)]
-        return f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
-
-    def fault(self, key: str, value: float) -> str:
-        """The sentence on a value that is broken."""
-        return f"`{key}` {self.must()}, but is {value:.17g}."
-
-
-class Alternative(NamedTuple):
-    """An initial datum that says in another way what others say: it stands alone, without any of `others`."""
-
-    name: str
-    others: tuple[str, ...]
-    flag: bool = False  # true or false, not a number
-
-    def fault(self, verb: str) -> str:
-        """The sentence on data that are not alone; `verb` says how the others come: they are given, or vary."""
-        others = " or ".join(f"`initial.{other}`" for other in self.others)
-        return f"`initial.{self.name}` must stand alone, but {others} {verb} too."
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A function of the scalars of a form, hence of no form in particular: formula(scalars, b)."""
-
-    name: str
-    symbol: str
-    unit: Unit
-    long_name: str
-    formula: Callable
-
-
-@dataclass(frozen=True)
-class Integral:
-    """A variable that the equations of motion do not read: it is integrated beside them and must not control the step.
-
-    Parameters
-    ----------
-    name, unit, long_name
-        As a column; the name is unique in its form.
-    rate
-        rate(q, carried, b), its time derivative: of the state that moves, q, and the record of all integrals of the
-        form, `carried`.
-    start
-        start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value of the same name in
-        the record of angles.
-    """
-
-    name: str
-    unit: Unit
-    long_name: str
-    rate: Callable
-    start: Callable | None = None
-
-
-@dataclass(frozen=True)
-class Orientation:
-    """How a form knows which way the whole body is turned, not its axis alone.
-
-    Parameters
-    ----------
-    axes
-        axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at the poles too.
-    integrals
-        What is integrated for it.
-    psi
-        psi(first, third) of these axes [rad]; None: a planar motion, which has no psi.
-    """
-
-    axes: Callable
-    integrals: tuple[Integral, ...] = ()
-    psi: Callable | None = None
-
-
-class Domain(NamedTuple):
-    """A scalar function that must stay positive, and what it means when it does not."""
-
-    formula: Callable  # formula(scalars, b)
-    meaning: str
-
-
-@dataclass(frozen=True)
-class Form:
-    """A way to write the state of a system.
-
-    Law: `scalars` of two forms agree through the chart, and the chart commutes with the flow.
-    """
-
-    name: str
-    units: Any  # the state record (a NamedTuple) of what moves, filled with the unit of each variable
-    rates: Callable  # rates(q, b) -> the same record: the time derivatives
-    scalars: Callable  # scalars(q, b) -> what the quantities are written in
-    of_angles: Callable  # of_angles(angles, sin_theta, cos_theta, b) -> q
-    to_angles: Callable  # to_angles(q, carried, b) -> record of angles
-    integrals: tuple[Integral, ...] = ()  # what is integrated beside the state
-    orientation: Orientation | None = None
-    domains: tuple[Domain, ...] = ()  # where the form or the model breaks down
-    length_unit: float = 1.0  # the form's unit of length, in that of the system
-    not_normalised: tuple[str, ...] = ()  # what is then no longer 1
-
-
-@dataclass(frozen=True)
-class Exit:
-    """How a phase ends in another one.
-
-    Parameters
-    ----------
-    event
-        The name of an event of the phase.
-    to
-        The names of the phases that may follow.
-    jump
-        jump(q, carried, b) -> name of the phase that follows, its state: from the first form of the one to the first
-        form of the other, in internal units. Integrals of the same name continue from the values that they have.
-    """
-
-    event: str
-    to: tuple[str, ...]
-    jump: Callable
-
-
-@dataclass(frozen=True)
-class Phase:
-    """What stays the same between two changes of the contact: slip, roll, flight, both balls at once.
-
-    Parameters
-    ----------
-    forms
-        The ways to write the state, by name; the first is the default, and the one in which jumps are written.
-    quantities
-        What can be read of a state, as columns.
-    events
-        What is looked for.
-    exits
-        Which events end the phase, and in which phases; none: only the end of the run does, or an event that stops it.
-    """
-
-    forms: dict[str, Form]
-    quantities: Sequence[Quantity]
-    events: Sequence[Event]
-    exits: tuple[Exit, ...] = ()
+__all__ = [
+    "Alternative",
+    "Domain",
+    "Exit",
+    "Form",
+    "Integral",
+    "Landscape",
+    "Momentum",
+    "Orientation",
+    "Outlook",
+    "Parameter",
+    "Phase",
+    "Quantity",
+    "System",
+    "of_one_phase",
+]
 
 
 class Momentum(NamedTuple):
@@ -270,6 +113,27 @@ class System:
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
 
+        Parameters
+        ----------
+        parameters
+            Numbers or arrays (n,) by name, SI.
+        friction
+            The record of a friction law, numbers or arrays (n,), SI.
+        number
+            What each of them passes through.
+
+        Returns
+        -------
+        NamedTuple
+            The body, `b` of every formula.
+
+        Raises
+        ------
+        KeyError
+            If a parameter is missing.
+
+        Notes
+        -----
         `number` is applied to each of them: a type, or what makes arrays of one shape.
         """
         given = {name: number(parameters[name]) for name in self.parameters}
@@ -288,7 +152,20 @@ class System:
         return faults or list(self.checks(parameters))
 
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
-        """Sentences on initial data, by name, of which some say the same in two ways."""
+        """Sentences on initial data, by name, of which some say the same in two ways.
+
+        Parameters
+        ----------
+        initial
+            Names of initial data.
+        verb
+            How the others come, in a sentence.
+
+        Returns
+        -------
+        list of str
+            Empty if each datum is given once.
+        """
         return [a.fault(verb) for a in self.alternatives if a.name in initial and not set(a.others).isdisjoint(initial)]
 
     def rivals(self, name: str) -> set[str]:
@@ -300,7 +177,20 @@ class System:
         return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
-        """Initial data with some changed: a number takes the place of those that say the same in another way."""
+        """Initial data with some changed: a number takes the place of those that say the same in another way.
+
+        Parameters
+        ----------
+        initial
+            What stands: values by name.
+        changed
+            What takes its place.
+
+        Returns
+        -------
+        dict
+            Both, without what `changed` says in another way.
+        """
         rivals = {rival for name in changed for rival in self.rivals(name)}
         return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
 
@@ -349,5 +239,19 @@ class System:
 def of_one_phase(
     phase: str, *, forms: dict[str, Form], quantities: Sequence[Quantity], events: Sequence[Event], **rest: Any
 ) -> System:
-    """A system whose contact never changes; `rest` is what else a System has."""
+    """A system whose contact never changes; `rest` is what else a System has.
+
+    Parameters
+    ----------
+    phase
+        Its name, such as "gliding".
+    forms, quantities, events
+        As of a `Phase`.
+    **rest
+        The other fields of a `System`.
+
+    Returns
+    -------
+    System
+    """
     return System(phases={phase: Phase(forms, quantities, events)}, **rest)

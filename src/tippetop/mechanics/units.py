@@ -6,7 +6,15 @@ from typing import Any, NamedTuple
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit as powers of mass, length and time, with the SI symbol that people read."""
+    """A unit as powers of mass, length and time, with the SI symbol that people read.
+
+    Parameters
+    ----------
+    mass, length, time
+        The powers, as of kg, m and s.
+    symbol
+        What people read, such as "kg m2 s-1".
+    """
 
     mass: int
     length: int
@@ -42,5 +50,16 @@ class Scales(NamedTuple):
     time: Any
 
     def of(self, unit: Unit) -> Any:
-        """How many SI units one internal unit of `unit` is."""
+        """How many SI units one internal unit of `unit` is.
+
+        Parameters
+        ----------
+        unit
+            What is converted.
+
+        Returns
+        -------
+        number or array
+            mass^a length^b time^c with the powers of the unit, of the shape of the scales.
+        """
         return self.mass**unit.mass * self.length**unit.length * self.time**unit.time

@@ -25,7 +25,26 @@ SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
 
 
 class Integration:
-    """A run between its start and its end: all that an interruption must not lose."""
+    """A run between its start and its end: all that an interruption must not lose.
+
+    Parameters
+    ----------
+    problem
+        What is integrated.
+
+    Attributes
+    ----------
+    integrator
+        heyoka's; its state is the last of the run, in internal units.
+    last
+        The last good state, (1, variables), internal.
+    t_end
+        How far the run has come [s].
+    status
+        How it ended; None while it has not.
+    seconds
+        Where the time went: compile, integrate.
+    """
 
     def __init__(self, problem: Problem):
         clock = time.perf_counter()
@@ -42,7 +61,20 @@ class Integration:
         self.status: Status | None = None
 
     def run(self, sink: Sink, progress: Callable[["Integration"], None] | None = None) -> None:
-        """Continues to the end. What the sink has taken after a slice is what a snapshot then stands for."""
+        """Continues to the end. What the sink has taken after a slice is what a snapshot then stands for.
+
+        Parameters
+        ----------
+        sink
+            Takes rows and events as they come.
+        progress
+            Called with this integration after every slice.
+
+        Raises
+        ------
+        Interrupted
+            If the sink does, between two slices.
+        """
         problem = self.problem
         end = problem.number(problem.until) / problem.number(self.second)
         if self.fresh and problem.output != "times":
@@ -159,7 +191,18 @@ class Integration:
         )
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Continues from a snapshot. Raises ValueError if it was made of other equations."""
+        """Continues from a snapshot. Raises ValueError if it was made of other equations.
+
+        Parameters
+        ----------
+        kept
+            What `snapshot` gave.
+
+        Raises
+        ------
+        ValueError
+            If it was made of other equations.
+        """
         integrator, number = self.integrator, self.problem.number
         if kept["equations"] != fingerprint(integrator):
             raise ValueError("the equations must be those of the checkpoint, but this release has others")

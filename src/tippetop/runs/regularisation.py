@@ -19,7 +19,7 @@ def inversion_sensitivity(problem: Problem, factor: float = 2.0) -> dict[str, An
     times: dict[float, float | None] = {}
     for eps in (problem.friction.eps / factor, problem.friction.eps, problem.friction.eps * factor):
         changed = replace(problem, friction=problem.friction._replace(eps=eps), times=ListedTimes(np.array([0.0])))
-        times[eps] = solve(changed).report["inversion"]["first_equator"]
+        times[eps] = solve(changed, keep=False).report["inversion"]["first_equator"]
     low, _, high = times.values()
     exponent = math.log(high / low) / (2 * math.log(factor)) if low and high else None
     return {"inversion_time": times, "exponent": exponent}

@@ -1,7 +1,7 @@
 """A problem integrated in memory: the solution as it comes from the integrator, and the call that makes it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,10 +37,25 @@ class Solution:
 
 
 def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:
-    """Integrates a problem to its end, with rows and events kept in memory unless switched off.
+    """Integrates a problem to its end, gathering rows and events in memory.
 
-    `progress` is called after every slice.
+    Parameters
+    ----------
+    problem
+        What is integrated.
+    progress
+        Called after every slice.
+    keep
+        Whether rows and events are kept. If not, nobody can read the orientation of the body, and its integrals are
+        left out: they have no effect on the motion, but cost 1.0 to 1.24 times its equations.
+
+    Returns
+    -------
+    Solution
+        Its `problem` is what was integrated: without orientation if nothing was kept.
     """
+    if not keep:
+        problem = replace(problem, orientation=False)
     integration, memory = Integration(problem), Memory() if keep else Nowhere()
     integration.run(memory, progress)
     assert integration.status is not None

@@ -6,12 +6,14 @@ import numpy as np
 
 from ..columns import Column
 from ..ensembles import ensemble, outcomes
+from ..mechanics.variables import Variables
 from ..problem import Problem
 from ..scenario import build
 from ..store import provenance
 
 
 FINAL, DRIFT = "final_state", "drift"  # in `keep`, names for all columns that begin so
+ORIENTATION = "orientation"  # in `keep`, the name for its columns, which are left out unless they are named
 
 
 class Task(NamedTuple):
@@ -42,7 +44,8 @@ def columns(
     base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
 ) -> dict[str, Column]:
     """The rows of tops as labelled columns; `status` is among them whatever is kept."""
-    measured = ensemble.measure(ensemble.vary(base, numbers), threads=threads)
+    oriented = any(_group(name) == ORIENTATION for name in keep or [])
+    measured = ensemble.measure(ensemble.vary(base, numbers, orientation=oriented), threads=threads)
     with np.errstate(all="ignore"):  # of invalid tops
         table = {**outcomes.table(measured), **_final_states(measured)}
     return {name: column for name, column in table.items() if name == "status" or keep is None or _kept(name, keep)}
@@ -53,13 +56,14 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     tops = measured.tops
     q, carried = tops.variables.split(measured.final)
     values = {**q._asdict(), **carried._asdict()}
+    plain = Variables(tops.base.form, orientation=False)  # what is carried for the orientation is read from its columns
     return {
         f"final_{name}": Column(
             ("top",),
             values[name] * tops.unit(unit),
             {"units": unit.symbol, "long_name": f"{name} at the end"},
         )
-        for name, unit in tops.variables.units.items()
+        for name, unit in plain.units.items()
     }
 
 
@@ -70,10 +74,17 @@ def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
 
 
 def column_names(base: Problem) -> list[str]:
-    """What `keep` may name: columns, and the groups of columns `final_state` and `drift`."""
-    return [name for name in column_schema(base, None) if name != "status"] + [FINAL, DRIFT]
+    """What `keep` may name: columns, and the groups of columns `final_state`, `drift` and `orientation`."""
+    oriented = [ORIENTATION, *outcomes.ORIENTATION] if base.form.orientation else []
+    return [name for name in column_schema(base, None) if name != "status"] + [FINAL, DRIFT, *oriented]
 
 
 def _kept(name: str, keep: list[str]) -> bool:
-    group = FINAL if name.startswith("final_") else DRIFT if name.startswith("drift_") else name
-    return group in keep or name in keep
+    return _group(name) in keep or name in keep
+
+
+def _group(name: str) -> str:
+    """The name that stands in `keep` for a column and others like it."""
+    if name in outcomes.ORIENTATION:
+        return ORIENTATION
+    return FINAL if name.startswith("final_") else DRIFT if name.startswith("drift_") else name

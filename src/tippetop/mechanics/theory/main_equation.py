@@ -6,7 +6,6 @@ there the equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outw
 towards a turning it would lose what it knows, away from it errors do not grow. Half-way the pieces must meet.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,32 +56,66 @@ def reconstruct(
     Reconstruction
         z at the times. Nothing else of the run is read.
     """
-    from scipy.integrate import solve_ivp
-    from scipy.interpolate import make_interp_spline
+    equation = _Equation(system, b, times, momenta, energy, period)
+    out, known, mismatch = np.full(len(times), np.nan), float(times[0]), 0.0
+    turnings: list[Any] = []
+    reach = REACH * period / 2
+    here = _series(equation, float(times[0]), z, reach, fixed=True)
+    while True:
+        forward, meet, last = equation.outward(here, 1.0, float(times[-1]))
+        _fill(out, times, known, here.t + reach, here)
+        _fill(out, times, here.t + reach, meet, lambda t, f=forward: f(t)[0])
+        known = meet
+        if meet >= times[-1]:
+            return Reconstruction(out, np.array(turnings), mismatch)
+        left = QUARTER * abs(last[1] / equation.motion(meet, last)[1])  # what a harmonic swing would still need
+        there = _series(equation, meet + left, last[0] + last[1] * left / 2, reach)
+        if there.t + reach > times[-1]:
+            return Reconstruction(out, np.array(turnings), mismatch)
+        backward, _, _ = equation.outward(there, -1.0, meet)
+        mismatch = max(mismatch, abs(float(backward(meet)[0] - last[0])))
+        _fill(out, times, meet, there.t - reach, lambda t, f=backward: f(t)[0])
+        known, here = there.t - reach, there
+        turnings.append(there.t)
 
-    potential, inertia = system.potential, system.theta_inertia
-    assert potential is not None
-    assert inertia is not None
-    values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
-    rates = values.derivative()
 
-    def square(z: Any, t: Any, step: Any = 0.0) -> Any:
+class _Equation:
+    """Q(z, t) = z'^2 of a body whose momenta and E~ are known at some times, and the motion that follows from it."""
+
+    def __init__(
+        self, system: System, b: Any, times: np.ndarray, momenta: list[np.ndarray], energy: np.ndarray, period: float
+    ):
+        from scipy.interpolate import make_interp_spline
+
+        assert system.potential is not None
+        assert system.theta_inertia is not None
+        self.potential, self.inertia, self.b, self.period = system.potential, system.theta_inertia, b, period
+        self.values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
+        self.rates = self.values.derivative()
+
+    def square(self, z: Any, t: Any, step: Any = 0.0) -> Any:
         """Q(z, t) = z'^2; `step` is a complex step of time."""
-        given = (values(t) + step * rates(t)).T
-        return (1 - z) * (1 + z) * (given[0] - potential(z, *given[1:], b)) / inertia(z, b)
+        given = (self.values(t) + step * self.rates(t)).T
+        return (1 - z) * (1 + z) * (given[0] - self.potential(z, *given[1:], self.b)) / self.inertia(z, self.b)
 
-    def along_z(z: Any, t: Any) -> Any:
-        return square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
+    def along_z(self, z: Any, t: Any) -> Any:
+        """Q_z."""
+        return self.square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
 
-    def along_t(z: Any, t: Any) -> Any:
-        return square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
+    def along_t(self, z: Any, t: Any) -> Any:
+        """Q_t."""
+        return self.square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
 
-    def motion(t: float, y: np.ndarray) -> np.ndarray:
-        return np.array([y[1], along_z(y[0], t) / 2 + along_t(y[0], t) / (2 * y[1])])
+    def motion(self, t: float, y: np.ndarray) -> np.ndarray:
+        """The rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
+        return np.array([y[1], self.along_z(y[0], t) / 2 + self.along_t(y[0], t) / (2 * y[1])])
 
-    def outward(start: "_Series", way: float, until: float) -> Any:
-        """From the edge of a series, forward or backward, past the fastest point of the swing."""
-        edge = start.t + way * REACH * period / 2
+    def outward(self, start: "_Series", way: float, until: float) -> Any:
+        """From the edge of a series, forward or backward, past the fastest point of the swing: the dense output, and
+        time and state at its end."""
+        from scipy.integrate import solve_ivp
+
+        edge = start.t + way * REACH * self.period / 2
         peak = 0.0
 
         def past(t: float, y: np.ndarray) -> float:
@@ -91,30 +124,9 @@ def reconstruct(
             return y[1] ** 2 - MEET * peak
 
         past.terminal, past.direction = True, -1  # type: ignore[attr-defined]
-        solution = solve_ivp(
-            motion, (edge, until), [start(edge), start.speed(edge)], "DOP853", None, True, past, rtol=1e-11, atol=1e-13
-        )
+        at_edge = [start(edge), start.speed(edge)]
+        solution = solve_ivp(self.motion, (edge, until), at_edge, "DOP853", None, True, past, rtol=1e-11, atol=1e-13)
         return solution.sol, float(solution.t[-1]), solution.y[:, -1]
-
-    out, known, mismatch = np.full(len(times), np.nan), float(times[0]), 0.0
-    turnings: list[Any] = []
-    here = _series(square, along_z, along_t, float(times[0]), z, REACH * period / 2, fixed=True)
-    while True:
-        forward, meet, last = outward(here, 1.0, float(times[-1]))
-        _fill(out, times, known, here.t + REACH * period / 2, here)
-        _fill(out, times, here.t + REACH * period / 2, meet, lambda t, f=forward: f(t)[0])
-        known = meet
-        if meet >= times[-1]:
-            return Reconstruction(out, np.array(turnings), mismatch)
-        left = QUARTER * abs(last[1] / motion(meet, last)[1])  # what a harmonic swing would still need
-        there = _series(square, along_z, along_t, meet + left, last[0] + last[1] * left / 2, REACH * period / 2)
-        if there.t + REACH * period / 2 > times[-1]:
-            return Reconstruction(out, np.array(turnings), mismatch)
-        backward, _, _ = outward(there, -1.0, meet)
-        mismatch = max(mismatch, abs(float(backward(meet)[0] - last[0])))
-        _fill(out, times, meet, there.t - REACH * period / 2, lambda t, f=backward: f(t)[0])
-        known, here = there.t - REACH * period / 2, there
-        turnings.append(there.t)
 
 
 class _Series(NamedTuple):
@@ -132,10 +144,9 @@ class _Series(NamedTuple):
         return np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, slope) / self.reach
 
 
-def _series(
-    square: Callable, along_z: Callable, along_t: Callable, t: float, z: float, reach: float, *, fixed: bool = False
-) -> _Series:
+def _series(equation: _Equation, t: float, z: float, reach: float, *, fixed: bool = False) -> _Series:
     """The smooth solution through the turning near (t, z): Newton on Q = Q_t = 0, then least squares on z'^2 = Q."""
+    square, along_z, along_t = equation.square, equation.along_z, equation.along_t
     for _ in range(0 if fixed else 20):
         h = 1e-4 * reach
         jacobian = np.array(

@@ -1,0 +1,73 @@
+"""The numbers that a user gives: what must hold of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .units import Unit
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that the user gives: its unit, its meaning, and the open or closed interval it must lie in."""
+
+    unit: Unit
+    long_name: str
+    above: float | None = None  # must be greater than
+    least: float | None = None  # must be at least
+    below: float | None = None  # must be less than
+    most: float | None = None  # must be at most
+
+    def _bounds(self) -> list[tuple[str, float, Callable]]:
+        """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
+        bounds = (
+            ("greater than", self.above, np.less_equal),
+            ("at least", self.least, np.less),
+            ("less than", self.below, np.greater_equal),
+            ("at most", self.most, np.greater),
+        )
+        return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
+
+    def broken(self, values: Any) -> Any:
+        """Where values lie outside the interval or are not finite: a mask of their shape.
+
+        Parameters
+        ----------
+        values
+            A number or an array, in SI units.
+
+        Returns
+        -------
+        bool or array of bool
+            True where the value is not allowed.
+        """
+        broken = ~np.isfinite(values)
+        for _, limit, breaks in self._bounds():
+            broken = broken | breaks(values, limit)
+        return broken
+
+    def must(self, value: float | None = None) -> str:
+        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that it breaks."""
+        if value is None:
+            return "must be finite" + "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds())
+        broken = [f"{words} {limit}" for words, limit, breaks in self._bounds() if breaks(value, limit)]
+        return f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
+
+    def fault(self, key: str, value: float) -> str:
+        """The sentence on a value that is broken."""
+        return f"`{key}` {self.must()}, but is {value:.17g}."
+
+
+class Alternative(NamedTuple):
+    """An initial datum that says in another way what others say: it stands alone, without any of `others`."""
+
+    name: str
+    others: tuple[str, ...]
+    flag: bool = False  # true or false, not a number
+
+    def fault(self, verb: str) -> str:
+        """The sentence on data that are not alone; `verb` says how the others come: they are given, or vary."""
+        others = " or ".join(f"`initial.{other}`" for other in self.others)
+        return f"`initial.{self.name}` must stand alone, but {others} {verb} too."

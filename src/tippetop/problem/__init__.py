@@ -1,0 +1,12 @@
+"""What is to be integrated: checked bodies, starts and spans, and the units in which they are integrated.
+
+`Problem` is one run. `Problems` are many that differ in numbers only, arrays of shape (n,); everything that is computed
+of a run is computed there, and a single run is the case n = 1.
+"""
+
+from .faults import key_faults, variation_faults
+from .many import Problems
+from .one import PRECISIONS, ROUNDING, UNTIL, Problem
+
+
+__all__ = ["PRECISIONS", "ROUNDING", "UNTIL", "Problem", "Problems", "key_faults", "variation_faults"]

@@ -1,0 +1,97 @@
+"""What is wrong with the numbers of problems, in sentences: keys that vary, what breaks together, starts."""
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+
+if TYPE_CHECKING:
+    from .many import Problems
+    from .one import Problem
+
+
+def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -> list[str]:
+    """What is wrong with varying these keys of a problem, in sentences; `also` are further names that may vary.
+
+    Parameters
+    ----------
+    base
+        The problem that varies.
+    keys
+        Dotted keys like `friction.mu`.
+    also
+        Names that may vary beside those of the problem.
+
+    Returns
+    -------
+    list of str
+        Empty if all may vary together.
+    """
+    keys, known = list(keys), [*also, *base.rules]
+    faults = [f"`{key}` must be one of {', '.join(known)}, but is not." for key in keys if key not in base.rules]
+    names = [name for table, _, name in (key.partition(".") for key in keys) if table == "initial"]
+    return faults + base.system.clashes(given_names(base.system.replaced(base.initial, dict.fromkeys(names))), "varies")
+
+
+def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
+    """What is wrong with the keys and the shapes of columns, in sentences.
+
+    Parameters
+    ----------
+    base
+        The problem that varies.
+    columns
+        Arrays by dotted key; they must have one shape (n,), n > 0.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    if not columns:
+        return ["`variations` must vary something, but is empty."]
+    shapes = {key: np.shape(values) for key, values in columns.items() if key in base.rules}
+    faults = key_faults(base, columns)
+    if len(set(shapes.values())) > 1 or any(len(shape) != 1 or not shape[0] for shape in shapes.values()):
+        sizes = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
+        faults.append(f"`variations` must be arrays of one length and dimension, but are {sizes}.")
+    return faults
+
+
+def given_names(initial: Mapping[str, Any]) -> list[str]:
+    """The names of initial data that are given; a flag that is false is not."""
+    return [name for name, value in initial.items() if value is not False]
+
+
+def together(problems: "Problems", valid: np.ndarray) -> list[tuple[int, str]]:
+    """What parameters break together, for each set of them once."""
+    given = problems.given("parameters")
+    rows = np.stack([np.broadcast_to(np.asarray(v, float), (problems.n,)) for v in given.values()], axis=1)
+    known: dict[bytes, list[str]] = {}
+    faults = []
+    for i in np.flatnonzero(valid):
+        key = rows[i].tobytes()
+        if key not in known:
+            known[key] = problems.base.system.checks(dict(zip(given, rows[i].tolist(), strict=True)))
+        faults += [(int(i), sentence) for sentence in known[key][:1]]
+    return faults
+
+
+def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
+    """What may be wrong with a start, and where it is, (n,): numbers that are finite one by one may overflow
+    together, or the model may have no solution."""
+    base = problems.base
+    plain = np.float64 if base.precision == "double" else np.longdouble
+    pars, start = problems.pars.astype(float), problems.start.astype(float)
+    body = problems.body_of_pars(pars.astype(plain))
+    scalars = base.form.scalars(problems.record(start.astype(plain)), body)
+    quantities = [q.formula(scalars, body) for q in base.system.quantities]
+    finite = np.ones(problems.n, bool)
+    for value in (*pars, *start, *problems.weights, *quantities):
+        finite &= np.isfinite(np.asarray(value, dtype=float))
+    overflow = "`parameters` and `initial` must stay finite together, but they overflow."
+    return [(overflow, ~finite)] + [
+        (f"`initial` must allow a motion, but {h.meaning}.", ~(np.zeros(problems.n) + h.formula(scalars, body) > 0))
+        for h in base.form.domains
+    ]

@@ -1,0 +1,212 @@
+"""Many runs that differ in numbers only, arrays of shape (n,), and the units in which they are integrated.
+
+Everything that is computed of a run is computed here; a single run is the case n = 1.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..mechanics.operand import leaves, refill
+from ..mechanics.units import SECOND, Scales, Unit
+from ..mechanics.variables import Variables
+from .faults import at_start, together, variation_faults
+
+
+if TYPE_CHECKING:
+    from .one import Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Problems:
+    """n runs that differ in numbers only: `columns` has arrays (n,), SI, under dotted keys like `friction.mu`.
+
+    A run's numbers depend on its own alone, to the bit. Units are converted in 80 bits, or in the precision of the base
+    if that is wider; what an integrator is fed is rounded once.
+    """
+
+    base: "Problem"
+    columns: Mapping[str, np.ndarray]
+    orientation: bool = False  # whether the turn about the axis is integrated too: of one among many, few ask
+
+    @classmethod
+    def vary(cls, base: "Problem", columns: Mapping[str, Any], orientation: bool = False) -> "Problems":
+        """Problems of arrays or lists (n,). Raises InputError if a key is wrong; `check` tells of single numbers.
+
+        Parameters
+        ----------
+        base
+            What the runs have in common.
+        columns
+            Arrays (n,), SI, by dotted key.
+        orientation
+            Whether the turn of the body about its axis is integrated too.
+
+        Returns
+        -------
+        Problems
+
+        Raises
+        ------
+        InputError
+            If a key or a shape is wrong.
+        """
+        sentences = variation_faults(base, columns)
+        if sentences:
+            raise InputError(sentences)
+        return cls(base, {key: np.array(values, dtype=float) for key, values in columns.items()}, orientation)
+
+    @property
+    def n(self) -> int:
+        """Number of runs."""
+        return len(next(iter(self.columns.values()))) if self.columns else 1
+
+    def given(self, table: str) -> dict[str, Any]:
+        """What a table gives, by name: arrays where it varies."""
+        columns = {key.partition(".")[2]: v for key, v in self.columns.items() if key.startswith(f"{table}.")}
+        base = self.base.tables[table]
+        return self.base.system.replaced(base, columns) if table == "initial" else {**base, **columns}
+
+    def _wide(self, value: Any) -> Any:
+        """A number or a column in the type in which units are converted, (n,); a flag as it is."""
+        if isinstance(value, bool):
+            return value
+        value = np.asarray(value, dtype=self.base.exact)
+        return value if np.ndim(value) else np.full(self.n, value, dtype=self.base.exact)
+
+    def body(self, number: Callable) -> Any:
+        """The bodies in SI units, of what is given passed through `number`."""
+        friction = type(self.base.friction)(**self.given("friction"))
+        return self.base.system.body_of(self.given("parameters"), friction, number)
+
+    @cached_property
+    def _body(self) -> Any:
+        return self.body(self._wide)
+
+    @cached_property
+    def scales(self) -> Scales:
+        """Internal units, (n,): the system's mass and length, and the power of two seconds that is nearest
+        sqrt(length/g).
+
+        A power of two, so that times convert without rounding: output and event times are exact.
+        """
+        mass, length = self.base.system.scales(self._body)
+        length = length * self._wide(self.base.form.length_unit)
+        ratio = np.sqrt(length.astype(float) / self._body.g.astype(float))
+        return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
+
+    def unit(self, unit: Unit) -> np.ndarray:
+        """SI units in one internal unit, (n,), doubles."""
+        return self.scales.of(unit).astype(float)
+
+    @cached_property
+    def weights(self) -> list[np.ndarray]:
+        """SI value of one internal unit of each integrated variable, (n,) each."""
+        return self.variables.weights(self.scales)
+
+    @cached_property
+    def variables(self) -> Variables:
+        """What is integrated."""
+        return Variables(self.base.form, self.orientation)
+
+    @cached_property
+    def pars(self) -> np.ndarray:
+        """Leaves of the bodies in internal units, (leaves, n), in the working precision."""
+        units = leaves(self.base.system.body_units(self.base.law.units()))
+        scaled = iter([value / self.scales.of(unit) for value, unit in zip(leaves(self._body), units, strict=True)])
+        body = refill(self._body, scaled)._replace(**self.base.system.folds(self.base.form))
+        return self._rounded(leaves(body))
+
+    @cached_property
+    def parameters(self) -> np.ndarray:
+        """What the user gives of the bodies, in internal units: parameters, then friction, (numbers, n)."""
+        given, friction = self.given("parameters"), self.given("friction")
+        units = [*(p.unit for p in self.base.system.parameters.values()), *self.base.law.units()]
+        values = [*(given[name] for name in self.base.system.parameters), *friction.values()]
+        return self._rounded([self._wide(v) / self.scales.of(unit) for v, unit in zip(values, units, strict=True)])
+
+    @cached_property
+    def internal_body(self) -> Any:
+        """The bodies in internal units, as formulas take them; what is 0 or 1 by construction is exactly that."""
+        return self.body_of_pars(self.pars)
+
+    def body_of_pars(self, pars: np.ndarray) -> Any:
+        """The bodies of leaves (leaves, n); what is 0 or 1 by construction is exactly that."""
+        return refill(self._body, iter(pars))._replace(**self.base.system.folds(self.base.form))
+
+    @cached_property
+    def start(self) -> np.ndarray:
+        """Internal states at t = 0, (variables, n), in the working precision."""
+        data = {name: self._wide(value) for name, value in self.given("initial").items()}
+        theta = data.get("theta", self._wide(0.0))
+        s, z = np.sin(theta), np.cos(theta)
+        pole = theta.astype(float) == math.pi  # what the user means who writes 3.141592653589793
+        s[pole], z[pole] = 0, -1
+        angles = self.base.system.start(data, s, z, self._body)
+        q, carried = self.variables.start(data, angles, s, z, self._body)
+        values = zip((*q, *carried), self.weights, strict=True)
+        return self._rounded([(v + 0 * theta) / weight for v, weight in values])
+
+    def _rounded(self, rows: list) -> np.ndarray:
+        """Rows of numbers or arrays (n,) in the working precision, (rows, n)."""
+        rounded = np.empty((len(rows), self.n), dtype=self.base.number)
+        for i, row in enumerate(rows):
+            rounded[i] = row
+        return rounded
+
+    @cached_property
+    def end(self) -> np.ndarray:
+        """Internal times at which the runs end, (n,), doubles."""
+        return np.asarray(np.broadcast_to(self.given("run")["until"], (self.n,)) / self.unit(SECOND), float)
+
+    def record(self, states: np.ndarray) -> Any:
+        """The state record of states (variables, k), in internal units."""
+        return self.variables.split(states)[0]
+
+    # --- which of them can be -------------------------------------------------------------------------------------
+
+    def check(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
+        """Which runs are valid, (n,), and what is wrong with the others: (number, sentence), ascending.
+
+        Returns
+        -------
+        valid
+            (n,) bool.
+        faults
+            Sentences with the number of their run.
+
+        Notes
+        -----
+        Looks at every number that varies, at what parameters break together, and at the start: all that is computed of
+        it must be finite, and the model must have a solution there.
+        """
+        return self._checked
+
+    @property
+    def valid(self) -> np.ndarray:
+        """Which runs are valid, (n,)."""
+        return self._checked[0]
+
+    @cached_property
+    def _checked(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
+        valid, faults = np.ones(self.n, bool), []
+        for key, column in self.columns.items():
+            rule = self.base.rules[key]
+            faults += [(int(i), rule.fault(key, column[i])) for i in np.flatnonzero(rule.broken(column))]
+        valid[[i for i, _ in faults]] = False
+        if any(key.startswith("parameters.") for key in self.columns):
+            broken = together(self, valid)
+            valid[[i for i, _ in broken]] = False
+            faults += broken
+        with np.errstate(all="ignore"):
+            sentences = at_start(self)
+        for sentence, bad in sentences:
+            faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
+            valid &= ~bad
+        valid.flags.writeable = False
+        return valid, sorted(faults)

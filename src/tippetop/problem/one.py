@@ -1,0 +1,140 @@
+"""One run: a checked body, a start and a span, all in SI units."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from ..errors import unknown_key
+from ..mechanics.friction import LAWS, Law
+from ..mechanics.operand import refill
+from ..mechanics.system import Form, Parameter, System
+from ..mechanics.units import SECOND, Scales
+from ..mechanics.variables import Variables
+from ..sampling import EvenTimes, ListedTimes
+from .faults import given_names
+from .many import Problems
+
+
+PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
+ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
+UNTIL = Parameter(SECOND, "end of the run", above=0)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One run. Built and checked by `scenario`; everything further in trusts it. All numbers in SI units."""
+
+    system: System
+    form: Form
+    parameters: dict[str, float]
+    friction: Any  # a record of friction.py
+    initial: dict[str, Any]
+    until: float
+    times: EvenTimes | ListedTimes  # of the rows that are asked for
+    events: tuple[str, ...]  # the kinds that are logged
+    on_liftoff: str = "stop"
+    precision: str = "double"
+    tolerance: float = 0.0  # 0 is the rounding unit of the precision
+    output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
+    stop_when: str = "until"  # or "settled"
+    orientation: bool = True  # whether the turn of the body about its axis is integrated too
+
+    def __post_init__(self) -> None:
+        if isinstance(self.times, np.ndarray):
+            object.__setattr__(self, "times", ListedTimes(self.times))
+
+    @cached_property
+    def number(self) -> Any:
+        """The number type of the precision."""
+        return PRECISIONS[self.precision]
+
+    @cached_property
+    def exact(self) -> Any:
+        """The number type in which units are converted: never less than 80 bits."""
+        return np.longdouble if self.precision == "double" else self.number
+
+    @cached_property
+    def law_name(self) -> str:
+        """The name of the friction law, as in `[friction] law`."""
+        laws = {**LAWS, **self.system.laws}
+        return next(name for name, law in laws.items() if law.record is type(self.friction))
+
+    @property
+    def law(self) -> Law:
+        """The friction law: its numbers and their units."""
+        return {**LAWS, **self.system.laws}[self.law_name]
+
+    @cached_property
+    def tables(self) -> dict[str, dict[str, Any]]:
+        """What is given, by table and name."""
+        return {
+            "parameters": dict(self.parameters),
+            "friction": self.friction._asdict(),
+            "initial": dict(self.initial),
+            "run": {"until": self.until},
+        }
+
+    @cached_property
+    def rules(self) -> dict[str, Parameter]:
+        """What must hold of the numbers, by dotted key: the keys that may vary."""
+        friction = self.law.parameters if self.system.frictional else {}
+        tables = {"parameters": self.system.parameters, "friction": friction, "initial": self.system.initial}
+        return {f"{table}.{name}": rule for table, rules in tables.items() for name, rule in rules.items()} | {
+            "run.until": UNTIL
+        }
+
+    def faults(self) -> list[str]:
+        """What is wrong with the numbers that are given, in sentences; empty if nothing is."""
+        faults = self.system.faults(self.parameters)
+        for table in ("friction", "initial", "run"):
+            for name, value in self.tables[table].items():
+                key, rule = f"{table}.{name}", self.rules.get(f"{table}.{name}")
+                if rule is not None and rule.broken(value):
+                    faults.append(rule.fault(key, value))
+                if rule is None and not isinstance(value, bool):
+                    known = [k.partition(".")[2] for k in self.rules if k.startswith(f"{table}.")]
+                    faults.append(unknown_key(key, known, self.rules))
+        return faults + self.system.clashes(given_names(self.initial))
+
+    def start_faults(self) -> list[str]:
+        """Why there is no motion from the start, in sentences; of numbers that are right one by one."""
+        return [sentence for _, sentence in self.alone.check()[1]]
+
+    @cached_property
+    def alone(self) -> Problems:
+        """This run as the one of its `Problems`."""
+        return Problems(self, {}, self.orientation)
+
+    def body(self, number: Any = float) -> Any:
+        """The record that formulas take, in SI units."""
+        return self.system.body_of(self.parameters, self.friction, number)
+
+    @cached_property
+    def scales(self) -> Scales:
+        """The units of mass, length and time in which the run is integrated; see `Problems.scales`."""
+        return Scales(*(unit[0] for unit in self.alone.scales))
+
+    @cached_property
+    def internal_body(self) -> Any:
+        """The body in internal units, in the working precision; what is 0 or 1 by construction is exactly that."""
+        return refill(self.alone.internal_body, iter(self.alone.pars[:, 0]))
+
+    @cached_property
+    def variables(self) -> Variables:
+        """What is integrated."""
+        return Variables(self.form, self.orientation)
+
+    def weights(self) -> list:
+        """SI value of one internal unit of each integrated variable."""
+        return [weight[0] for weight in self.alone.weights]
+
+    def start(self) -> np.ndarray:
+        """The internal state at t = 0, (variables,), in the working precision, as the integrator wants it."""
+        return self.alone.start[:, 0].copy()
+
+    def internal_time(self, t: Any) -> Any:
+        """Times in internal units, exactly."""
+        return t / float(self.scales.of(SECOND))
