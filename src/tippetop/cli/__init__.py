@@ -26,7 +26,7 @@ app = App(
     version_flags=["--version"],
     version=lambda: _version(),
     result_action="return_value",
-    suppress_keyboard_interrupt=False,  # `outcome` says what became of the run
+    suppress_keyboard_interrupt=False,  # `outcome` does it, with a sentence
 )
 for module in (run, landscape, sweep, show):
     for command in module.COMMANDS:
