@@ -112,8 +112,10 @@ def _over_one(sweep_map: Any) -> Figure:
         axes.axhline(0, color=ALARM, lw=0.9)
         axes.set_ylabel("normal force $g_n$/(m g)")
     for (label, values), style in zip(sweep_map.borders.items(), STYLES, strict=False):
-        for at in x.span[:-1][np.diff(np.sign(values)) != 0]:
-            axes.axvline(at, color="black", lw=1.0, ls=style, label=_mathematical(label))
+        known, above = np.isfinite(values), values > 0
+        passed = known[1:] & known[:-1] & (above[1:] != above[:-1])
+        for i, at in enumerate(x.span[:-1][passed]):
+            axes.axvline(at, color="black", lw=1.0, ls=style, label=_mathematical(label) if i == 0 else None)
     _dress(axes, sweep_map, x)
     picture.legend(loc="outside lower center", ncols=3)
     return picture

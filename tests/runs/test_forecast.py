@@ -1,0 +1,78 @@
+"""What is said of a run before it is made: quantities of the start from first principles, and what it will take."""
+
+import math
+
+import pytest
+
+from tippetop.runs import forecast
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+
+
+def test_quantities_of_the_start_are_those_of_a_spinning_ball() -> None:
+    """Tilted, spinning about its axis, its contact at rest: the centre moves with R omega3 sin(theta), and no more."""
+    problem = build.load("inverting", ["initial.theta=0.4", "initial.omega3=80.0"])
+    p, found = problem.parameters, forecast.at_start(problem)
+    c, s, z, L3 = p["R"] * p["alpha"], math.sin(0.4), math.cos(0.4), p["I3"] * 80.0
+    assert found["jellett"] == pytest.approx((p["R"] * z - c) * L3, rel=1e-13)
+    height, spin = p["m"] * p["g"] * (p["R"] - c * z), L3 * 80.0 / 2
+    moving = p["m"] * (p["R"] * 80.0 * s) ** 2 / 2
+    assert found["energy"] == pytest.approx(spin + moving + height, rel=1e-13)
+    assert found["modified_energy"] == pytest.approx(found["energy"], rel=1e-13)
+
+
+def test_everything_has_its_unit() -> None:
+    problem = build.load("inverting")
+    found = forecast.assessment(problem)
+    units = {quantity.name: quantity.unit.symbol for quantity in problem.system.quantities}
+    assert {name: entry["unit"] for name, entry in found["at_start"].items()} == units
+    assert found["thresholds"]["lambda_s"]["unit"] == "kg m3 s-1"
+    assert found["thresholds"]["spin_full"]["unit"] == "rad s-1"
+
+
+@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top"])
+def test_steps_are_foretold_to_an_order_of_magnitude(preset: str) -> None:
+    """No more is promised; measured: 0.3 to 4 times what the run takes."""
+    problem = build.load(preset, until=2.0)
+    made = solve(problem, keep=False)
+    assert 0.1 < forecast.cost(problem)["steps"] / made.report["steps"] < 10
+
+
+def test_cost_is_proportional_to_what_is_asked_for() -> None:
+    """To the time, to the spin, to the rows; wider numbers cost more for each step."""
+    base = forecast.cost(build.load("inverting", until=100.0))
+    twice = forecast.cost(build.load("inverting", ["run.output_step=0.001"], until=200.0))
+    assert twice["steps"] == pytest.approx(2 * base["steps"], abs=1)
+    assert twice["megabytes"] == pytest.approx(2 * base["megabytes"], rel=1e-3)
+    faster = forecast.cost(build.load("inverting", ["initial.omega3=310.0"], until=100.0))
+    assert faster["steps"] == pytest.approx(2 * base["steps"], abs=1)
+    seconds = [
+        forecast.cost(build.load("inverting", [f"run.precision={precision}"], until=100.0))["seconds"]
+        for precision in ("double", "longdouble", "quad")
+    ]
+    assert seconds == sorted(seconds)
+    assert seconds[0] < seconds[1] / 10 < seconds[2] / 100
+
+
+def test_advice_is_given_to_long_runs_in_double_of_the_other_form_only() -> None:
+    long = {"until": forecast.LONG}
+    advised = forecast.assessment(build.load("rolling", **long))["advice"]
+    better = build.load("rolling").system.long_form
+    assert f'form = "{better}"' in advised
+    for sets, until in (
+        ([f"form={better}"], forecast.LONG),
+        (["run.precision=longdouble", "run.output_step=10.0"], forecast.LONG),
+        ([], 0.9 * forecast.LONG),
+    ):
+        assert "advice" not in forecast.assessment(build.load("rolling", sets, until))
+
+
+def test_only_regularised_friction_of_what_inverts_speaks_of_eps() -> None:
+    """A long run is not made thrice to say it: the sentence comes without times."""
+    coulomb = ["friction.law=coulomb", "friction.eps=1e-3"]
+    found = forecast.assessment(build.load("inverting", coulomb, until=1e6))
+    assert "eps decides" in found["regularisation"]
+    assert "inversion_by_eps" not in found
+    assert "regularisation" not in forecast.assessment(build.load("inverting"))
+    frictionless = forecast.assessment(build.load("inverting", [*coulomb, "friction.mu=0.0"]))
+    assert "regularisation" not in frictionless
