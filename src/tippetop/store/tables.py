@@ -1,6 +1,7 @@
 """Groups and tables of a zarr store: how they are opened, and the one way in which a table is made."""
 
 import contextlib
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -46,8 +47,18 @@ def read_member(path: str | Path, name: str) -> Any:
     """An array of a store, or a group as a dict of arrays, to be read. Raises StoreError."""
     try:
         return _opened(zarr.open(store=str(path), mode="r", path=name))
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{name}`, but: {error}.") from None
+
+
+def metadata(columns: Mapping[str, Column], sizes: Mapping[str, tuple[int, int]]) -> dict[str, dict[str, Any]]:
+    """Name -> metadata of the arrays that `create_table` would make, as their `zarr.json` says it."""
+    group: Any = zarr.create_group(store=zarr.storage.MemoryStore(), zarr_format=3)
+    prototype = zarr.core.buffer.default_buffer_prototype()
+    return {
+        name: json.loads(array.metadata.to_buffer_dict(prototype)["zarr.json"].to_bytes())
+        for name, array in create_table(group, columns, sizes).items()
+    }
 
 
 def _opened(member: Any) -> Any:
