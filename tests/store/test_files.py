@@ -6,8 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import files, provenance, tables
 from tippetop.store.files import LOCK, Lock
@@ -178,6 +180,41 @@ def test_a_lock_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="must be writable"), files.writing(folder):
         Lock(folder)
     assert elsewhere.read_text() == "precious"
+
+
+def test_a_lock_that_is_another_file_too_is_not_written(tmp_path: Path) -> None:
+    folder, elsewhere = tmp_path / "S", tmp_path / "precious"
+    folder.mkdir()
+    elsewhere.write_text("precious")
+    os.link(elsewhere, folder / LOCK)
+    with pytest.raises(StoreError, match="must be a file of its own"):
+        Lock(folder)
+    assert elsewhere.read_text() == "precious"
+    (folder / LOCK).unlink()
+    os.mkfifo(folder / LOCK)
+    with pytest.raises(StoreError, match="must be a file of its own"):
+        Lock(folder)
+
+
+@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "trajectory/theta/c", "zarr.json", "pipe"])
+def test_nothing_inside_a_store_is_followed_when_it_is_written(inside: str, tmp_path: Path) -> None:
+    path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"
+    root, _ = tables.open_root(path)
+    tables.create_table(
+        root.create_group("trajectory"), {"theta": Column(("time",), np.zeros(0), {})}, {"time": (0, 4)}
+    )
+    _, (theta,) = tables.open_root(path, "trajectory")
+    theta["theta"].resize((4,))
+    theta["theta"][:] = 1.0
+    if inside == "pipe":
+        os.mkfifo(path / inside)
+    else:
+        (path / inside).rename(elsewhere)
+        (path / inside).symlink_to(elsewhere)
+    before = sorted(elsewhere.rglob("*"))
+    with pytest.raises(StoreError, match="is neither followed nor written|neither followed"):
+        tables.open_root(path, "trajectory")
+    assert sorted(elsewhere.rglob("*")) == before
 
 
 def test_what_a_killed_writer_leaves_goes(tmp_path: Path) -> None:

@@ -91,8 +91,10 @@ def write(
         raise StoreError(f"`{path}` must not exist yet, but does.")
     scratch = path.with_name(f".{path.name}.part")  # the same name in every process: what one began, another continues
     with files.writing(path):
-        fresh = not scratch.exists()
+        fresh = not files.own_folder(scratch).exists()
         scratch.mkdir(parents=True, exist_ok=True)
+        if scratch.lstat().st_uid != os.geteuid():  # its name can be guessed
+            raise StoreError(f"`{scratch}` must be yours, but another user made it.")
         with Lock(scratch) as lock:
             arrays = _created(scratch, wanted) if fresh else _opened(scratch, wanted)
             blocks = list(wanted.blocks())

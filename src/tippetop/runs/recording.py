@@ -220,7 +220,7 @@ def resume(
     InputError
         The scenario in the store is not one of this release.
     """
-    target, attrs = Path(target), read_attributes(target)
+    target, attrs = files.own_folder(target), read_attributes(target)
     if attrs["status"] != Status.RUNNING.value:
         for left in (CHECKPOINT, LOCK):  # killed after its last word, before it could tidy up
             (target / left).unlink(missing_ok=True)

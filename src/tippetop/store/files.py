@@ -9,6 +9,7 @@ import errno
 import fcntl
 import os
 import shutil
+import stat
 import uuid
 import weakref
 from collections.abc import Iterator
@@ -77,9 +78,7 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     OSError
         The disk; see `writing`.
     """
-    path = Path(path)
-    if path.is_symlink():
-        raise StoreError(f"`{path}` must be a folder of its own, but is a link.")
+    path = own_folder(path)
     replaced = path.exists()
     if replaced and not overwrite:
         raise _exists(path)
@@ -165,6 +164,25 @@ def remove_scratch(folder: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
+def own_folder(path: str | Path) -> Path:
+    """A path that is no link, so that what is written there is written there. Raises StoreError."""
+    if os.path.islink(path):
+        raise StoreError(f"`{path}` must be a folder of its own, but is a link.")
+    return Path(path)
+
+
+def refuse_links(folder: Path) -> None:
+    """Raises StoreError if anything inside a folder is neither a folder nor a plain file: zarr, which writes there,
+    would follow a link out of it. For who opens a store to write in it, whoever made the store."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                refuse_links(Path(entry.path))
+            elif not entry.is_file(follow_symlinks=False):
+                kind = "a link" if entry.is_symlink() else "no plain file"
+                raise StoreError(f"`{entry.path}` is {kind}: in a store, such a thing is neither followed nor written.")
+
+
 class Lock:
     """The lock of a store, from here on until it is released or the process ends, however it ends: the kernel keeps it.
 
@@ -183,6 +201,7 @@ class Lock:
         self.folder = Path(folder)
         while True:
             self._open()
+            self._plain()
             self._take()
             if self._in_place():
                 break
@@ -201,6 +220,13 @@ class Lock:
         self._close = weakref.finalize(
             self, os.close, self.descriptor
         )  # should an exception leave nobody to release it
+
+    def _plain(self) -> None:
+        """Refuses a pipe, or a file that has another name elsewhere: the holder's name would be written there."""
+        status = os.fstat(self.descriptor)
+        if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1:
+            self.release()
+            raise StoreError(f"`{self.folder / LOCK}` must be a file of its own: remove it.")
 
     def _take(self) -> None:
         try:

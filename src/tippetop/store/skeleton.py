@@ -194,7 +194,7 @@ def _array(folder: Path) -> dict[str, Any]:
 
     must(sizes(found.get("shape"), 0) and len(found["shape"]) > 0, "shape")
     must(found.get("data_type") in list(SIZES), "data_type")
-    size, shape, grid = SIZES[found["data_type"]], found["shape"], found.get("chunk_grid")
+    size, shape, grid = SIZES[found["data_type"]], found["shape"], found.get("chunk_grid") or {}
     must(isinstance(grid, dict) and isinstance(grid.get("configuration"), dict), "chunk_grid")
     chunk = grid["configuration"].get("chunk_shape")
     must(grid.get("name") == "regular" and sizes(chunk, 1) and len(chunk) == len(shape), "chunk_grid")
@@ -209,7 +209,7 @@ def _array(folder: Path) -> dict[str, Any]:
     )
     fill, real = found.get("fill_value"), found["data_type"] == "float64"
     must(fill in ("NaN", 0) if real else fill in (0, -1), "fill_value")
-    codecs = found.get("codecs")
+    codecs = found.get("codecs") or []
     must(isinstance(codecs, list) and all(isinstance(c, dict) for c in codecs), "codecs")
     must([c.get("name") for c in codecs] in CODECS, "codecs")
     settings = [c.get("configuration", {}) for c in codecs]

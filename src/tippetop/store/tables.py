@@ -11,6 +11,7 @@ import zarr
 
 from ..columns import Column
 from ..errors import StoreError
+from . import files
 
 
 ZarrError = zarr.errors.BaseZarrError
@@ -37,7 +38,8 @@ def every_chunk() -> Any:
 
 def open_root(folder: Path, *members: str, write_empty: bool = True) -> tuple[Any, list[Any]]:
     """The root group of a store that is written, and members of it: arrays, or groups as dicts of arrays; see
-    `every_chunk`."""
+    `every_chunk`. Raises StoreError if there is a link in it."""
+    files.refuse_links(folder)
     with every_chunk() if write_empty else contextlib.nullcontext():
         root: Any = zarr.open_group(store=str(folder), mode="r+", zarr_format=3)
         return root, [_opened(root[name]) for name in members]

@@ -125,7 +125,7 @@ class SweepStore:
 def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
     """The store of a sweep, new or continued, for one writer. Raises StoreError: another plan, other versions, a second
     writer, what cannot be read or written."""
-    folder = Path(path)
+    folder = files.own_folder(path)
     with contextlib.ExitStack() as held:
         with storing(folder):
             lock = held.enter_context(Lock(_there(folder, plan)) if folder.exists() else _created(folder, plan))

@@ -17,7 +17,7 @@ from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
 from .summary import open_sweep
-from .workers import Outcome, SchedulerLost, connect, in_process, local_cluster, on_client
+from .workers import Outcome, SchedulerLost, connect, in_process, local_cluster, on_client, processes_can_be
 
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bo
     threads = workers or len(os.sched_getaffinity(0))
     if client is not None:
         yield from on_client(client, tasks)
-    elif small or threads == 1 or not find_spec("distributed"):
+    elif small or threads == 1 or not processes_can_be():
         yield from in_process(tasks, threads)
     else:
         with local_cluster(threads) as ours:
