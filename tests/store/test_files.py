@@ -200,19 +200,18 @@ def test_a_lock_that_is_another_file_too_is_not_written(tmp_path: Path) -> None:
 def test_nothing_inside_a_store_is_followed_when_it_is_written(inside: str, tmp_path: Path) -> None:
     path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"
     root, _ = tables.open_root(path)
-    tables.create_table(
-        root.create_group("trajectory"), {"theta": Column(("time",), np.zeros(0), {})}, {"time": (0, 4)}
-    )
-    _, (theta,) = tables.open_root(path, "trajectory")
-    theta["theta"].resize((4,))
-    theta["theta"][:] = 1.0
+    theta = {"theta": Column(("time",), np.zeros(0), {})}
+    tables.create_table(root.create_group("trajectory"), theta, {"time": (0, 4)})
+    _, (arrays,) = tables.open_root(path, "trajectory")
+    arrays["theta"].resize((4,))
+    arrays["theta"][:] = 1.0
     if inside == "pipe":
         os.mkfifo(path / inside)
     else:
         (path / inside).rename(elsewhere)
         (path / inside).symlink_to(elsewhere)
     before = sorted(elsewhere.rglob("*"))
-    with pytest.raises(StoreError, match="is neither followed nor written|neither followed"):
+    with pytest.raises(StoreError, match="neither followed nor written"):
         tables.open_root(path, "trajectory")
     assert sorted(elsewhere.rglob("*")) == before
 

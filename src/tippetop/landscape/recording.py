@@ -137,7 +137,7 @@ def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
             old.unlink()
     group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
     axes = wanted.axes()
-    arrays = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0), compressors="auto")
+    arrays = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0))
     for name, axis in axes.items():
         arrays[name][...] = axis.values
     flags = {
@@ -150,7 +150,7 @@ def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
         "status": Column(dims, none.astype(np.int8), flags),
     }
     sizes = {dim: (n, min(wanted.chunk, n)) for dim, n in zip(dims, (wanted.x.size, wanted.y.size), strict=True)}
-    return arrays | tables.create_table(group, columns, sizes, fill={"status": -1}, compressors="auto")
+    return arrays | tables.create_table(group, columns, sizes, fill={"status": -1})
 
 
 def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:

@@ -79,6 +79,14 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
 
 
+def loaded(dataset: Any, path: str | Path) -> Any:
+    """A Dataset or DataArray of a store in memory. Raises StoreError where it cannot be read."""
+    try:
+        return dataset.load()
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{path}` must be readable, but: {error}.") from None
+
+
 @contextlib.contextmanager
 def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Gives a scratch folder beside `target`, which becomes `target` when the block ends well and vanishes when not.

@@ -108,7 +108,10 @@ def column(path: str | Path, table: Any, name: str) -> np.ndarray:
 
 
 def _chunks(path: str | Path) -> np.ndarray:
-    return np.asarray(tables.read_member(path, "chunk_status"))
+    try:
+        return np.asarray(tables.read_member(path, "chunk_status"))
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{path}` must hold a readable `chunk_status`, but: {error}.") from None
 
 
 def _counts(values: np.ndarray, attrs: dict[str, Any]) -> dict[str, int]:

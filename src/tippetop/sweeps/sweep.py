@@ -8,11 +8,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError, Interrupted, Unfinished
+from ..errors import InputError, Interrupted, StoreError, Unfinished
 from ..progress import reporting
 from ..runs import recording
 from ..scenario import build
-from ..store import provenance, root
+from ..store import chunks, provenance, root, tables
 from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
@@ -135,6 +135,17 @@ def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bo
             yield from on_client(ours, tasks)
 
 
+def whole_run(place: Path) -> None:
+    """Reads every chunk of a finished run in a sweep. Raises StoreError, which says what to do."""
+    try:
+        for group in ("trajectory", "events"):
+            chunks.verify(tables.read_member(place, group))
+    except StoreError as error:
+        raise StoreError(
+            f"`{place}` is damaged: {error} Remove it, and the same command runs that top again."
+        ) from None
+
+
 def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
     """Runs the tops that the plan wants whole, each into a store of its own."""
     for top in store.plan.runs:
@@ -143,3 +154,5 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
             recording.record(store.plan.problem(top), place, stop=stop)
         elif root.attributes(place)["status"] == "running":
             recording.resume(place, stop=stop)
+        else:
+            whole_run(place)
