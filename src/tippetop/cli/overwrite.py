@@ -20,4 +20,4 @@ def remove_store(path: Path) -> None:
     with files.writing(path), files.Lock(path):  # raises StoreError, naming the writer
         old = files.scratch_name(path)
         os.rename(path, old)  # gone at once: what is killed from here on leaves no half store under its name
-        shutil.rmtree(old)
+        shutil.rmtree(old, ignore_errors=True)

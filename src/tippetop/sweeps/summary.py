@@ -54,6 +54,9 @@ def report(path: str | Path) -> dict[str, Any]:
     status = column(path, table, "status")
     chunks = _chunks(path)
     done = status != Status.TODO.code
+    runs = sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit())
+    for top in runs:
+        root.attributes(folder / RUNS / str(top))  # raises StoreError: it is damaged
     return {
         **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
         "tops_done": int(done.sum()),
@@ -68,7 +71,7 @@ def report(path: str | Path) -> dict[str, Any]:
         },
         "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failures(folder),
-        "runs": sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit()),
+        "runs": runs,
         **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
     }
 

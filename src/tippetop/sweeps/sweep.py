@@ -141,9 +141,7 @@ def whole_run(place: Path) -> None:
         for group in ("trajectory", "events"):
             chunks.verify(tables.read_member(place, group))
     except StoreError as error:
-        raise StoreError(
-            f"`{place}` is damaged: {error} Remove it, and the same command runs that top again."
-        ) from None
+        raise StoreError(f"`{place}` is damaged: {error} Remove it: the same command runs that top again.") from None
 
 
 def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
