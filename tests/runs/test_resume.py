@@ -133,6 +133,46 @@ def test_two_writers_are_refused_with_the_holder_named(tmp_path: Path, capsys: p
     ended(process)
 
 
+@pytest.mark.parametrize("fate", ["moved", "removed", "replaced"])
+def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(fate: str, tmp_path: Path) -> None:
+    """Before, it went on for the whole run, and then claimed that everything is kept."""
+    store = tmp_path / "run.zarr"
+    process = start(*running(store, 1e6))
+    wait_until((store / "checkpoint.json").exists, process)
+    store.rename(tmp_path / "elsewhere")
+    if fate == "removed":
+        shutil.rmtree(tmp_path / "elsewhere", ignore_errors=True)
+    elif fate == "replaced":
+        (store / "trajectory").mkdir(parents=True)
+        (store / "run.lock").write_text("another's")
+    code, err = ended(process)
+    assert code == 5
+    assert "was moved, removed or replaced" in err
+    assert "Nothing acknowledged is lost" not in err
+
+
+def test_a_run_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:
+    store = tmp_path / "run.zarr"
+    process = start(*running(store, 1e6))
+    wait_until((store / "checkpoint.json").exists, process)
+    code, err = ended(start(*running(store), "--overwrite"))
+    assert code == 5
+    assert f"process {process.pid} on" in err
+    assert process.poll() is None
+    process.kill()
+    ended(process)
+    assert acknowledged(store) >= 0
+
+
+def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
+    store = tmp_path / "run.zarr"
+    both = [start(*running(store, 60.0)) for _ in range(2)]
+    ends = [ended(process) for process in both]
+    assert sorted(code for code, _ in ends) == [0, 5]
+    assert any("must not exist yet, but does" in err for _, err in ends)
+    assert [p.name for p in tmp_path.iterdir()] == ["run.zarr"]
+
+
 def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A store that was interrupted after some chunks."""
     store = tmp_path / "run.zarr"
