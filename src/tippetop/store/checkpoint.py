@@ -1,7 +1,7 @@
 """The checkpoint of a run: what is acknowledged, with a digest of itself and of the root attributes that it belongs to.
 
 The root attributes hold the scenario, precision, tolerance, versions and processor; the record holds the fingerprint of
-the equations. A digest finds damage and edits, not a forger who computes it again.
+the equations. A digest finds damage and edits, not a forger, who makes a new digest.
 """
 
 import hashlib
@@ -44,13 +44,13 @@ def read(folder: Path, attributes: dict[str, Any]) -> dict[str, Any]:
     Raises FileNotFoundError where there is none, StoreError where it is damaged or was written for others.
     """
     try:
-        found = json.loads((folder / CHECKPOINT).read_text(encoding="utf-8"))
-        bound = {key: value for key, value in found.items() if key != DIGEST}
-        if found[DIGEST] != digest(bound):
+        stored = json.loads((folder / CHECKPOINT).read_text(encoding="utf-8"))
+        bound = {key: value for key, value in stored.items() if key != DIGEST}
+        if stored[DIGEST] != digest(bound):
             raise ValueError("its digest is another")
-        if wrong := [key for key, kind in FIELDS.items() if type(found[key]) is not kind]:
+        if wrong := [key for key, kind in FIELDS.items() if type(stored[key]) is not kind]:
             raise ValueError(f"`{wrong[0]}` has another type")
-        scenario = found[SCENARIO]
+        scenario = stored[SCENARIO]
     except FileNotFoundError:
         raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
@@ -61,4 +61,4 @@ def read(folder: Path, attributes: dict[str, Any]) -> dict[str, Any]:
         raise StoreError(
             f"`{folder}` must have the scenario and versions of its checkpoint, but its root attributes were changed."
         )
-    return found
+    return stored

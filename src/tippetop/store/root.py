@@ -31,14 +31,14 @@ def finite(value: Any) -> Any:
 def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     """Root attributes of a store whose skeleton is sound; of a run that is not finished, with what its checkpoint says
     of its end. Raises StoreError; see `skeleton.read`."""
-    found = skeleton.read(path, whole=whole)
-    if "content" in found or found["status"] != "running":
-        return found
+    stored = skeleton.read(path, whole=whole)
+    if "content" in stored or stored["status"] != "running":
+        return stored
     try:
-        record = checkpoint.read(Path(path), found)
+        record = checkpoint.read(Path(path), stored)
     except FileNotFoundError:  # it just finished, or never began: the root attributes stand
-        return found
-    return found | {"report": record["report"], "reason": record["reason"]}
+        return stored
+    return stored | {"report": record["report"], "reason": record["reason"]}
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:

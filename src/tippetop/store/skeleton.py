@@ -81,17 +81,17 @@ def root_of(path: str | Path) -> dict[str, Any]:
     """The root attributes as they stand in a store. Raises StoreError if there is none of ours."""
     place = Path(path)
     try:
-        found = _document(place)["attributes"]
-        if found["format"] != FORMAT:
+        stored = _document(place)["attributes"]
+        if stored["format"] != FORMAT:
             raise KeyError("format")
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise StoreError(f"`{path}` {_no_store(place, error)}.") from None
-    if found.get("format_version") != FORMAT_VERSION:
+    if stored.get("format_version") != FORMAT_VERSION:
         raise StoreError(
-            f"`{path}` must have format version {FORMAT_VERSION}, but has {found.get('format_version')}: "
+            f"`{path}` must have format version {FORMAT_VERSION}, but has {stored.get('format_version')}: "
             "use the release that wrote it."
         )
-    return found
+    return stored
 
 
 def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
@@ -102,7 +102,7 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     path
         The store.
     whole
-        Whether a finished store must have the file of every chunk too; False for who computes anew what is missing.
+        Whether a finished store must have the file of every chunk too; False where what is missing is computed anew.
 
     Raises
     ------
@@ -138,20 +138,21 @@ def members(place: Path, group: str) -> dict[str, dict[str, Any]]:
     """The metadata of the arrays of a group, by name. Raises _Fault, a StoreError."""
     folder = place / group
     _node(folder, "group")
-    found = {entry.name: _array(entry) for entry in sorted(folder.iterdir()) if entry.is_dir() and entry.name[0] != "."}
-    if not found:
+    folders = [entry for entry in sorted(folder.iterdir()) if entry.is_dir() and entry.name[0] != "."]
+    stored = {entry.name: _array(entry) for entry in folders}
+    if not stored:
         raise _Fault(folder, "must hold columns")
-    return found
+    return stored
 
 
 def compare(place: Path, group: str, wanted: Mapping[str, dict[str, Any]]) -> None:
     """Compares a group with the metadata that it must have, all but the number of rows. Raises StoreError."""
-    found = members(place, group)
-    if odd := sorted(found.keys() ^ wanted.keys()):
+    stored = members(place, group)
+    if odd := sorted(stored.keys() ^ wanted.keys()):
         state = "is missing" if odd[0] in wanted else "is no column of it"
         raise _Fault(place / group, f"must have the columns of its scenario, but `{odd[0]}` {state}")
     for name, document in wanted.items():
-        mine, yours = ({**each, "shape": each["shape"][1:]} for each in (document, found[name]))
+        mine, yours = ({**each, "shape": each["shape"][1:]} for each in (document, stored[name]))
         if differ := [key for key in mine if json.dumps(mine[key]) != json.dumps(yours.get(key))]:
             raise _Fault(place / group / name, f"must be the column of its scenario, but differs in {differ[0]}")
 
@@ -170,46 +171,46 @@ def _document(folder: Path) -> dict[str, Any]:
 def _node(folder: Path, kind: str) -> dict[str, Any]:
     """The metadata of a group or an array."""
     try:
-        found = _document(folder)
+        stored = _document(folder)
     except (OSError, ValueError, RecursionError) as error:
-        said = error.strerror if isinstance(error, OSError) else error
-        raise _Fault(folder / DOCUMENT, f"must be readable, but: {said}") from None
-    right = isinstance(found, dict) and found.get("zarr_format") == 3 and found.get("node_type") == kind
-    if not right or not isinstance(found.get("attributes"), dict):
+        sentence = error.strerror if isinstance(error, OSError) else error
+        raise _Fault(folder / DOCUMENT, f"must be readable, but: {sentence}") from None
+    right = isinstance(stored, dict) and stored.get("zarr_format") == 3 and stored.get("node_type") == kind
+    if not right or not isinstance(stored.get("attributes"), dict):
         raise _Fault(folder / DOCUMENT, f"must be the metadata of a zarr {kind}")
-    return found
+    return stored
 
 
 def _array(folder: Path) -> dict[str, Any]:
     """The metadata of an array such as `tables.create_table` makes."""
-    found = _node(folder, "array")
+    stored = _node(folder, "array")
 
     def sizes(value: Any, least: int) -> bool:
         return isinstance(value, list) and all(type(n) is int and n >= least for n in value)
 
     def must(condition: bool, key: str) -> None:
         if not condition:
-            text = json.dumps(found.get(key))
+            text = json.dumps(stored.get(key))
             raise _Fault(folder, f"must have a {key} that tippetop writes, but has {text[:80]}")
 
-    must(sizes(found.get("shape"), 0) and len(found["shape"]) > 0, "shape")
-    must(found.get("data_type") in list(SIZES), "data_type")
-    size, shape, grid = SIZES[found["data_type"]], found["shape"], found.get("chunk_grid") or {}
+    must(sizes(stored.get("shape"), 0) and len(stored["shape"]) > 0, "shape")
+    must(stored.get("data_type") in list(SIZES), "data_type")
+    size, shape, grid = SIZES[stored["data_type"]], stored["shape"], stored.get("chunk_grid") or {}
     must(isinstance(grid, dict) and isinstance(grid.get("configuration"), dict), "chunk_grid")
     chunk = grid["configuration"].get("chunk_shape")
     must(grid.get("name") == "regular" and sizes(chunk, 1) and len(chunk) == len(shape), "chunk_grid")
     must(math.prod(chunk) * size <= MOST_CHUNK, "chunk_grid")
     key = {"name": "default", "configuration": {"separator": "/"}}
-    must(found.get("chunk_key_encoding") == key, "chunk_key_encoding")
-    must(found.get("storage_transformers", []) == [], "storage_transformers")
-    names = found.get("dimension_names")
+    must(stored.get("chunk_key_encoding") == key, "chunk_key_encoding")
+    must(stored.get("storage_transformers", []) == [], "storage_transformers")
+    names = stored.get("dimension_names")
     must(
         isinstance(names, list) and len(names) == len(shape) and all(isinstance(n, str) for n in names),
         "dimension_names",
     )
-    fill, real = found.get("fill_value"), found["data_type"] == "float64"
+    fill, real = stored.get("fill_value"), stored["data_type"] == "float64"
     must(fill in ("NaN", 0) if real else fill in (0, -1), "fill_value")
-    codecs = found.get("codecs") or []
+    codecs = stored.get("codecs") or []
     must(isinstance(codecs, list) and all(isinstance(c, dict) for c in codecs), "codecs")
     must([c.get("name") for c in codecs] in CODECS, "codecs")
     settings = [c.get("configuration", {}) for c in codecs]
@@ -220,12 +221,12 @@ def _array(folder: Path) -> dict[str, Any]:
         must(settings[1] == ours and settings[2] == {}, "codecs")
     else:
         must(settings[1] == {"level": 0, "checksum": False}, "codecs")
-    words = found["attributes"]
+    words = stored["attributes"]
     must(all(isinstance(words.get(k, ""), str) for k in ("units", "long_name", "flag_meanings")), "attributes")
     flags = words.get("flag_values", [])
     must(isinstance(flags, list) and ("flag_values" in words) == ("flag_meanings" in words), "attributes")
     must(all(type(n) is int for n in flags) and len(flags) == len(words.get("flag_meanings", "").split()), "attributes")
-    return found
+    return stored
 
 
 def _like(value: Any, pattern: Any, where: str) -> None:

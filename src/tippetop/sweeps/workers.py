@@ -80,7 +80,7 @@ def local_cluster(workers: int) -> Iterator[Any]:
 
     settings = {
         "distributed.worker.profile.enabled": False,  # it looks at every thread each 10 ms
-        "distributed.scheduler.http.routes": [],  # its pages need no key: none is served
+        "distributed.scheduler.http.routes": [],  # what they answer needs no key: nothing is served
         "distributed.worker.http.routes": [],
     }
     with (
