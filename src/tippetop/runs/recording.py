@@ -283,7 +283,7 @@ def _run(
     kept: dict[str, Any] | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
     folder = lock.folder
-    with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"):
+    with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"), lock.guarded():
         root, tables_of_run = tables.open_root(folder, "trajectory", "events")
         trajectory, events = map(Appender, tables_of_run)
         with Recorder(integration, trajectory, events, lock, stop) as recorder:

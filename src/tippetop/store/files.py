@@ -298,6 +298,16 @@ class Lock:
                 "what was there is gone from here, and nothing more is written."
             )
 
+    @contextlib.contextmanager
+    def guarded(self) -> Iterator[None]:
+        """A block in which whatever cannot be read or written is the fault of the folder, if that is gone: then
+        StoreError says so."""
+        try:
+            yield
+        except (OSError, LookupError, ValueError):
+            self.check()
+            raise
+
     def remove(self) -> None:
         """Takes the file away: what is finished has no writer. The lock is still to be released."""
         if self._in_place():
