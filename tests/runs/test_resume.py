@@ -10,12 +10,13 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from stores import acknowledged, assert_same, ended, start_process, wait_until
+from stores import acknowledged, assert_same, ended, files, start_process, wait_until
 
 from tippetop import errors
 from tippetop.cli import outcome
@@ -26,8 +27,9 @@ from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
+from tippetop.store import checkpoint, provenance, root
 from tippetop.store import files as store_files
-from tippetop.store import root
+from tippetop.store.files import LOCK
 
 
 SETS = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # it turns for ever
@@ -131,6 +133,46 @@ def test_two_writers_are_refused_with_the_holder_named(tmp_path: Path, capsys: p
     ended(process)
 
 
+@pytest.mark.parametrize("fate", ["moved", "removed", "replaced"])
+def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(fate: str, tmp_path: Path) -> None:
+    """Before, it went on for the whole run, and then claimed that everything is kept."""
+    store = tmp_path / "run.zarr"
+    process = start(*running(store, 1e6))
+    wait_until((store / "checkpoint.json").exists, process)
+    store.rename(tmp_path / "elsewhere")
+    if fate == "removed":
+        shutil.rmtree(tmp_path / "elsewhere", ignore_errors=True)
+    elif fate == "replaced":
+        (store / "trajectory").mkdir(parents=True)
+        (store / "run.lock").write_text("another's")
+    code, err = ended(process)
+    assert code == 5
+    assert "was moved, removed or replaced" in err
+    assert "Nothing acknowledged is lost" not in err
+
+
+def test_a_run_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:
+    store = tmp_path / "run.zarr"
+    process = start(*running(store, 1e6))
+    wait_until((store / "checkpoint.json").exists, process)
+    code, err = ended(start(*running(store), "--overwrite"))
+    assert code == 5
+    assert f"process {process.pid} on" in err
+    assert process.poll() is None
+    process.kill()
+    ended(process)
+    assert acknowledged(store) >= 0
+
+
+def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
+    store = tmp_path / "run.zarr"
+    both = [start(*running(store, 60.0)) for _ in range(2)]
+    ends = [ended(process) for process in both]
+    assert sorted(code for code, _ in ends) == [0, 5]
+    assert any("must not exist yet, but does" in err for _, err in ends)
+    assert [p.name for p in tmp_path.iterdir()] == ["run.zarr"]
+
+
 def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A store that was interrupted after some chunks."""
     store = tmp_path / "run.zarr"
@@ -168,11 +210,97 @@ def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, mon
     place.write_text(kept[: len(kept) // 2])
     with pytest.raises(StoreError, match="must have a whole checkpoint"):
         recording.resume(store)
-    other = json.loads(kept)
-    other["integration"]["equations"] = "0" * 16
-    place.write_text(json.dumps(other))
+    place.write_text(kept)
+    edited(store, lambda record: record["integration"].update(equations="0" * 16))
     with pytest.raises(StoreError, match="equations"):
         recording.resume(store)
+
+
+def edited(store: Path, edit: Callable[[dict], None]) -> None:
+    """A checkpoint that was edited by somebody who computes its digest again."""
+    record = json.loads((store / "checkpoint.json").read_text())
+    edit(record)
+    del record["digest"]
+    (store / "checkpoint.json").write_text(json.dumps({**record, "digest": checkpoint.digest(record)}))
+
+
+@pytest.mark.parametrize("key", ["rows", "filled"])
+def test_numbers_of_a_checkpoint_that_were_changed_are_refused(
+    key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = interrupted(tmp_path, monkeypatch)
+    record = json.loads((store / "checkpoint.json").read_text())
+    place = record if key in record else record["integration"]
+    place[key] -= 1
+    (store / "checkpoint.json").write_text(json.dumps(record))
+    for read in (recording.resume, root.attributes):
+        with pytest.raises(StoreError, match="its digest is another"):
+            read(store)
+
+
+@pytest.mark.parametrize("table", ["parameters", "run", "versions"])
+def test_a_scenario_that_was_changed_under_its_checkpoint_is_refused(
+    table: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = interrupted(tmp_path, monkeypatch)
+    document = json.loads((store / "zarr.json").read_text())
+    key, value = {"parameters": ("alpha", 0.31), "run": ("until", 100.0), "versions": ("heyoka", "0")}[table]
+    document["attributes"][table][key] = value
+    (store / "zarr.json").write_text(json.dumps(document))
+    with pytest.raises(StoreError, match="its root attributes were changed"):
+        recording.resume(store)
+
+
+@pytest.mark.parametrize("damage", ["removed", "metadata", "dtype", "units", "short", "extra"])
+@pytest.mark.parametrize("group", ["trajectory", "events"])
+def test_what_is_there_is_compared_with_what_must_be_there(
+    group: str, damage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = interrupted(tmp_path, monkeypatch)
+    column = store / group / "theta"
+    document = json.loads((column / "zarr.json").read_text())
+    if damage == "removed":
+        shutil.rmtree(column)
+    elif damage == "metadata":
+        (column / "zarr.json").unlink()
+    elif damage == "extra":
+        shutil.copytree(column, store / group / "another")
+    else:
+        document["attributes"]["units"] = "deg" if damage == "units" else "rad"
+        document["shape"] = [7] if damage == "short" else document["shape"]
+        if damage == "dtype":
+            document |= {"data_type": "int64", "fill_value": 0}
+        (column / "zarr.json").write_text(json.dumps(document))
+    before = files(store)
+    monkeypatch.setattr(Integration, "run", never)
+    with pytest.raises(StoreError, match=r"theta|another"):
+        recording.resume(store)
+    assert {name: b for name, b in files(store).items() if name != LOCK} == {
+        n: b for n, b in before.items() if n != LOCK
+    }
+
+
+def never(*_: object) -> None:
+    raise AssertionError("a step was made")
+
+
+@pytest.mark.parametrize("key", ["versions", "cpu"])
+def test_other_versions_resume_with_a_word_and_the_store_names_both(
+    key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    store = interrupted(tmp_path, monkeypatch)
+    here = {"versions": provenance.versions(), "cpu": provenance.cpu()}
+    other = {**here, key: {**here["versions"], "heyoka": "99"} if key == "versions" else "abacus"}
+    with monkeypatch.context() as patched:
+        patched.setattr(provenance, key, lambda: other[key])
+        assert outcome(["resume", str(store)]) == 5
+        assert "--accept-other-version" in capsys.readouterr().err
+        assert outcome(["resume", str(store), "--accept-other-version"]) == 0
+    attrs = root.attributes(store)
+    assert attrs[key] == other[key]
+    assert attrs["begun_with"] == [here]
+    assert outcome(["info", str(store)]) == 0
+    assert "begun with" in capsys.readouterr().out
 
 
 def test_an_unfinished_store_can_be_looked_at(

@@ -6,8 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import files, provenance, tables
 from tippetop.store.files import LOCK, Lock
@@ -82,6 +84,66 @@ def test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_pa
         made_store(path, "first")
     assert '"title": "first"' in (path / "zarr.json").read_text()
     assert content(tmp_path) == ["S.zarr"]
+
+
+def test_not_even_an_empty_folder_that_came_meanwhile_is_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "S.zarr"
+    with pytest.raises(StoreError, match="must not exist yet"), new_store(path) as scratch:  # noqa: PT012
+        tables.create_root(scratch, {"title": "mine"})
+        path.mkdir()
+    assert content(path) == []
+    assert content(tmp_path) == ["S.zarr"]
+
+
+def test_a_system_without_such_renames_still_replaces_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tippetop.store.renaming._renameat2", lambda *_: False)
+    test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_path)
+    with pytest.raises(StoreError, match="must not exist yet"), new_store(tmp_path / "T.zarr"):
+        (tmp_path / "T.zarr").mkdir()
+    (tmp_path / "S.zarr").rename(tmp_path / "U.zarr")
+    with new_store(tmp_path / "U.zarr", overwrite=True) as scratch:
+        (scratch / "new").write_text("")
+    assert content(tmp_path) == ["T.zarr", "U.zarr"]
+    assert content(tmp_path / "U.zarr") == ["new"]
+
+
+KILLED = """
+import os
+from pathlib import Path
+from tippetop.store.root import new_store
+with new_store(Path({path!r}), overwrite=True) as scratch:
+    (scratch / "half").write_text("")
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_what_a_killed_overwrite_leaves_beside_a_store_goes_with_the_next(tmp_path: Path) -> None:
+    path = made_store(tmp_path / "S.zarr")
+    assert subprocess.run([sys.executable, "-c", KILLED.format(path=str(path))]).returncode == -9
+    (stale,) = (p for p in tmp_path.iterdir() if p != path)
+    made_store(tmp_path / ".S.zarr.old")
+    others = [tmp_path / name for name in (".S.zarr.part-mine", ".T.zarr.part-" + "0" * 32)]
+    for other in others:
+        other.mkdir()
+    with pytest.warns(UserWarning, match="a killed run left it") as warned, new_store(path, overwrite=True) as scratch:
+        (scratch / "new").write_text("")
+    assert {str(w.message) for w in warned} == {
+        f"`{p}` is removed: a killed run left it." for p in (stale, tmp_path / ".S.zarr.old")
+    }
+    assert sorted(tmp_path.iterdir()) == sorted([path, *others])
+
+
+def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:
+    path = tmp_path / "S.zarr"
+    with new_store(path) as scratch:
+        (scratch / "mine").write_text("")
+        files.remove_stale(path)
+        assert content(scratch) == ["mine"]
+    held = tmp_path / f".S.zarr.part-{'0' * 32}"
+    held.mkdir()
+    with Lock(held):
+        files.remove_stale(path)
+        assert held.exists()
 
 
 def test_a_block_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
@@ -178,6 +240,40 @@ def test_a_lock_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="must be writable"), files.writing(folder):
         Lock(folder)
     assert elsewhere.read_text() == "precious"
+
+
+def test_a_lock_that_is_another_file_too_is_not_written(tmp_path: Path) -> None:
+    folder, elsewhere = tmp_path / "S", tmp_path / "precious"
+    folder.mkdir()
+    elsewhere.write_text("precious")
+    os.link(elsewhere, folder / LOCK)
+    with pytest.raises(StoreError, match="must be a file of its own"):
+        Lock(folder)
+    assert elsewhere.read_text() == "precious"
+    (folder / LOCK).unlink()
+    os.mkfifo(folder / LOCK)
+    with pytest.raises(StoreError, match="must be a file of its own"):
+        Lock(folder)
+
+
+@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "trajectory/theta/c", "zarr.json", "pipe"])
+def test_nothing_inside_a_store_is_followed_when_it_is_written(inside: str, tmp_path: Path) -> None:
+    path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"
+    root, _ = tables.open_root(path)
+    theta = {"theta": Column(("time",), np.zeros(0), {})}
+    tables.create_table(root.create_group("trajectory"), theta, {"time": (0, 4)})
+    _, (arrays,) = tables.open_root(path, "trajectory")
+    arrays["theta"].resize((4,))
+    arrays["theta"][:] = 1.0
+    if inside == "pipe":
+        os.mkfifo(path / inside)
+    else:
+        (path / inside).rename(elsewhere)
+        (path / inside).symlink_to(elsewhere)
+    before = sorted(elsewhere.rglob("*"))
+    with pytest.raises(StoreError, match="neither followed nor written"):
+        tables.open_root(path, "trajectory")
+    assert sorted(elsewhere.rglob("*")) == before
 
 
 def test_what_a_killed_writer_leaves_goes(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """What a store is: ours or not, of which format, finished or not; and how a new one comes to be."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -8,14 +9,15 @@ import pytest
 import zarr
 
 from tippetop.errors import StoreError
-from tippetop.store import provenance, root
+from tippetop.store import checkpoint, provenance, root
 
 
 def made(path: Path, **more: object) -> Path:
     """A small store of ours."""
     with root.new_store(path) as scratch:
-        group = zarr.open_group(store=str(scratch), mode="w", attributes={**provenance.provenance(), **more})
-        group.create_group("trajectory").create_array("time", data=np.arange(3.0), dimension_names=("time",))
+        words = {"content": "potential", "title": "a top", "system": "tippe-top", "parameters": {}}
+        group = zarr.open_group(store=str(scratch), mode="w", attributes={**words, **provenance.provenance(), **more})
+        group.create_group("potential").create_array("time", data=np.arange(3.0), dimension_names=("time",))
     return path
 
 
@@ -62,15 +64,22 @@ def test_a_store_of_another_format_version_is_refused(tmp_path: Path) -> None:
         root.attributes(path)
 
 
-def test_a_running_store_tells_its_checkpoint(tmp_path: Path) -> None:
-    path = made(tmp_path / "a.zarr", status="running")
-    assert "report" not in root.attributes(path)
-    (path / root.CHECKPOINT).write_text(json.dumps({"report": {"t_end": 2.5}, "reason": "interrupted"}))
-    found = root.attributes(path)
-    assert (found["report"], found["reason"]) == ({"t_end": 2.5}, "interrupted")
-    finished = made(tmp_path / "b.zarr", status="finished")
-    (finished / root.CHECKPOINT).write_text(json.dumps({"report": {"t_end": 2.5}, "reason": ""}))
-    assert "report" not in root.attributes(finished)
+def test_a_checkpoint_is_whole_and_of_its_store(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        checkpoint.read(tmp_path, {"a": 1})
+    record = {"versions": {}, "cpu": "", "rows": 1, "events": 0, "integration": {}, "begun_with": []}
+    checkpoint.write(
+        tmp_path, record | {"report": {"t_end": 2.5}, "reason": "interrupted"}, checkpoint.digest({"a": 1})
+    )
+    assert checkpoint.read(tmp_path, {"a": 1})["report"] == {"t_end": 2.5}
+    with pytest.raises(StoreError, match="its root attributes were changed"):
+        checkpoint.read(tmp_path, {"a": 2})
+    place = tmp_path / checkpoint.CHECKPOINT
+    text = place.read_text()
+    for damaged in (text[:50], text.replace("2.5", "2.6"), "{}", "[]", "null", "[" * 100_000):
+        place.write_text(damaged)
+        with pytest.raises(StoreError, match="must have a whole checkpoint"):
+            checkpoint.read(tmp_path, {"a": 1})
 
 
 def test_attributes_are_added_and_the_others_kept(tmp_path: Path) -> None:
@@ -82,7 +91,7 @@ def test_attributes_are_added_and_the_others_kept(tmp_path: Path) -> None:
 
 def test_a_group_is_a_dataset_with_the_attributes_of_the_store(tmp_path: Path) -> None:
     path = made(tmp_path / "a.zarr", title="a top")
-    found = root.open_group(path, "trajectory")
+    found = root.open_group(path, "potential")
     np.testing.assert_array_equal(found["time"], [0.0, 1.0, 2.0])
     assert found.attrs["title"] == "a top"
     with pytest.raises(StoreError, match="must hold a readable group `events`"):
@@ -121,8 +130,10 @@ def test_an_existing_store_is_replaced_only_when_asked_and_only_by_a_whole_one(t
     with pytest.raises(Stop):
         stopped(target, overwrite=True)
     assert root.attributes(target)["title"] == "old"
+    made(tmp_path / "b.zarr", title="new")
     with root.new_store(target, overwrite=True) as scratch:
-        zarr.open_group(store=str(scratch), mode="w", attributes={**provenance.provenance(), "title": "new"})
+        shutil.copytree(tmp_path / "b.zarr", scratch, dirs_exist_ok=True)
+    shutil.rmtree(tmp_path / "b.zarr")
     assert root.attributes(target)["title"] == "new"
     assert list(tmp_path.iterdir()) == [target]
 

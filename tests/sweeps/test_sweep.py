@@ -2,6 +2,7 @@
 
 import json
 import resource
+import shutil
 import signal
 import subprocess
 from collections.abc import Callable
@@ -77,6 +78,39 @@ def test_gridded_has_the_axes_as_dimensions(whole: Path) -> None:
         one = table.isel(top=top)
         place = {key: float(one[key]) for key in grid.dims}
         assert float(grid["theta_end"].sel(place)) == float(one["theta_end"])
+
+
+@pytest.mark.parametrize("damage", ["chunk", "metadata"])
+def test_damage_in_a_run_of_a_sweep_is_found_and_named(
+    damage: str, whole: Path, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    column = store / "runs" / "5" / "trajectory" / "theta"
+    if damage == "chunk":
+        content = bytearray((column / "c" / "0").read_bytes())
+        content[len(content) // 2] ^= 1
+        (column / "c" / "0").write_bytes(content)
+    else:
+        (column / "zarr.json").unlink()
+        assert outcome(["info", str(store)]) == 5
+    assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == 5
+    assert f"{store}/runs/5" in capsys.readouterr().err
+    shutil.rmtree(store / "runs" / "5")
+    tippetop.sweep(file, store, workers=1)
+    assert_same(store, whole)
+
+
+def test_a_column_that_is_gone_from_a_sweep_is_missed(whole: Path, file: Path, tmp_path: Path) -> None:
+    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    shutil.rmtree(store / "sweep" / "theta_end")
+    with pytest.raises(StoreError, match="theta_end"):
+        tippetop.sweep(file, store, workers=1)
+
+
+def test_a_link_is_no_place_for_a_sweep(whole: Path, file: Path, tmp_path: Path) -> None:
+    (tmp_path / "S.zarr").symlink_to(whole)
+    with pytest.raises(StoreError, match="is a link"):
+        tippetop.sweep(file, tmp_path / "S.zarr", workers=1)
 
 
 def test_absurd_tops_spoil_no_other(tmp_path: Path) -> None:

@@ -156,6 +156,25 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
     assert_same(store, longer[1])
 
 
+@pytest.mark.filterwarnings("ignore::Warning")
+def test_nobody_joins_the_workers_without_their_keys() -> None:
+    """Before, a client from anywhere on the machine ran code there."""
+    from distributed import Client, Security
+
+    from tippetop.sweeps import workers
+
+    with workers.local_cluster(1) as client:
+        assert client.submit(pow, 2, 3).result() == 8
+        address = client.scheduler_info()["address"]
+        assert address.startswith("tls://127.0.0.1")
+        assert all(worker.startswith("tls://127.0.0.1") for worker in client.scheduler_info()["workers"])
+        ours, port = Security.temporary(), address.rpartition(":")[2]
+        for place, keys in ((f"tcp://127.0.0.1:{port}", None), (address, ours)):  # none; made by somebody else
+            with pytest.raises(OSError), Client(place, security=keys, timeout="2 s", set_as_default=False):  # noqa: PT011
+                pass
+        assert client.submit(pow, 2, 4).result() == 16
+
+
 def test_a_worker_of_other_versions_is_refused(file: Path) -> None:
     """Its bits could differ."""
     of = Plan.from_toml(file)

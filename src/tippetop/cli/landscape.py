@@ -90,7 +90,7 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     attrs = root.attributes(out)
     if attrs.get("content") != "surface":
         raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")
-    stored = root.open_group(out, "surface")
+    stored = root.loaded(root.open_group(out, "surface")[["D", "lambda"]], out)
     same = attrs["parameters"] == parameters
     same = same and np.array_equal(stored["D"].values, Ds) and np.array_equal(stored["lambda"].values, lambdas)
     if not same:
@@ -176,10 +176,10 @@ def picture(store: Path, attrs: dict[str, Any], out: Path) -> int:
     group = root.open_group(store, attrs["content"])
     if attrs["content"] == "potential":
         least = surface.minimal_surface(attrs["parameters"], attrs["D"], attrs["lambda"], attrs["system"])
-        _draw_potential(group, least, out)
+        _draw_potential(root.loaded(group, store), least, out)
     else:
         some = {d: np.unique(np.linspace(0, group.sizes[d] - 1, 401).astype(int)) for d in group["F"].dims}
-        _draw_surface(group.isel(some), attrs["parameters"], out)
+        _draw_surface(root.loaded(group.isel(some), store), attrs["parameters"], out)
     return 0
 
 

@@ -79,13 +79,20 @@ def run(
     return _say(attrs, integration.seconds, {"store": out, "figure": figure}, as_json)
 
 
-def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
+def resume(
+    store: Path,
+    *,
+    accept_other_version: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
     """Continue an interrupted run; the finished store equals that of an undisturbed one, bit by bit.
 
     Parameters
     ----------
     store
         The store of the interrupted run.
+    accept_other_version
+        Continue also what other versions or another processor began: bits may differ, and the store names both.
     as_json
         Print the result as one JSON object.
     """
@@ -94,7 +101,9 @@ def resume(store: Path, *, as_json: Annotated[bool, Parameter(name="--json", neg
     from .text import following
 
     with Bar("s", "t = {done:.4g} s") as bar:
-        integration, attrs = _interruptible(lambda stop: continued(store, following(bar), stop=stop), store)
+        integration, attrs = _interruptible(
+            lambda stop: continued(store, following(bar), stop=stop, accept_other_version=accept_other_version), store
+        )
     return _say(attrs, integration.seconds, {"store": store}, as_json)
 
 

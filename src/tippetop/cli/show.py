@@ -57,6 +57,9 @@ def info(store: Path, *, as_json: Json = False) -> int:
     table.add_row("versions", ", ".join(f"{name} {version}" for name, version in content["versions"].items()))
     table.add_row("tolerance", f"{content['tolerance']:.3g}, {content['precision']} precision")
     table.add_row("processor", content["cpu"])
+    for before in attrs.get("begun_with", []):
+        words = ", ".join(f"{name} {version}" for name, version in before["versions"].items())
+        table.add_row("begun with", f"{words}; {before['cpu']}")
     out.print(table)
     return 0
 

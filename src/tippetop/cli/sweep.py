@@ -45,7 +45,7 @@ def sweep(
     again = f"Continue with: {_command(plan, out, workers, scheduler)}"
     if overwrite:
         remove_store(out)
-    elif out.is_dir() and root.attributes(out).get("status") == "finished":
+    elif out.is_dir() and root.attributes(out, whole=False).get("status") == "finished":
         print(f"tippetop: `{out}` is finished: its chunks are checked, nothing else to do.", file=sys.stderr)
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)

@@ -114,8 +114,10 @@ def write(
         raise StoreError(f"`{path}` must not exist yet, but does.")
     scratch = path.with_name(f".{path.name}.part")  # the same name in every process: what one began, another continues
     with files.writing(path):
-        fresh = not scratch.exists()
+        fresh = not files.own_folder(scratch).exists()
         scratch.mkdir(parents=True, exist_ok=True)
+        if scratch.lstat().st_uid != os.geteuid():  # its name can be guessed
+            raise StoreError(f"`{scratch}` must be yours, but another user made it.")
         with Lock(scratch) as lock:
             arrays = _created(scratch, wanted) if fresh else _opened(scratch, wanted)
             blocks = list(wanted.blocks())
@@ -158,7 +160,7 @@ def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
             old.unlink()
     group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
     axes = wanted.axes()
-    arrays = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0), compressors="auto")
+    arrays = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0))
     for name, axis in axes.items():
         arrays[name][...] = axis.values
     flags = {
@@ -171,7 +173,7 @@ def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
         "status": Column(dims, none.astype(np.int8), flags),
     }
     sizes = {dim: (n, min(wanted.chunk, n)) for dim, n in zip(dims, (wanted.x.size, wanted.y.size), strict=True)}
-    return arrays | tables.create_table(group, columns, sizes, fill={"status": -1}, compressors="auto")
+    return arrays | tables.create_table(group, columns, sizes, fill={"status": -1})
 
 
 def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:

@@ -203,7 +203,7 @@ def open(path: str | Path) -> "Run | xr.Dataset":
     return root.open_group(path, content)
 
 
-def resume(path: str | Path, *, stop: threading.Event | None = None) -> StoredRun:
+def resume(path: str | Path, *, stop: threading.Event | None = None, accept_other_version: bool = False) -> StoredRun:
     """Continues an interrupted run of a store to its end: bit by bit as if it had not been interrupted.
 
     Parameters
@@ -212,6 +212,8 @@ def resume(path: str | Path, *, stop: threading.Event | None = None) -> StoredRu
         The store.
     stop : threading.Event, optional
         As for `run`.
+    accept_other_version : bool
+        Whether to continue what other versions or another processor began: bits may differ, and the store names both.
 
     Returns
     -------
@@ -226,7 +228,7 @@ def resume(path: str | Path, *, stop: threading.Event | None = None) -> StoredRu
     """
     from ..runs import recording
 
-    recording.resume(Path(path), stop=stop)
+    recording.resume(Path(path), stop=stop, accept_other_version=accept_other_version)
     return StoredRun(path)
 
 

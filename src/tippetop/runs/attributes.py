@@ -58,7 +58,7 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
         "reason": attrs["reason"],
         **attrs["report"],
         **tables_of(attrs),
-        **({"certificate": attrs["certificate"]} if "certificate" in attrs else {}),
+        **{key: attrs[key] for key in ("certificate", "begun_with") if key in attrs},
         **{key: attrs[key] for key in ("tolerance", "precision", "final_state", "versions", "cpu")},
     }
 

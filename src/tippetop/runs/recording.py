@@ -1,26 +1,27 @@
 """A run becomes a store as it goes: rows and events in whole chunks, a checkpoint that acknowledges them, a lock."""
 
 import contextlib
-import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..columns import Column
 from ..engine.status import Status
 from ..errors import Interrupted, StoreError
 from ..problem import Problem
 from ..scenario import build
-from ..store import chunks, files, provenance, tables
+from ..store import checkpoint, chunks, files, provenance, skeleton, tables
+from ..store.checkpoint import CHECKPOINT
 from ..store.chunks import Appender
 from ..store.files import LOCK, Lock
-from ..store.root import CHECKPOINT, finite, new_store
 from ..store.root import attributes as read_attributes
+from ..store.root import finite, new_store
 from . import attributes
 from .events import EventTable, event_columns
 from .integration import Integration
@@ -49,6 +50,8 @@ class Recorder:
     ):
         self.integration, self.lock, self.stop = integration, lock, stop
         self.trajectory, self.log = trajectory, events
+        self.of = checkpoint.digest(skeleton.root_of(lock.folder))
+        self.begun_with: list[dict[str, Any]] = []  # versions and processors of those that wrote it before
         self.behind: deque[Future] = deque()
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
         self.committed_at = time.monotonic()
@@ -106,17 +109,19 @@ class Recorder:
     def _acknowledge(self, state: dict[str, Any]) -> None:
         record = {
             "format_version": provenance.FORMAT_VERSION,
-            "versions": provenance.versions(),
-            "cpu": provenance.cpu(),
+            **_here(),
+            "begun_with": self.begun_with,
             "rows": self.trajectory.rows,
             "events": self.log.rows,
             **state,
         }
-        files.replace_text(self.lock.folder / CHECKPOINT, json.dumps(record, allow_nan=False))
+        checkpoint.write(self.lock.folder, record, self.of)
 
     def finish(self, root: Any) -> dict[str, Any]:
         """Writes what waits and the root attributes, takes the checkpoint away; gives the attributes back."""
         attrs = _attributes(self.integration)
+        if self.begun_with:
+            attrs["begun_with"] = self.begun_with
         self._now(lambda: self._close(root, attrs))
         return attrs
 
@@ -180,19 +185,31 @@ def record(
             integration = Integration(problem)
             root = tables.create_root(scratch, _attributes(integration))
             lock = held.enter_context(Lock(scratch))
-            empty = integration.view.columns(np.zeros(0), integration.first[:0])
-            trajectory = Appender.created(root, "trajectory", empty, rows_per_chunk(problem))
-            events = Appender.created(root, "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK)
+            trajectory, events = (Appender.created(root, *table) for table in _tables(integration))
             with Recorder(integration, trajectory, events, lock) as recorder:
                 recorder.commit()
         lock.folder = Path(target)
         return _run(integration, lock, progress, stop)
 
 
+def _tables(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
+    """The groups of a run: name, columns without rows, rows of a chunk."""
+    empty = integration.view.columns(np.zeros(0), integration.first[:0])
+    yield "trajectory", empty, rows_per_chunk(integration.problem)
+    yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
+
+
 def resume(
-    target: Path, progress: Progress | None = None, *, stop: threading.Event | None = None
+    target: Path,
+    progress: Progress | None = None,
+    *,
+    stop: threading.Event | None = None,
+    accept_other_version: bool = False,
 ) -> tuple[Integration, dict[str, Any]]:
     """Continues an interrupted run, in any thread: arguments and results as those of `record`.
+
+    With `accept_other_version` also one that other versions or another processor began: its bits may differ from those
+    of an undisturbed run, and the store names both.
 
     Raises
     ------
@@ -203,16 +220,59 @@ def resume(
     InputError
         The scenario in the store is not one of this release.
     """
-    target, attrs = Path(target), read_attributes(target)
+    target, attrs = files.own_folder(target), read_attributes(target)
     if attrs["status"] != Status.RUNNING.value:
         for left in (CHECKPOINT, LOCK):  # killed after its last word, before it could tidy up
             (target / left).unlink(missing_ok=True)
         raise StoreError(f"`{target}` must be unfinished to be resumed, but: {attrs['reason']}.")
-    integration = Integration(build.problem(build.tables_of(attrs)))
     with contextlib.ExitStack() as held:
         with files.writing(target):
             lock = held.enter_context(Lock(target))
-        return _run(integration, lock, progress, stop, resumed=True)
+        kept = _checkpoint(target, accept_other_version)
+        integration = Integration(build.problem(build.tables_of(attrs)))
+        _compare(target, integration, kept)
+        return _run(integration, lock, progress, stop, kept)
+
+
+def _here() -> dict[str, Any]:
+    """What the bits of a run depend on beside its scenario."""
+    return {"versions": provenance.versions(), "cpu": provenance.cpu()}
+
+
+def _checkpoint(target: Path, accept_other_version: bool) -> dict[str, Any]:
+    """The checkpoint of a store, `begun_with` as it is from here on. Raises StoreError."""
+    try:
+        kept = checkpoint.read(target, skeleton.root_of(target))
+    except FileNotFoundError:
+        raise StoreError(f"`{target}` must have a checkpoint to be resumed, but has none.") from None
+    before, here = {key: kept[key] for key in _here()}, _here()
+    if before == here:
+        return kept
+    if not accept_other_version:
+        differ = [
+            f"{name} {before['versions'].get(name)} (here {version})"
+            for name, version in here["versions"].items()
+            if before["versions"].get(name) != version
+        ]
+        differ += [f"processor {before['cpu']} (here {here['cpu']})"] if before["cpu"] != here["cpu"] else []
+        raise StoreError(
+            f"`{target}` must be resumed by the versions and processor that wrote it: {', '.join(differ)}; "
+            "its bits may differ with --accept-other-version."
+        )
+    return kept | {"begun_with": [*kept["begun_with"], before]}
+
+
+def _compare(target: Path, integration: Integration, kept: dict[str, Any]) -> None:
+    """Compares what is there with what must be there: every column, its metadata, its acknowledged rows."""
+    for (name, columns, chunk), rows in zip(_tables(integration), (kept["rows"], kept["events"]), strict=True):
+        dimension = next(iter(columns.values())).dims[0]
+        skeleton.compare(target, name, tables.metadata(columns, {dimension: (0, chunk)}))
+        for column, document in skeleton.members(target, name).items():
+            if document["shape"][0] < rows:
+                raise StoreError(
+                    f"`{target}`: `{name}/{column}` must hold the {rows} acknowledged rows, "
+                    f"but has {document['shape'][0]}."
+                )
 
 
 def _run(
@@ -220,27 +280,25 @@ def _run(
     lock: Lock,
     progress: Progress | None,
     stop: threading.Event | None,
-    *,
-    resumed: bool = False,
+    kept: dict[str, Any] | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
     folder = lock.folder
-    with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"):
+    with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"), lock.guarded():
         root, tables_of_run = tables.open_root(folder, "trajectory", "events")
         trajectory, events = map(Appender, tables_of_run)
         with Recorder(integration, trajectory, events, lock, stop) as recorder:
-            if resumed:
-                _go_back(recorder)
+            if kept is not None:
+                _go_back(recorder, kept)
             integration.run(recorder, progress)
             return integration, recorder.finish(root)
 
 
-def _go_back(recorder: Recorder) -> None:
+def _go_back(recorder: Recorder, kept: dict[str, Any]) -> None:
     """Brings a store back to its checkpoint: rows that were not acknowledged go, the rest is read once and checked."""
-    target = recorder.lock.folder
+    target, recorder.begun_with = recorder.lock.folder, kept["begun_with"]
     try:
-        kept = json.loads((target / CHECKPOINT).read_text(encoding="utf-8"))
         recorder.integration.restore(kept["integration"])
-    except (OSError, ValueError, KeyError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError) as error:
         raise StoreError(
             f"`{target}` must have a whole checkpoint of this release to be resumed, but: {error}."
         ) from None

@@ -92,6 +92,7 @@ class Appender:
         for name, array in self.arrays.items():
             if array.shape[0] < rows:
                 raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
+        for array in self.arrays.values():
             array.resize((rows, *array.shape[1:]))
 
     def reload(self, rows: int) -> None:

@@ -8,13 +8,17 @@ import contextlib
 import errno
 import fcntl
 import os
+import re
 import shutil
+import stat
 import uuid
+import warnings
 import weakref
 from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import StoreError
+from . import renaming
 
 
 LOCK = "run.lock"
@@ -77,9 +81,7 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     OSError
         The disk; see `writing`.
     """
-    path = Path(path)
-    if path.is_symlink():
-        raise StoreError(f"`{path}` must be a folder of its own, but is a link.")
+    path = own_folder(path)
     replaced = path.exists()
     if replaced and not overwrite:
         raise _exists(path)
@@ -88,28 +90,73 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
         lock = stack.enter_context(Lock(path)) if replaced else None
         if lock is not None and lock.made:
             stack.callback(lock.remove)  # a store that stays has no lock that it had not before
+        remove_stale(path)
         scratch.mkdir()
         stack.callback(shutil.rmtree, scratch, ignore_errors=True)
+        stack.callback(os.close, _held(scratch))  # until it is renamed or gone: a killed writer leaves it free
         yield scratch
-        if lock is not None:
-            lock.check()
-            old = scratch_name(path)
-            path.rename(old)
-            try:
-                rename_new(scratch, path)
-            except BaseException:
-                old.rename(path)
-                raise
-            shutil.rmtree(old)
-        else:
+        if lock is None:
             rename_new(scratch, path)
+            return
+        lock.check()
+        if renaming.exchange(scratch, path):  # what was there is now the scratch folder, and goes with it
+            return
+        old = scratch_name(path)
+        path.rename(old)
+        try:
+            rename_new(scratch, path)
+        except BaseException:
+            old.rename(path)
+            raise
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _held(folder: Path) -> int:
+    """A descriptor that locks a folder itself until it is closed or the process ends. Raises OSError: it is held."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def remove_stale(path: Path) -> None:
+    """Removes the scratch folders that killed writers of `path` left beside it, and warns, naming them.
+
+    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, or a `.NAME.old` of earlier
+    releases while `path` itself is there; neither it nor a `run.lock` in it held by anybody.
+    """
+    pattern = re.compile(re.escape(f".{path.name}.part-") + "[0-9a-f]{32}")
+    with contextlib.suppress(OSError):
+        for name in sorted(os.listdir(path.parent)):
+            old = path.with_name(name)
+            earlier = name == f".{path.name}.old" and path.is_dir() and (old / "zarr.json").is_file()
+            if (earlier or pattern.fullmatch(name)) and _removed(old):
+                warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
+
+
+def _removed(old: Path) -> bool:
+    """Removes a folder of this user that nobody holds; whether it did."""
+    try:
+        status = os.lstat(old)
+        if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.geteuid():
+            return False
+        with contextlib.ExitStack() as stack:
+            stack.callback(os.close, _held(old))
+            if os.path.lexists(old / LOCK):
+                stack.enter_context(Lock(old))
+            shutil.rmtree(old)
+    except (OSError, StoreError):
+        return False
+    return True
 
 
 def rename_new(scratch: Path, path: Path) -> None:
-    """Renames a folder that is not empty, where nothing stands: the system itself refuses to put a folder in the place
-    of a file, a link, or a folder that holds something. Raises StoreError, OSError."""
+    """Renames a folder where nothing stands, not even an empty folder. Raises StoreError, OSError."""
     try:
-        scratch.rename(path)
+        renaming.rename_new(scratch, path)
     except OSError as error:
         if error.errno in (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR) and os.path.lexists(path):
             raise _exists(path) from None
@@ -165,6 +212,25 @@ def remove_scratch(folder: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
+def own_folder(path: str | Path) -> Path:
+    """A path that is no link, so that what is written there is written there. Raises StoreError."""
+    if os.path.islink(path):
+        raise StoreError(f"`{path}` must be a folder of its own, but is a link.")
+    return Path(path)
+
+
+def refuse_links(folder: Path) -> None:
+    """Raises StoreError if anything inside a folder is neither a folder nor a plain file: zarr, which writes there,
+    would follow a link out of it. For who opens a store to write in it, whoever made the store."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                refuse_links(Path(entry.path))
+            elif not entry.is_file(follow_symlinks=False):
+                kind = "a link" if entry.is_symlink() else "no plain file"
+                raise StoreError(f"`{entry.path}` is {kind}: in a store, such a thing is neither followed nor written.")
+
+
 class Lock:
     """The lock of a store, from here on until it is released or the process ends, however it ends: the kernel keeps it.
 
@@ -183,6 +249,7 @@ class Lock:
         self.folder = Path(folder)
         while True:
             self._open()
+            self._plain()
             self._take()
             if self._in_place():
                 break
@@ -201,6 +268,13 @@ class Lock:
         self._close = weakref.finalize(
             self, os.close, self.descriptor
         )  # should an exception leave nobody to release it
+
+    def _plain(self) -> None:
+        """Refuses a pipe, or a file that has another name elsewhere: the holder's name would be written there."""
+        status = os.fstat(self.descriptor)
+        if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1:
+            self.release()
+            raise StoreError(f"`{self.folder / LOCK}` must be a file of its own: remove it.")
 
     def _take(self) -> None:
         try:
@@ -223,6 +297,16 @@ class Lock:
                 f"`{self.folder}` must stay in its place while it is written, but was moved, removed or replaced: "
                 "what was there is gone from here, and nothing more is written."
             )
+
+    @contextlib.contextmanager
+    def guarded(self) -> Iterator[None]:
+        """A block in which whatever cannot be read or written is the fault of the folder, if that is gone: then
+        StoreError says so."""
+        try:
+            yield
+        except (OSError, LookupError, ValueError):
+            self.check()
+            raise
 
     def remove(self) -> None:
         """Takes the file away: what is finished has no writer. The lock is still to be released."""

@@ -10,15 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import StoreError
-from . import files
-from .provenance import FORMAT, FORMAT_VERSION
+from . import checkpoint, files, skeleton
 
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-CHECKPOINT = "checkpoint.json"
 
 
 def finite(value: Any) -> Any:
@@ -32,38 +28,17 @@ def finite(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def attributes(path: str | Path) -> dict[str, Any]:
-    """Root attributes of a store. Raises StoreError if there is none of ours."""
-    place = Path(path)
+def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
+    """Root attributes of a store whose skeleton is sound; of a run that is not finished, with what its checkpoint says
+    of its end. Raises StoreError; see `skeleton.read`."""
+    stored = skeleton.read(path, whole=whole)
+    if "content" in stored or stored["status"] != "running":
+        return stored
     try:
-        stored = json.loads((place / "zarr.json").read_text(encoding="utf-8"))["attributes"]
-        if stored["format"] != FORMAT:
-            raise KeyError("format")
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise StoreError(f"`{path}` {_no_store(place, error)}.") from None
-    if stored.get("format_version") != FORMAT_VERSION:
-        raise StoreError(
-            f"`{path}` must have format version {FORMAT_VERSION}, but has {stored.get('format_version')}: "
-            "use the release that wrote it."
-        )
-    if stored.get("status") == "running":
-        try:
-            record = json.loads((place / CHECKPOINT).read_text(encoding="utf-8"))
-            stored |= {"report": record["report"], "reason": record["reason"]}
-        except (OSError, ValueError, KeyError):
-            pass  # it just finished, or never began: the root attributes stand
-    return stored
-
-
-def _no_store(place: Path, error: Exception) -> str:
-    """Why a path is not a store of ours."""
-    if not place.exists():
-        return "does not exist"
-    if not place.is_dir():
-        return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
-    if isinstance(error, OSError) and not isinstance(error, FileNotFoundError):
-        return f"must be a store of tippetop, but cannot be read: {error.strerror or error}"
-    return "must be a store of tippetop, but is another folder"
+        record = checkpoint.read(Path(path), stored)
+    except FileNotFoundError:  # it just finished, or never began: the root attributes stand
+        return stored
+    return stored | {"report": record["report"], "reason": record["reason"]}
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
@@ -100,8 +75,16 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     attrs = attributes(path)
     try:
         return xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+
+
+def loaded(dataset: Any, path: str | Path) -> Any:
+    """A Dataset or DataArray of a store in memory. Raises StoreError where it cannot be read."""
+    try:
+        return dataset.load()
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{path}` must be readable, but: {error}.") from None
 
 
 @contextlib.contextmanager
@@ -116,7 +99,7 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
         if not overwrite:
             raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
         try:
-            attributes(target)
+            skeleton.root_of(target)  # a damaged one may be overwritten
         except StoreError:
             sentence = f"`{target}` must be a store of tippetop to be overwritten, but is something else."
             raise StoreError(sentence) from None

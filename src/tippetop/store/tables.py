@@ -1,6 +1,7 @@
 """Groups and tables of a zarr store: how they are opened, and the one way in which a table is made."""
 
 import contextlib
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import zarr
 
 from ..columns import Column
 from ..errors import StoreError
+from . import files
 
 
 ZarrError = zarr.errors.BaseZarrError
@@ -36,7 +38,8 @@ def every_chunk() -> Any:
 
 def open_root(folder: Path, *members: str, write_empty: bool = True) -> tuple[Any, list[Any]]:
     """The root group of a store that is written, and members of it: arrays, or groups as dicts of arrays; see
-    `every_chunk`."""
+    `every_chunk`. Raises StoreError if there is a link in it."""
+    files.refuse_links(folder)
     with every_chunk() if write_empty else contextlib.nullcontext():
         root: Any = zarr.open_group(store=str(folder), mode="r+", zarr_format=3)
         return root, [_opened(root[name]) for name in members]
@@ -46,8 +49,18 @@ def read_member(path: str | Path, name: str) -> Any:
     """An array of a store, or a group as a dict of arrays, to be read. Raises StoreError."""
     try:
         return _opened(zarr.open(store=str(path), mode="r", path=name))
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{name}`, but: {error}.") from None
+
+
+def metadata(columns: Mapping[str, Column], sizes: Mapping[str, tuple[int, int]]) -> dict[str, dict[str, Any]]:
+    """Name -> metadata of the arrays that `create_table` would make, as their `zarr.json` says it."""
+    group: Any = zarr.create_group(store=zarr.storage.MemoryStore(), zarr_format=3)
+    prototype = zarr.core.buffer.default_buffer_prototype()
+    return {
+        name: json.loads(array.metadata.to_buffer_dict(prototype)["zarr.json"].to_bytes())
+        for name, array in create_table(group, columns, sizes).items()
+    }
 
 
 def _opened(member: Any) -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, provenance, tables
+from ..store import files, provenance, skeleton, tables
 from ..store.chunks import readable
 from ..store.files import Lock
 from ..store.root import attributes as read_attributes
@@ -125,7 +125,7 @@ class SweepStore:
 def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
     """The store of a sweep, new or continued, for one writer. Raises StoreError: another plan, other versions, a second
     writer, what cannot be read or written."""
-    folder = Path(path)
+    folder = files.own_folder(path)
     with contextlib.ExitStack() as held:
         with storing(folder):
             lock = held.enter_context(Lock(_there(folder, plan)) if folder.exists() else _created(folder, plan))
@@ -173,7 +173,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 
 def _there(folder: Path, plan: Plan) -> Path:
     """The folder of a sweep that was begun, if it is this one."""
-    stored, wanted = read_attributes(folder), json.loads(json.dumps(_attributes(plan)))
+    stored, wanted = read_attributes(folder, whole=False), json.loads(json.dumps(_attributes(plan)))
     if stored.get("content") != GROUP:
         raise StoreError(f"`{folder}` must be a sweep to be continued, but is something else.")
     if stored["plan"] != wanted["plan"]:
@@ -188,7 +188,12 @@ def _there(folder: Path, plan: Plan) -> Path:
                 f"`{folder}` must be continued by the same {key}, but was begun with {stored[key]}, "
                 f"and here is {wanted[key]}."
             )
+    skeleton.compare(folder, GROUP, tables.metadata(_columns(plan), {"top": (plan.n, plan.chunk)}))
     return folder
+
+
+def _columns(plan: Plan) -> dict[str, Column]:
+    return {**_coordinates(plan), **chunk.column_schema(plan.base, plan.keep)}
 
 
 def _created(folder: Path, plan: Plan) -> Lock:
@@ -196,8 +201,7 @@ def _created(folder: Path, plan: Plan) -> Lock:
     with new_store(folder) as scratch:
         root = tables.create_root(scratch, _attributes(plan))
         lock = Lock(scratch)
-        columns = {**_coordinates(plan), **chunk.column_schema(plan.base, plan.keep)}
-        tables.create_table(root.create_group(GROUP), columns, {"top": (plan.n, plan.chunk)})
+        tables.create_table(root.create_group(GROUP), _columns(plan), {"top": (plan.n, plan.chunk)})
         if plan.runs:
             root.create_group(RUNS)
         flags = {"flag_values": list(range(3)), "flag_meanings": " ".join(CHUNK_STATUSES), "units": "1"}

@@ -54,6 +54,9 @@ def report(path: str | Path) -> dict[str, Any]:
     status = column(path, table, "status")
     chunks = _chunks(path)
     done = status != Status.TODO.code
+    runs = sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit())
+    for top in runs:
+        root.attributes(folder / RUNS / str(top))  # raises StoreError: it is damaged
     return {
         **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
         "tops_done": int(done.sum()),
@@ -68,7 +71,7 @@ def report(path: str | Path) -> dict[str, Any]:
         },
         "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failures(folder),
-        "runs": sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit()),
+        "runs": runs,
         **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
     }
 
@@ -108,7 +111,10 @@ def column(path: str | Path, table: Any, name: str) -> np.ndarray:
 
 
 def _chunks(path: str | Path) -> np.ndarray:
-    return np.asarray(tables.read_member(path, "chunk_status"))
+    try:
+        return np.asarray(tables.read_member(path, "chunk_status"))
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{path}` must hold a readable `chunk_status`, but: {error}.") from None
 
 
 def _counts(values: np.ndarray, attrs: dict[str, Any]) -> dict[str, int]:

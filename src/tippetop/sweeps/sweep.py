@@ -8,16 +8,16 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError, Interrupted, Unfinished
+from ..errors import InputError, Interrupted, StoreError, Unfinished
 from ..progress import reporting
 from ..runs import recording
 from ..scenario import build
-from ..store import provenance, root
+from ..store import chunks, provenance, root, tables
 from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
 from .summary import open_sweep
-from .workers import Outcome, SchedulerLost, connect, in_process, local_cluster, on_client
+from .workers import Outcome, SchedulerLost, connect, in_process, local_cluster, on_client, processes_can_be
 
 
 if TYPE_CHECKING:
@@ -128,11 +128,20 @@ def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bo
     threads = workers or len(os.sched_getaffinity(0))
     if client is not None:
         yield from on_client(client, tasks)
-    elif small or threads == 1 or not find_spec("distributed"):
+    elif small or threads == 1 or not processes_can_be():
         yield from in_process(tasks, threads)
     else:
         with local_cluster(threads) as ours:
             yield from on_client(ours, tasks)
+
+
+def whole_run(place: Path) -> None:
+    """Reads every chunk of a finished run in a sweep. Raises StoreError, which says what to do."""
+    try:
+        for group in ("trajectory", "events"):
+            chunks.verify(tables.read_member(place, group))
+    except StoreError as error:
+        raise StoreError(f"`{place}` is damaged: {error} Remove it: the same command runs that top again.") from None
 
 
 def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
@@ -143,3 +152,5 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
             recording.record(store.plan.problem(top), place, stop=stop)
         elif root.attributes(place)["status"] == "running":
             recording.resume(place, stop=stop)
+        else:
+            whole_run(place)

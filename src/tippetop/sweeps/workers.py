@@ -8,6 +8,7 @@ import contextlib
 import logging
 import signal
 from collections.abc import Iterator
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -53,11 +54,20 @@ def connect(scheduler: str) -> Iterator[Any]:
         yield client
 
 
+def processes_can_be() -> bool:
+    """Whether what processes of our own take is installed: dask, and keys for what they say to each other."""
+    return all(find_spec(name) for name in ("distributed", "cryptography"))
+
+
 @contextlib.contextmanager
 def local_cluster(workers: int) -> Iterator[Any]:
-    """A client of processes of our own on this machine, one thread each."""
+    """A client of processes of our own on this machine, one thread each.
+
+    They talk over TLS with keys that are made here and live in memory only: who reaches a port of 127.0.0.1, as any
+    user of the machine does, gets no further without them.
+    """
     import dask
-    from distributed import Client, LocalCluster, WorkerPlugin
+    from distributed import Client, LocalCluster, Security, WorkerPlugin
 
     class Quiet(WorkerPlugin):
         """In those processes, which are ours alone: Ctrl-C is for the one that waits for them, and so is what they have
@@ -68,9 +78,16 @@ def local_cluster(workers: int) -> Iterator[Any]:
             logging.disable(logging.ERROR)
             taylor.silence()
 
+    settings = {
+        "distributed.worker.profile.enabled": False,  # it looks at every thread each 10 ms
+        "distributed.scheduler.http.routes": [],  # what they answer needs no key: nothing is served
+        "distributed.worker.http.routes": [],
+    }
     with (
-        dask.config.set({"distributed.worker.profile.enabled": False}),  # it looks at every thread each 10 ms
+        dask.config.set(settings),
         LocalCluster(
+            protocol="tls://",
+            security=Security.temporary(),
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
