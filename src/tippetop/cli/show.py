@@ -65,6 +65,7 @@ def check(
     scenario: str,
     *,
     set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    try_: Annotated[bool, Parameter(name="--try", negative=())] = False,
     as_json: Json = False,
 ) -> int:
     """Validate a scenario without running it: invariants at the start, thresholds, expected fate and cost.
@@ -77,6 +78,8 @@ def check(
         TOML file, or preset (see `tippetop presets`), or the plan of a sweep.
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
+    try_
+        Run it, without storing anything, as far as a second of computing goes: its end, and the least normal force.
     as_json
         Print the result as one JSON object.
     """
@@ -95,6 +98,8 @@ def check(
         return sweep.examine(tables, Path(scenario).parent, as_json)
     problem = build.problem(tables)
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
+    if try_:
+        facts["tried"] = forecast.tried(problem)
     if as_json:
         from ..store.root import finite
 

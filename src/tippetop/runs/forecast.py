@@ -1,11 +1,15 @@
 """What is known of a scenario before it is run: its invariants, its regime, its expected cost."""
 
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from ..engine.observables import Observables
 from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..sampling import ListedTimes
 
 
 STEPS_PER_RADIAN = {"double": 0.9, "longdouble": 0.9, "quad": 0.85}  # measured: canonical inversion, 1337 steps in 8 s
@@ -44,6 +48,36 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
     limits = {name: {"value": t.value, "unit": t.unit.symbol} for name, t in outlook.thresholds.items()}
     sentences = {"regime": outlook.regime, "fate": outlook.fate}
     return {**({"thresholds": limits} if limits else {}), **{key: text for key, text in sentences.items() if text}}
+
+
+TRIED = 1.0  # seconds that a try may take, by the expected cost
+
+
+def tried(problem: Problem) -> dict[str, Any]:
+    """What a short run shows: how it ends, the least normal force on the way. Where the whole run would take more than
+    a second, its first part."""
+    from .run import solve
+
+    expected = cost(problem)["seconds"]
+    until = problem.until * min(1.0, TRIED / expected) if expected > 0 else problem.until
+    short = replace(problem, until=until, times=ListedTimes(np.array([0.0])), output="times")
+    found = solve(short, keep=False)
+    force = found.report.get("normal_force")
+    least = (
+        {}
+        if force is None
+        else {
+            "normal_force_min": {"value": force["min"], "unit": "N"},
+            "weight": {"value": force["weight"], "unit": "N"},
+        }
+    )
+    return {
+        "until": {"value": until, "unit": "s"},
+        "status": found.status.value,
+        "reason": found.reason,
+        **({"outcome": found.report["outcome"]} if "outcome" in found.report else {}),
+        **least,
+    }
 
 
 def _advice(problem: Problem) -> dict[str, str]:

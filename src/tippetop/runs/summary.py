@@ -6,6 +6,16 @@ from typing import Any
 from ..mechanics.systems import find
 
 
+WORDS = {
+    "upright": "upright spin, which is stable",
+    "tumbling": "tumbling: nothing slides any more",
+    "inverted": "inverted spin, which is stable",
+    "lifted-off": "lifted off",
+    "under-way": "under way: this is not yet where the motion ends",
+}
+"""What has become of a body, by the name of its class."""
+
+
 def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
     """Name and text of each line of a summary."""
     status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
@@ -17,6 +27,8 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(("inversion", _inversion(info)))
     else:
         result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
+    if info.get("outcome") in WORDS:
+        result.append(("outcome", WORDS[info["outcome"]]))
     result.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
