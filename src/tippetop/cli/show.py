@@ -88,8 +88,9 @@ def check(
     from ..runs import forecast
     from ..runs.summary import regularisation
     from ..scenario import build, reading
+    from ..scenario.suspicions import suspicions
     from ..sweeps import plan
-    from .text import console
+    from .text import console, warn
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
@@ -98,6 +99,7 @@ def check(
         return sweep.examine(tables, Path(scenario).parent, as_json)
     problem = build.problem(tables)
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
+    facts["warnings"] = warn(suspicions(problem))
     if try_:
         facts["tried"] = forecast.tried(problem)
     if as_json:
@@ -114,7 +116,7 @@ def check(
             text = _entries(value, units)
         else:
             text = _plain(value)
-        if name != "inversion_by_eps":  # part of `regularisation`
+        if name not in ("inversion_by_eps", "warnings"):  # part of `regularisation`; said on standard error
             table.add_row(name.replace("_", " "), text)
     console().print(table)
     return 0

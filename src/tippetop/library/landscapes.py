@@ -52,7 +52,8 @@ def minimal_surface(
     Returns
     -------
     xarray.Dataset
-        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)]; each (first, second).
+        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)]; each (first, second);
+        a number, not an array, is no dimension.
 
     Raises
     ------
@@ -95,7 +96,7 @@ def potential(
     Returns
     -------
     xarray.Dataset
-        V, V_z, V_zz [J], each (z, first, second); dimensions of length one are dropped. NaN outside (-1, 1).
+        V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN outside (-1, 1).
 
     Raises
     ------

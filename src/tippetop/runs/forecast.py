@@ -98,12 +98,28 @@ def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, A
         from .regularisation import inversion_sensitivity
 
         sensitivity = inversion_sensitivity(problem)
+        result["regularisation"] += _converged(*list(sensitivity["inversion_time"].values())[:2])
         result["inversion_by_eps"] = {
             "eps": {"value": list(sensitivity["inversion_time"]), "unit": "m s-1"},
             "first_equator": {"value": list(sensitivity["inversion_time"].values()), "unit": "s"},
             "exponent": {"value": sensitivity["exponent"], "unit": "1"},
         }
     return result
+
+
+CONVERGED = 0.01  # relative change of the time of inversion when eps is halved: less, and eps decides nothing
+
+
+def _converged(half: float | None, whole: float | None) -> str:
+    """What to add about eps, from the times of inversion for half of it and for itself; nothing if it is small enough."""
+    if half is None and whole is None:
+        return ""
+    if half is None or whole is None:
+        return ", and this eps has not converged: half of it decides whether it inverts in time"
+    change = abs(half - whole) / whole
+    if change <= CONVERGED:
+        return ""
+    return f", and this eps has not converged: half of it changes that time by {100 * change:.2g} %"
 
 
 def cost(problem: Problem) -> dict[str, float]:

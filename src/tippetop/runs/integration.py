@@ -117,9 +117,9 @@ class Integration:
         }
 
     def _outcome(self) -> dict[str, str]:
-        """What has become of the body by now, a name of CLASSES; nothing of a system that has no classes."""
+        """What has become of the body by now, a name of CLASSES; nothing of a system that friction cannot turn over."""
         system = self.problem.system
-        if not system.classes:
+        if not (system.inverts and system.classes):
             return {}
         if self.log.tally.kept.get("lifted_at") is not None:
             return {"outcome": "lifted-off"}

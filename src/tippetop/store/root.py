@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..columns import with_coordinates
 from ..errors import StoreError
 from . import files
 from .provenance import FORMAT, FORMAT_VERSION
@@ -99,7 +100,8 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
 
     attrs = attributes(path)
     try:
-        return xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        found = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        return with_coordinates(found)
     except (OSError, ValueError, KeyError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
 
