@@ -111,7 +111,7 @@ CONVERGED = 0.01  # relative change of the time of inversion when eps is halved:
 
 
 def _converged(half: float | None, whole: float | None) -> str:
-    """What to add about eps, from the times of inversion for half of it and for itself; nothing if it is small enough."""
+    """What to add about eps, from the times of inversion for half of it and for itself; nothing if it is small."""
     if half is None and whole is None:
         return ""
     if half is None or whole is None:
