@@ -116,7 +116,7 @@ def check(
             text = _entries(value, units)
         else:
             text = _plain(value)
-        if name not in ("inversion_by_eps", "warnings"):  # part of `regularisation`; said on standard error
+        if name not in ("inversion_by_eps", "warnings"):  # in `regularisation`; on standard error
             table.add_row(name.replace("_", " "), text)
     console().print(table)
     return 0

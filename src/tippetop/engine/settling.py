@@ -49,9 +49,9 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
     """
     known = isinstance(body, Body)
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
-    found = np.full(len(theta), CLASSES.index("under-way"))
+    kinds = np.full(len(theta), CLASSES.index("under-way"))
     for name in system.classes:
-        found[ends[name]] = CLASSES.index(name)
+        kinds[ends[name]] = CLASSES.index(name)
     for name, inverted in (("upright", False), ("inverted", True)):
         if name not in system.classes or not known or not ends[name].any():
             continue
@@ -60,5 +60,5 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
         leaves_it = here[is_unstable(omega3[here], some, inverted=inverted, gliding=system.frictional)]
         away = np.minimum(theta[leaves_it], np.pi - theta[leaves_it]) >= LINEAR
         tumbles = settled[leaves_it] & away if "tumbling" in system.classes else np.zeros_like(away)
-        found[leaves_it] = np.where(tumbles, CLASSES.index("tumbling"), CLASSES.index("under-way"))
-    return found
+        kinds[leaves_it] = np.where(tumbles, CLASSES.index("tumbling"), CLASSES.index("under-way"))
+    return kinds

@@ -146,9 +146,9 @@ class EventLog:
     def _through_pole(self, piece: Slice, zeros: list[Zero], keep: np.ndarray) -> np.ndarray:
         """Which of the zeros that are kept are passages of the axis through a pole, rather than near it, (k,)."""
         names = self.view.problem.variables.names
-        found = np.zeros(int(keep.sum()), bool)
+        passing = np.zeros(int(keep.sum()), bool)
         if "ux" not in names:
-            return found
+            return passing
         columns = [names.index("ux"), names.index("uy")]
         times = np.array([zero.time for zero, kept in zip(zeros, keep, strict=True) if kept])
         number = piece.ends.dtype
@@ -161,8 +161,8 @@ class EventLog:
             start, end = (times[near] + shift for shift in (-NEAR_POLE, NEAR_POLE))
             start, end = np.maximum(start, piece.times[0]), np.minimum(end, piece.times[-1])
             speed = np.hypot(*(across(end) - across(start)).T) / (end - start).astype(float)
-            found[near] = np.hypot(*across(times[near]).T) < AT_POLE * speed
-        return found
+            passing[near] = np.hypot(*across(times[near]).T) < AT_POLE * speed
+        return passing
 
     def _remember(self, passages: Passages, rows: np.ndarray) -> None:
         """What events keep of their passages, whatever kinds are logged; `rows` are those of the log, or -1."""

@@ -61,8 +61,8 @@ def tried(problem: Problem) -> dict[str, Any]:
     expected = cost(problem)["seconds"]
     until = problem.until * min(1.0, TRIED / expected) if expected > 0 else problem.until
     short = replace(problem, until=until, times=ListedTimes(np.array([0.0])), output="times")
-    found = solve(short, keep=False)
-    force = found.report.get("normal_force")
+    short_run = solve(short, keep=False)
+    force = short_run.report.get("normal_force")
     least = (
         {}
         if force is None
@@ -73,9 +73,9 @@ def tried(problem: Problem) -> dict[str, Any]:
     )
     return {
         "until": {"value": until, "unit": "s"},
-        "status": found.status.value,
-        "reason": found.reason,
-        **({"outcome": found.report["outcome"]} if "outcome" in found.report else {}),
+        "status": short_run.status.value,
+        "reason": short_run.reason,
+        **({"outcome": short_run.report["outcome"]} if "outcome" in short_run.report else {}),
         **least,
     }
 

@@ -19,22 +19,22 @@ def suspicions(problem: Problem) -> list[str]:
 def _left_out(problem: Problem) -> list[str]:
     """Initial numbers that are zero because nobody gave them, where that decides the motion."""
     initial, known = problem.initial, problem.system.initial
-    found = []
+    sentences = []
     if "omega3" in known and not {"omega3", "psi_dot"} & set(initial):
-        found.append("`initial.omega3` is not given: this top does not spin.")
+        sentences.append("`initial.omega3` is not given: this top does not spin.")
     if "omega3" in known and not {"theta", "theta_dot"} & set(initial):
-        found.append("`initial.theta` is not given: this top starts exactly upright, and stays there.")
-    return found
+        sentences.append("`initial.theta` is not given: this top starts exactly upright, and stays there.")
+    return sentences
 
 
 def _other_units(problem: Problem) -> list[str]:
     """Parameters that look as if they were in another unit."""
-    found = []
+    sentences = []
     for name, rule in problem.system.parameters.items():
         most, other = LARGEST.get(rule.unit.symbol, (float("inf"), ""))
         value = float(problem.parameters[name])
         if value > most:
-            found.append(
+            sentences.append(
                 f"`parameters.{name}` is {value:g} {rule.unit.symbol}, which looks like {other}: units are SI."
             )
-    return found
+    return sentences

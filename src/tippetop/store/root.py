@@ -100,8 +100,8 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
 
     attrs = attributes(path)
     try:
-        found = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
-        return with_coordinates(found)
+        table = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        return with_coordinates(table)
     except (OSError, ValueError, KeyError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
 
