@@ -83,7 +83,7 @@ def test_the_band_of_a_run_holds_the_run():
         "system": "rolling-tippe-top",
         "parameters": PARAMETERS,
         "initial": {"theta": 3.1, "omega3": float(spinning.spin(-1, lam, b))},
-        "run": {"until": 1.0, "output_step": 0.0005, "on_liftoff": "continue"},
+        "run": {"until": 3.0, "output_step": 0.0005, "on_liftoff": "continue"},
     }
     run = tippetop.datasets(tippetop.integrate(build.problem(tables)))["trajectory"]
     found = turning.band(PARAMETERS, run, "rolling-tippe-top")
