@@ -9,8 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from .jit import kernel
-from .level_crossings import crossings, swing
-from .minimise import AT_REST, NEARLY, Status, clipped, factor, lowest, minimise, settled
+from .level_crossings import Level, band_of, crossings, swing
+from .minimise import AT_REST, MOST_EXTREMES, NEARLY, Status, clipped, extremes, factor, lowest, minimise, settled
 from .staging import BLOCK, first, get, put, second, third, width
 
 
@@ -258,6 +258,51 @@ def turnings(
         p = prepare(xs[i], ys[i], r)
         low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
         bends[i] = bend(q[i], p, r)
+
+
+@kernel
+def wells(
+    prepare, slopes, value, excess, bend, allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status
+):
+    """`turnings` where there may be several minima: of that in whose basin `at` (n,) lies; where it is NaN, the lowest.
+
+    The minimum is then the lowest that the band holds. Fills `other` (2, n) with the crossings of a band elsewhere.
+    """
+    turns = np.empty(MOST_EXTREMES)
+    for i in range(xs.size):
+        low[i] = high[i] = other[0, i] = other[1, i] = q[i] = F[i] = bends[i] = np.nan
+        status[i] = Level.UNDEFINED
+        if not (np.isfinite(xs[i]) and np.isfinite(ys[i]) and np.isfinite(levels[i])):
+            continue
+        p = prepare(xs[i], ys[i], r)
+        count = extremes(slopes, p, r, turns)
+        minima = (count + 1) // 2
+        if np.isnan(at[i]):
+            well = _lowest(value, turns, 0, minima - 1, p, r)
+        else:
+            well = 0
+            while well + 1 < minima and at[i] > turns[2 * well + 1]:
+                well += 1
+        low[i], high[i], status[i], first, last = band_of(excess, turns, count, well, levels[i], allowance, p, r)
+        k = _lowest(value, turns, first, last, p, r)
+        q[i] = turns[2 * k]
+        F[i], bends[i] = value(q[i], p, r), bend(q[i], p, r)
+        for another in range(minima):
+            if another < first or another > last:
+                a, b, how, _, _ = band_of(excess, turns, count, another, levels[i], allowance, p, r)
+                if how != Level.BELOW:
+                    other[0, i], other[1, i] = a, b
+
+
+@kernel
+def _lowest(value, turns, first, last, p, r):
+    """Which of the minima from `first` to `last` is the lowest."""
+    best, least = first, np.inf
+    for k in range(first, last + 1):
+        V = value(turns[2 * k], p, r)
+        if least > V:
+            best, least = k, V
+    return best
 
 
 @kernel

@@ -81,6 +81,41 @@ def crossings(excess, bend, q, level, allowance, p, r):
 
 
 @kernel
+def beyond(excess, inside, bound, level, p, r):
+    """The first crossing on the way from `inside`, where excess < 0, to `bound`; `bound` where there is none."""
+    step, before, here = 1.1, inside, inside
+    while here != bound:
+        before = here
+        here = max(here / step, bound) if bound < inside else min(here * step, bound)
+        if excess(here, level, p, r) > 0:
+            return crossing(excess, before, here, level, p, r)
+        step *= min(step, 1e8)
+    return bound
+
+
+@kernel
+def band_of(excess, q, count, well, level, allowance, p, r):
+    """The two q where the level crosses around the minimum `well` of several, a Level, and the first and last minimum
+    that the band holds: those that no maximum above the level parts from it.
+
+    q (count,) are minima and maxima in turn.
+    """
+    depth = -excess(q[2 * well], level, p, r)
+    if abs(depth) <= allowance * abs(level):
+        return q[2 * well], q[2 * well], Level.TOUCHING, well, well
+    if depth < 0:
+        return np.nan, np.nan, Level.BELOW, well, well
+    first = last = well
+    while first > 0 and excess(q[2 * first - 1], level, p, r) <= 0:
+        first -= 1
+    while 2 * last + 1 < count and excess(q[2 * last + 1], level, p, r) <= 0:
+        last += 1
+    low = beyond(excess, q[2 * first], q[2 * first - 1] if first > 0 else SMALLEST, level, p, r)
+    high = beyond(excess, q[2 * last], q[2 * last + 1] if 2 * last + 1 < count else LARGEST, level, p, r)
+    return low, high, Level.ABOVE, first, last
+
+
+@kernel
 def swing(excess, inertia, low, high, level, p, r, b):
     """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/-excess) dtheta.
 

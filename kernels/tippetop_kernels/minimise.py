@@ -128,3 +128,47 @@ def lowest(slopes, value, p, r):
                 best_q, best = q, V
         low, g_low = high, g_high
     return best_q, count
+
+
+MOST_EXTREMES = 7  # that `extremes` gives room for: two minima are the most that was ever seen
+
+
+@kernel
+def extremes(slopes, p, r, q):
+    """Minima and maxima in turn, ascending: fills q (7,) with minimum, maximum, minimum, ...; how many there are.
+
+    Scans as `lowest` does, and finds the same minima to the bit; an end of the range counts as a minimum where the
+    function falls towards it.
+    """
+    count, ratio = 0, 1.6487212707001282
+    low, g_low = SMALLEST, slopes(SMALLEST, p, r)[0]
+    if g_low >= 0:
+        q[0], count = low, 1
+    while low < LARGEST and count < q.size:
+        high = clipped(low * ratio)
+        g_high = slopes(high, p, r)[0]
+        if g_low < 0 <= g_high:
+            q[count] = between(slopes, low, high, p, r)
+            count += 1
+        elif g_low >= 0 > g_high:
+            q[count] = summit(slopes, low, high, p, r)
+            count += 1
+        if high == LARGEST and g_high < 0 and count < q.size:
+            q[count] = high
+            count += 1
+        low, g_low = high, g_high
+    return count
+
+
+@kernel
+def summit(slopes, low, high, p, r):
+    """The q in (low, high) where the slope, positive at low and negative at high, vanishes: by bisection of ln(q)."""
+    for _ in range(80):
+        q = np.sqrt(low) * np.sqrt(high)
+        if not low < q < high:
+            break
+        if slopes(q, p, r)[0] >= 0:
+            low = q
+        else:
+            high = q
+    return low

@@ -1,11 +1,15 @@
 """Named columns in SI units, as the store and a Dataset keep them."""
 
 import re
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .mechanics.units import Unit
+
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 GREEK = {"lambda_s": "λₛ", "omega_3": "ω₃", "gamma": "γ", "lambda": "λ", "sigma": "σ", "theta": "θ"}
@@ -38,6 +42,16 @@ def flagged(flags: Any, name: str) -> np.ndarray:
     """Where a column of flags, with its `flag_meanings`, has the value of this name; (n,) of bool."""
     meanings = flags.attrs["flag_meanings"].split()
     return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
+
+
+LETTERS = ("xyz", "wxyz")
+"""Dimensions of vectors and of quaternions; their names are their labels."""
+
+
+def with_coordinates(table: "xr.Dataset") -> "xr.Dataset":
+    """A table with its coordinates: the letters of vectors, the time, and the kinds of events, as flags."""
+    letters = {name: (name, list(name)) for name in LETTERS if name in table.dims}
+    return table.assign_coords(letters).set_coords([name for name in ("time", "kind") if name in table])
 
 
 def flag_attributes(names: tuple[str, ...], text: str) -> dict[str, Any]:

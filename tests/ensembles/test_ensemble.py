@@ -117,7 +117,7 @@ def test_invalid_tops_are_named_and_the_others_run() -> None:
     moments = np.array([3.2e-6, 3.2e-6, 7e-6, 3.2e-6])
     found = tippetop.ensemble("inverting", {"initial.omega3": spins, "parameters.I3": moments}, until=0.5)
     assert kinds(found, "status").tolist() == ["finished", "invalid", "invalid", "invalid"]
-    assert kinds(found).tolist() == ["upright", "none", "none", "none"]
+    assert kinds(found).tolist() == ["under-way", "none", "none", "none"]
     assert [fault.split(":")[0] for fault in found.attrs["faults"]] == ["top 1", "top 2", "top 3"]
     assert "omega3" in found.attrs["faults"][0]
     assert "2*I1" in found.attrs["faults"][1]

@@ -79,7 +79,8 @@ def test_what_cannot_invert_ends_at_an_angle() -> None:
         found = dict(lines(info(system=system)))
         assert found["theta"] == "ends at 0.25 rad"
         assert "inversion" not in found
-        assert "inversion" in dict(lines(info(system=system, inversion=NEVER | {"first_equator": 1.0})))
+        passed = dict(lines(info(system=system, inversion=NEVER | {"first_equator": 1.0})))
+        assert ("inversion" in passed) == (system == "of-another-package")  # a cylinder has none, whatever it passes
 
 
 @pytest.mark.parametrize(
@@ -102,7 +103,9 @@ def test_turnings_are_counted_and_noise_apart(counts: tuple, band: tuple, senten
 
 def test_other_events_are_counted_in_words() -> None:
     counts = {"turning": 4, "turning_significant": 4, "liftoff": 1, "equator": 2, "inverted": 3}
-    assert text("other events", event_counts=counts) == "liftoff once, equator twice, inverted 3 times"
+    assert text("other events", event_counts=counts) == (
+        "liftoff: 1 passage, equator (theta = pi/2): 2 passages, inverted (theta rises through pi - 0.1): 3 passages"
+    )
 
 
 def test_a_force_is_said_in_newtons_and_in_weights() -> None:

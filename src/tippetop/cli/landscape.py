@@ -48,6 +48,7 @@ def surface(
     from ..progress import Bar
     from .overwrite import remove_store
     from .run import check_picture
+    from .text import warn
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
@@ -56,6 +57,7 @@ def surface(
         check_picture(figure, "--figure")
     lam_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     lambdas = _axis("--lambda", lambda_) if lambda_ else np.linspace(0, 4.5 * lam_pi, 401)
+    warn(_far(parameters, float(np.abs(lambdas).max())))
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
     if out is not None and overwrite:
@@ -76,6 +78,19 @@ def surface(
         _draw_surface(surface.minimal_surface(parameters, few[0], few[1], system, gradient=False), parameters, figure)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0
+
+
+FAR = 1e3  # times lambda_pi: a top that spins so fast is not of this world
+
+
+def _far(parameters: dict[str, float], lam: float) -> list[str]:
+    """A sentence on a lambda that looks as if it were in another unit."""
+    from ..landscape import marked_lines
+
+    limit = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
+    if abs(lam) <= FAR * limit:
+        return []
+    return [f"lambda = {lam:g} kg m^3/s is far from lambda_pi = {limit:.3g} kg m^3/s: it looks like another unit."]
 
 
 def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any) -> bool:
@@ -134,6 +149,7 @@ def potential(
     from ..landscape import potential, recording, surface
     from ..store import root
     from .run import check_picture
+    from .text import warn
 
     parameters, system = _tippe_top(scenario)
     for name, value in (("--D", D), ("--lambda", lambda_)):
@@ -143,6 +159,7 @@ def potential(
         raise _wrong(f"--n must be at least 2, but is {n}.")
     if figure is not None:
         check_picture(figure, "--figure")
+    warn(_far(parameters, lambda_))
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = potential.potential(parameters, z, D, lambda_, system)
     least = surface.minimal_surface(parameters, D, lambda_, system)
@@ -210,7 +227,7 @@ def _draw_potential(V: Any, least: Any, path: Path) -> None:
     from ..figures import landscape
     from ..figures.style import save, styled
 
-    D, lam = float(least["D"][0]), float(least["lambda"][0])
+    D, lam = float(least["D"]), float(least["lambda"])
     title = f"V(z), D = {D:.4g} kg m² s⁻¹, λ = {lam:.4g} kg m³ s⁻¹"
     at = least.squeeze(drop=True).rename(theta="theta_star")
     with styled():

@@ -51,10 +51,12 @@ def run(
     from ..progress import Bar
     from ..runs import attributes
     from ..scenario import build
+    from ..scenario.suspicions import suspicions
     from ..store import root
-    from .text import following
+    from .text import following, warn
 
     problem = build.load(scenario, set_, until)
+    warn(suspicions(problem))
     if figure is not None:
         check_picture(figure, "--figure")
     if out is None:

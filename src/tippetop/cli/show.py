@@ -68,6 +68,7 @@ def check(
     scenario: str,
     *,
     set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    try_: Annotated[bool, Parameter(name="--try", negative=())] = False,
     as_json: Json = False,
 ) -> int:
     """Validate a scenario without running it: invariants at the start, thresholds, expected fate and cost.
@@ -80,6 +81,8 @@ def check(
         TOML file, or preset (see `tippetop presets`), or the plan of a sweep.
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
+    try_
+        Run it, without storing anything, as far as a second of computing goes: its end, and the least normal force.
     as_json
         Print the result as one JSON object.
     """
@@ -88,8 +91,9 @@ def check(
     from ..runs import forecast
     from ..runs.summary import regularisation
     from ..scenario import build, reading
+    from ..scenario.suspicions import suspicions
     from ..sweeps import plan
-    from .text import console
+    from .text import console, warn
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
@@ -98,6 +102,9 @@ def check(
         return sweep.examine(tables, Path(scenario).parent, as_json)
     problem = build.problem(tables)
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
+    facts["warnings"] = warn(suspicions(problem))
+    if try_:
+        facts["tried"] = forecast.tried(problem)
     if as_json:
         from ..store.root import finite
 
@@ -112,7 +119,7 @@ def check(
             text = _entries(value, units)
         else:
             text = _plain(value)
-        if name != "inversion_by_eps":  # part of `regularisation`
+        if name not in ("inversion_by_eps", "warnings"):  # in `regularisation`; on standard error
             table.add_row(name.replace("_", " "), text)
     console().print(table)
     return 0

@@ -23,6 +23,13 @@ def console() -> Console:
     return Console(highlight=False, markup=False, width=None if narrow else 160)
 
 
+def warn(sentences: list[str]) -> list[str]:
+    """Prints what is allowed, but hardly meant, on standard error; gives it back."""
+    for sentence in sentences:
+        print(f"tippetop: warning: {sentence}", file=sys.stderr)
+    return sentences
+
+
 def following(bar: Bar) -> Callable[[Any], None]:
     """A run's progress callback, which tells a bar how far the integration has come."""
 

@@ -1,11 +1,13 @@
-"""When a run has settled: nothing has slid for long, and the motion that is left is one that stays."""
+"""When a run has settled, and what has become of it: near a pole that is unstable a motion is still under way."""
 
 from typing import Any
 
 import numpy as np
 
 from ..mechanics.contact.body import Body
-from ..mechanics.theory.modes import will_leave
+from ..mechanics.operand import leaves, refill
+from ..mechanics.system import System
+from ..mechanics.theory.modes import LINEAR, is_unstable, will_leave
 
 
 SETTLED_FOR = 200.0  # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
@@ -36,3 +38,43 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     if not isinstance(body, Body) or "omega3" not in values:
         return True
     return not will_leave(float(values["theta"][0]), float(values["omega3"][0]) / second, body)
+
+
+CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way")
+"""What becomes of a top, by number in a store."""
+
+NEAR = 0.1  # rad from a pole: upright or inverted
+
+
+def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any) -> np.ndarray:
+    """What has become of tops that have not lifted off, as numbers of CLASSES, (n,).
+
+    Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under way, for it will
+    leave. Tumbling is one in which nothing slides any more.
+
+    Parameters
+    ----------
+    system
+        Its `classes` are the names that apply.
+    theta, omega3
+        At the end, (n,) [rad, rad/s].
+    settled
+        Whether sliding has died out for good, (n,).
+    body
+        The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has no modes.
+    """
+    known = isinstance(body, Body)
+    ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
+    kinds = np.full(len(theta), CLASSES.index("under-way"))
+    for name in system.classes:
+        kinds[ends[name]] = CLASSES.index(name)
+    for name, inverted in (("upright", False), ("inverted", True)):
+        if name not in system.classes or not known or not ends[name].any():
+            continue
+        here = np.flatnonzero(ends[name])
+        some = refill(body, (np.broadcast_to(x, theta.shape)[here] for x in leaves(body)))
+        leaves_it = here[is_unstable(omega3[here], some, inverted=inverted, gliding=system.frictional)]
+        away = np.minimum(theta[leaves_it], np.pi - theta[leaves_it]) >= LINEAR
+        tumbles = settled[leaves_it] & away if "tumbling" in system.classes else np.zeros_like(away)
+        kinds[leaves_it] = np.where(tumbles, CLASSES.index("tumbling"), CLASSES.index("under-way"))
+    return kinds

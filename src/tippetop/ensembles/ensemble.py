@@ -86,14 +86,15 @@ class _Worker:
         columns["t_end"][top] = lanes.end[lane] if status is Status.FINISHED else tally["t"]
         for name in ("turnings", "theta_min", "theta_max", "steps"):
             columns[name][top] = tally[name]
-        for m, kept in enumerate(kept for event in self.events for kept in event.kept):
-            columns[kept.name][top] = tallies.kept[m, lane]
+        lasts = [not event.lasting or event.direction * functions[SIGN, e] > 0 for e, event in enumerate(self.events)]
+        every = [(kept, lasts[e]) for e, event in enumerate(self.events) for kept in event.kept]
+        for m, (kept, counts) in enumerate(every):  # a time of what did not last to the end is none
+            columns[kept.name][top] = tallies.kept[m, lane] if counts or kept.what == "count" else np.nan
         for e, event in enumerate(self.events):
             if event.extremes:
                 columns[f"{event.extremes}_min"][top] = functions[LEAST, e] / rows.events["scale"][e]
                 columns[f"{event.extremes}_max"][top] = functions[MOST, e] / rows.events["scale"][e]
-        lasting = [event.direction * functions[SIGN, e] > 0 for e, event in enumerate(self.events) if event.lasting]
-        outcomes.settled[top] = all(lasting)
+        outcomes.settled[top] = all(lasts)
         self.ended()
 
     def work(self, queue: "_Queue") -> None:

@@ -10,7 +10,7 @@ from tippetop_kernels.jit import inlined, kernel
 from tippetop_kernels.polynomials import crossings, extremes, ranges
 
 from ..engine.status import Status
-from ..mechanics.events import ON_ZERO_FOR, hysteresis
+from ..mechanics.events import AT_POLE, ON_ZERO_FOR, hysteresis
 from .tallies import COUNT, HIGH, LAST, LEAST, LOW, MOST, ON_ZERO, SIGN, STEADY
 
 
@@ -178,7 +178,8 @@ def _passage(tc, e, event, t, h, x, numbers, axis, rules, tally, known, kept, la
     if e == rules.lasting and rules.way * sign > 0:
         tally.lasts_since = when
     if event.sense != 0:
-        take_turning(tally, int(event.sense * sign), _theta(tc, x * h, lane, axis))
+        turns = 0 if _passes_pole(tc, x * h, lane, axis) else int(event.sense * sign)  # 0: it ends a swing, no more
+        take_turning(tally, turns, _theta(tc, x * h, lane, axis))
     for m in range(event.first, event.last):
         number = numbers[m]
         if number.direction * sign < 0:
@@ -225,6 +226,17 @@ def _theta(tc, x, lane, axis):
         b = b * x + tc[axis[1], k, lane]
         c = c * x + tc[axis[2], k, lane]
     return np.arctan2(np.sqrt(a * a + b * b), c)
+
+
+@kernel
+def _passes_pole(tc, x, lane, axis):
+    """Whether the axis passes through a pole at the time x of a step, rather than near it."""
+    a, b, a_rate, b_rate = 0.0, 0.0, 0.0, 0.0
+    for k in range(tc.shape[1] - 1, -1, -1):
+        a_rate, b_rate = a_rate * x + a, b_rate * x + b
+        a = a * x + tc[axis[0], k, lane]
+        b = b * x + tc[axis[1], k, lane]
+    return a * a + b * b < AT_POLE * AT_POLE * (a_rate * a_rate + b_rate * b_rate)
 
 
 @inlined

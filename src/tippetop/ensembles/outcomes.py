@@ -7,6 +7,7 @@ import numpy as np
 
 from ..columns import Column, flag_attributes
 from ..engine.observables import PSI, orientations_of, values_of
+from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
 from ..mechanics.events import Event
@@ -19,9 +20,6 @@ from ..scenario import build
 if TYPE_CHECKING:
     import xarray as xr
 
-
-CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way")
-NEAR = 0.1  # rad from a pole: upright or inverted
 
 Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
 ORIENTATION = {  # columns of the orientation at the end, where it is wanted: unit, meaning
@@ -114,17 +112,19 @@ def _conclude(outcomes: Outcomes) -> None:
             columns[name] *= tops.unit(unit)
             columns[name][~np.isfinite(columns[name])] = np.nan
     ended = np.isfinite(outcomes.final).all(axis=0)
-    theta = columns["theta_end"]
-    theta[ended] = values_of(tops, outcomes.final[:, ended], np.flatnonzero(ended))["theta"]
     if tops.orientation:
         turns, psi = orientations_of(tops, outcomes.final[:, ended], np.flatnonzero(ended))
-        values = [*turns.T, *([] if psi is None else [psi])]
-        for column, value in zip(outcomes.orientation.values(), values, strict=False):
+        turned = [*turns.T, *([] if psi is None else [psi])]
+        for column, value in zip(outcomes.orientation.values(), turned, strict=False):
             column[ended] = value
     kind = np.full(tops.n, CLASSES.index("under-way"))
-    ends = {"tumbling": outcomes.settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
-    for name in tops.base.system.classes:
-        kind[ends[name]] = CLASSES.index(name)
+    which = np.flatnonzero(ended)
+    if len(which):
+        values = values_of(tops, outcomes.final[:, ended], which)
+        theta = columns["theta_end"][ended] = values["theta"]
+        omega3 = values["omega3"] / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
+        body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
+        kind[ended] = classes_of(tops.base.system, theta, omega3, outcomes.settled[ended], body)
     kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     sound = np.isin(outcomes.status, [status.code for status in Status if status.ordinary])
     outcomes.kind[:] = np.where(sound, kind, CLASSES.index("none"))

@@ -56,7 +56,13 @@ def _over_two(sweep_map: Any) -> Figure:
             entries += _liftoff(axes, x, y, field)
     if sweep_map.kind == "inversion" and np.isnan(field).any():
         axes.set_facecolor("#e8ebee")
-        entries.append(Patch(color="#e8ebee", label="not inverted in time"))
+        gone = sweep_map.fields.get("lifted off", np.zeros_like(field.T, bool)).T
+        if gone.any():
+            purple = ListedColormap([COLOURS["lifted-off"]])
+            axes.pcolormesh(x.edges, y.edges, np.where(gone, 0.0, np.nan), cmap=purple, rasterized=True)
+            entries.append(Patch(color=COLOURS["lifted-off"], label="lifted off before it inverted"))
+        if (np.isnan(field) & ~gone).any():
+            entries.append(Patch(color="#e8ebee", label="not inverted in time"))
     entries += _borders(axes, sweep_map)
     _dress(axes, sweep_map, x)
     axes.set_ylabel(y.label)

@@ -47,7 +47,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
         states: list[Any] = [np.empty(0)] * 3
     else:
         states = [CubicSpline(trajectory["time"].values, trajectory[name].values)(when) for name in landscape.columns]
-    edges = turning_angles(parameters, states[0], states[1], states[2], system)
+    edges = turning_angles(parameters, states[0], states[1], states[2], system, theta=theta)
     low, high = edges["theta_min"].values, edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
@@ -78,7 +78,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     curves = []
     for i in picks:
         x, y, E = (float(trajectory[name][i]) for name in landscape.columns)
-        at = turning_angles(parameters, x, y, E, system).assign(energy=E)
+        at = turning_angles(parameters, x, y, E, system, theta=float(theta[i])).assign(energy=E)
         curves.append((f"t = {float(trajectory['time'][i]):.4g} s", potential_over(parameters, z, x, y, system), at))
     return (curves,)
 

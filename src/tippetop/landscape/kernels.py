@@ -15,6 +15,7 @@ class Kernels(NamedTuple):
     gradients: Any
     potentials: Any
     turnings: Any
+    wells: Any
     periods: Any
     problem: tuple  # prepare, guess, slopes, value, ends
     formulas: dict[str, Any]
@@ -41,6 +42,7 @@ def kernels() -> Kernels:
         grid.gradients,
         grid.potentials,
         grid.turnings,
+        grid.wells,
         grid.periods,
         tuple(inner[name] for name in ("at_momenta", "guess", "slopes", "value", "ends")),
         inner,

@@ -1,9 +1,11 @@
 """How the landscape's arguments are checked and its results labelled: axes, units, long names, CF flags."""
 
+from collections.abc import Iterable
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from ..mechanics.system import Momentum
 from .body import Top
@@ -33,6 +35,11 @@ def axis(name: str, values: Any) -> np.ndarray:
     if np.any(np.diff(known) <= 0):
         raise ValueError(f"Argument `{name}` must ascend, but does not.")
     return x
+
+
+def at_numbers(grid: xr.Dataset, arguments: Iterable[tuple[str, Any]]) -> xr.Dataset:
+    """A grid over named axes, of which those that were given as numbers are no dimensions."""
+    return grid.isel({name: 0 for name, value in arguments if np.ndim(value) == 0})
 
 
 def attributes(t: Top, **more: Any) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import xarray as xr
 from ..mechanics.system import System
 from .body import top
 from .kernels import kernels
-from .labels import attributes, axis, labelled, of_momentum
+from .labels import at_numbers, attributes, axis, labelled, of_momentum
 
 
 def potential(
@@ -32,7 +32,7 @@ def potential(
     Returns
     -------
     xarray.Dataset
-        V, V_z and V_zz [J] over z x first x second; momenta of which there is one only are dropped as dimensions. No
+        V, V_z and V_zz [J] over z x first x second; arguments that are numbers, not arrays, are no dimensions. No
         digits are lost near the poles: 1 - z is exact there, and X is formed without cancellation. Outside (-1, 1), at
         z = +-1 too, and for infinite arguments V is NaN: it is +oo at a pole off the marked line; the end values on
         it are those of `marked_lines`.
@@ -44,6 +44,7 @@ def potential(
         are empty or do not ascend.
     """
     t, k = top(parameters, system), kernels()
+    given = (z, first, second)
     z, x, y = axis("z", z), axis(t.momenta[0], first), axis(t.momenta[1], second)
     V, V_z, V_zz = (np.empty((z.size, x.size, y.size)) for _ in range(3))
     f = k.formulas
@@ -51,7 +52,7 @@ def potential(
         k.potentials(f["at_momenta"], f["slopes"], f["value"], t.upright * z, x, y, t.coefficients, V, V_z, V_zz)
     dims = ("z", *t.momenta)
     scale = 1 / t.coefficients.gamma.head
-    return xr.Dataset(
+    grid = xr.Dataset(
         {
             "V": labelled("V", dims, V),
             "V_z": labelled("V_z", dims, V_z * (t.upright * scale), "J", "dV/dz"),
@@ -63,4 +64,5 @@ def potential(
             "theta": labelled("theta", "z", np.arccos(np.clip(z, -1, 1))),
         },
         attributes(t),
-    ).squeeze([name for name, v in zip(t.momenta, (x, y), strict=True) if v.size == 1])
+    )
+    return at_numbers(grid, zip(dims, given, strict=True))

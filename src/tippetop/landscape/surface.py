@@ -9,7 +9,7 @@ import xarray as xr
 from ..mechanics.system import System
 from .body import Top, top
 from .kernels import kernels
-from .labels import attributes, axis, cosine, flags, inclination, labelled, of_momentum
+from .labels import at_numbers, attributes, axis, cosine, flags, inclination, labelled, of_momentum
 
 
 def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> tuple[np.ndarray, np.ndarray]:
@@ -130,7 +130,8 @@ def minimal_surface(
         F [J], z = cos(theta) and theta [rad] of the minimum, status, and the gradient, over first x second. `status`:
         attained; at_lower_end, at_upper_end: an infimum that is approached at theta = 0, pi (exchanged for heavy tops),
         the momenta being on a marked line to within four roundings; lower_of_two; unsettled; undefined (an argument is
-        not finite: NaN). D = lambda = 0 is on the line theta = 0.
+        not finite: NaN). D = lambda = 0 is on the line theta = 0. A momentum that is a number, not an array, is no
+        dimension.
 
     Raises
     ------
@@ -162,4 +163,4 @@ def minimal_surface(
         for m, by in zip(momenta, gradients(t, x, y, q, threads), strict=True):
             data[f"F_{m.symbol}"] = labelled("", dims, by, m.rate.symbol, f"dF/d{m.symbol}")
     coords = {m.symbol: of_momentum(m, m.symbol, v) for m, v in zip(momenta, (x, y), strict=True)}
-    return xr.Dataset(data, coords, attributes(t))
+    return at_numbers(xr.Dataset(data, coords, attributes(t)), zip(t.momenta, (first, second), strict=True))

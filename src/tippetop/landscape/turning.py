@@ -25,33 +25,26 @@ class Swing(NamedTuple):
     curvature: np.ndarray  # d2V/dln(q)^2 there [J]
     level: np.ndarray  # Level, int8
     period: np.ndarray  # [s]; NaN where it does not settle
+    other: np.ndarray  # (2, n) q where V = E~ around a minimum that a higher V parts from this one; NaN: none
 
 
-def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray) -> Swing:
-    """The nutation at momenta x, y [SI] and energies [J], each (n,)."""
+def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray, theta: np.ndarray | None = None) -> Swing:
+    """The nutation at momenta x, y [SI] and energies [J], each (n,): around the lowest minimum of V, or in the well
+    where theta [rad], (n,), lies."""
     k, c = kernels(), t.coefficients
     f = k.formulas
     low, high, q, F, curvature, period = (np.empty(x.size) for _ in range(6))
-    level = np.empty(x.size, np.int8)
-    k.turnings(
-        *k.problem,
-        f["excess"],
-        f["curvature"],
-        t.two_wells,
-        ALLOWANCE,
-        x,
-        y,
-        energy,
-        c,
-        low,
-        high,
-        q,
-        F,
-        curvature,
-        level,
-    )
+    other, level = np.full((2, x.size), np.nan), np.empty(x.size, np.int8)
+    filled = (q, F, curvature, level)
+    if t.two_wells:
+        at = np.full(x.size, np.nan) if theta is None else np.tan(theta / 2) ** (2 * t.upright)
+        wells = (f["at_momenta"], f["slopes"], f["value"], f["excess"], f["curvature"], ALLOWANCE)
+        k.wells(*wells, x, y, energy, at, c, low, high, other, *filled)
+    else:
+        how = (f["excess"], f["curvature"], t.two_wells, ALLOWANCE)
+        k.turnings(*k.problem, *how, x, y, energy, c, low, high, *filled)
     k.periods(f["at_momenta"], f["excess"], _inertia(t), low, high, x, y, energy, c, t.body, period)
-    return Swing(low, high, q, F, curvature, level, period)
+    return Swing(low, high, q, F, curvature, level, period, other)
 
 
 def small_period(t: Top, swing: Swing) -> np.ndarray:
@@ -64,7 +57,13 @@ def small_period(t: Top, swing: Swing) -> np.ndarray:
 
 
 def turning_angles(
-    parameters: Mapping[str, float], first: Any, second: Any, energy: Any, system: str | System = "tippe-top"
+    parameters: Mapping[str, float],
+    first: Any,
+    second: Any,
+    energy: Any,
+    system: str | System = "tippe-top",
+    *,
+    theta: Any = None,
 ) -> xr.Dataset:
     """The two angles where V = E~, the period of nutation between them, and that of small ones. [T 4.12, 4.21]
 
@@ -79,11 +78,16 @@ def turning_angles(
         dimensions and coordinates.
     system
         A system that has a landscape, or its name.
+    theta
+        An angle [rad] of the motion, broadcast too: it says in which of two wells the body moves. None, NaN: in that
+        of the lower minimum.
 
     Returns
     -------
     xarray.Dataset
-        theta_min <= theta_star <= theta_max [rad], theta_star where V is least (the lower of two minima); F [J];
+        theta_min <= theta_star <= theta_max [rad], theta_star where V is least in this band (the lower of two minima,
+        unless `theta` says otherwise), F [J] there; other_theta_min, other_theta_max [rad]: the band in the other
+        well, which the body could move in with the same momenta and energy; NaN where there is none;
         `period` [s], the quadrature of the separated equation, NaN where it does not settle to 11 digits (nutations of
         some 1e-5 rad or less, and next to a separatrix); `small_period` [s], exact for vanishing amplitude; `level`:
         above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined.
@@ -96,9 +100,10 @@ def turning_angles(
     from tippetop_kernels.level_crossings import Level
 
     t = top(parameters, system)
-    (x, y, E), shape, dims, coords = _aligned(first, second, energy)
-    swing = swings(t, x, y, E)
+    (x, y, E, at), shape, dims, coords = _aligned(first, second, energy, np.nan if theta is None else theta)
+    swing = swings(t, x, y, E, at)
     inner, outer = (swing.low, swing.high) if t.upright == 1 else (swing.high, swing.low)
+    others = swing.other[:: t.upright]
     angles = "inclination theta [rad] where V = E~"
 
     def angle(q: np.ndarray, long_name: str) -> tuple:
@@ -108,6 +113,8 @@ def turning_angles(
         "theta_min": angle(inner, "least " + angles),
         "theta_max": angle(outer, "largest " + angles),
         "theta_star": angle(swing.q, "theta of least V"),
+        "other_theta_min": angle(others[0], "least " + angles + " in the other well"),
+        "other_theta_max": angle(others[1], "largest " + angles + " in the other well"),
         "F": labelled("F", dims, swing.F.reshape(shape)),
         "period": labelled("", dims, swing.period.reshape(shape), "s", "period of nutation"),
         "small_period": labelled("", dims, small_period(t, swing).reshape(shape), "s", "period of small nutations"),
@@ -124,7 +131,8 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
     parameters
         The numbers of the system, SI, by name.
     run
-        The trajectory of a run: the momenta (routh and jellett, or L3 and Lz) and modified_energy [J] along `time`.
+        The trajectory of a run: the momenta (routh and jellett, or L3 and Lz) and modified_energy [J] along `time`;
+        theta [rad], if it is there, chooses between two wells.
     system
         A system that has a landscape, or its name.
 
@@ -141,7 +149,7 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
     """
     names = landscape_of(system)[1].columns
     first, second, energy = (run[name] for name in names)
-    angles = turning_angles(parameters, first, second, energy, system)
+    angles = turning_angles(parameters, first, second, energy, system, theta=run.get("theta"))
     for name in (*names, "theta"):
         if name in run:
             angles[name] = run[name]

@@ -52,7 +52,8 @@ def minimal_surface(
     Returns
     -------
     xarray.Dataset
-        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)]; each (first, second).
+        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)]; each (first, second);
+        a number, not an array, is no dimension.
 
     Raises
     ------
@@ -95,7 +96,7 @@ def potential(
     Returns
     -------
     xarray.Dataset
-        V, V_z, V_zz [J], each (z, first, second); dimensions of length one are dropped. NaN outside (-1, 1).
+        V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN outside (-1, 1).
 
     Raises
     ------
@@ -122,6 +123,7 @@ def turning_angles(
     lam: Any = None,
     L3: Any = None,
     Lz: Any = None,
+    theta: Any = None,
 ) -> "xr.Dataset":
     """The two angles where V = E~, the period of nutation between them, and that of small nutations.
 
@@ -133,12 +135,15 @@ def turning_angles(
         As for `minimal_surface`, but of any shape: they are broadcast against one another and against the energy.
     energy : float or array
         The modified energy E~ [J].
+    theta : float or array, optional
+        An angle [rad] of the motion: it says in which of two wells the body moves; without it, in the deeper one.
 
     Returns
     -------
     xarray.Dataset
         theta_min <= theta_star <= theta_max [rad], F [J], period and small_period [s], level (above, touching, below,
-        undefined), of the broadcast shape.
+        undefined), of the broadcast shape; other_theta_min, other_theta_max [rad] of the band in the other well, NaN
+        where there is none.
 
     Raises
     ------
@@ -153,7 +158,7 @@ def turning_angles(
     x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
     if energy is None:
         raise InputError(["`energy` must be given, but is missing."])
-    return turning.turning_angles(parameters, x, y, energy, name)
+    return turning.turning_angles(parameters, x, y, energy, name, theta=theta)
 
 
 def band(

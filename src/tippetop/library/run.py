@@ -255,7 +255,7 @@ class StoredRun(Run):
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
-        return {name: root.open_group(self.path, name).set_coords("time") for name in ("trajectory", "events")}
+        return {name: root.open_group(self.path, name) for name in ("trajectory", "events")}
 
     def _problem(self) -> Problem | None:
         return None

@@ -15,6 +15,10 @@ NUMBERED = ("turning", "liftoff", "equator", "inverted", "settled")
 NOISE_FLOOR = 100 * np.finfo(float).eps
 """Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16."""
 
+AT_POLE = 1e-9
+"""Internal time in which the axis passes a pole: z' = 0 where sin(theta) is less than this times the speed of the axis
+is a passage of a planar motion through the pole, where theta = |..| has a kink, and no turning."""
+
 ON_ZERO = 1e-9
 """An event function, of order one, that is smaller than this at t = 0 starts on its zero, which is no event."""
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from ..columns import Column
+from ..columns import Column, with_coordinates
 from ..mechanics.systems import find
 from ..problem import ROUNDING, Problem
 from ..scenario.build import resolved, tables_of
@@ -26,7 +26,7 @@ def datasets(run: "Solution") -> dict[str, Any]:
 
     attrs = attributes(run.problem, run.status, run.reason, run.final, run.report)
     return {
-        name: xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs).set_coords("time")
+        name: with_coordinates(xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs))
         for name, columns in groups(run).items()
     }
 

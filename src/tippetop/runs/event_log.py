@@ -8,7 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..engine.taylor import Slice
 from ..engine.zeros import Zero, sign_changes
-from ..mechanics.events import ON_ZERO, Event
+from ..mechanics.events import AT_POLE, ON_ZERO, Event
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from .events import Confirmation, EventTable
@@ -18,6 +18,10 @@ INVERSION = ("first_equator", "last_equator", "inverted_at")
 """What a report says of the inversion, by the names of what events keep."""
 UNREPORTED = ("equators", "lifted_at", "settled_at")
 """What no report says apart: its counts, its reason do."""
+
+
+NEAR_POLE = 1e-6
+"""sin(theta) below which a turning is looked at more closely, and the internal time over which."""
 
 
 class Passages(NamedTuple):
@@ -96,7 +100,8 @@ class EventLog:
         turning = np.isin(logged.kind, self.turnings)
         rows = self.tally.rows + np.flatnonzero(turning)
         self.tally.rows += len(turning)
-        confirmed = self.confirmation.take(rows, logged.theta[turning], logged.rising[turning])
+        ways = np.where(self._through_pole(piece, zeros, keep)[turning], 0, logged.rising[turning])
+        confirmed = self.confirmation.take(rows, logged.theta[turning], ways)
         return table, self._marks(confirmed), logged.states
 
     def _zeros(self, piece: Slice) -> list[Zero]:
@@ -137,6 +142,27 @@ class EventLog:
             values["theta"].astype(float),
             np.where(turns != 0, turns, np.sign(values["theta_dot"].astype(float))).astype(np.int8),
         )
+
+    def _through_pole(self, piece: Slice, zeros: list[Zero], keep: np.ndarray) -> np.ndarray:
+        """Which of the zeros that are kept are passages of the axis through a pole, rather than near it, (k,)."""
+        names = self.view.problem.variables.names
+        passing = np.zeros(int(keep.sum()), bool)
+        if "ux" not in names:
+            return passing
+        columns = [names.index("ux"), names.index("uy")]
+        times = np.array([zero.time for zero, kept in zip(zeros, keep, strict=True) if kept])
+        number = piece.ends.dtype
+
+        def across(when: np.ndarray) -> np.ndarray:
+            return np.array(piece.output(when.astype(number)), copy=True)[:, columns].astype(float)
+
+        near = np.flatnonzero(np.hypot(*across(times).T) < NEAR_POLE) if len(times) else np.zeros(0, int)
+        if len(near):
+            start, end = (times[near] + shift for shift in (-NEAR_POLE, NEAR_POLE))
+            start, end = np.maximum(start, piece.times[0]), np.minimum(end, piece.times[-1])
+            speed = np.hypot(*(across(end) - across(start)).T) / (end - start).astype(float)
+            passing[near] = np.hypot(*across(times[near]).T) < AT_POLE * speed
+        return passing
 
     def _remember(self, passages: Passages, rows: np.ndarray) -> None:
         """What events keep of their passages, whatever kinds are logged; `rows` are those of the log, or -1."""

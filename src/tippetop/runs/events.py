@@ -57,7 +57,10 @@ class Confirmation:
         self.row, self.theta, self.sign = -1, 0.0, 0  # the turning that waits; sign 0: none
 
     def take(self, rows: np.ndarray, theta: np.ndarray, sign: np.ndarray) -> list[tuple[int, float]]:
-        """Takes turnings in order (sign +1 minima, -1 maxima); gives (row, theta) of those that are now confirmed."""
+        """Takes turnings in order (sign +1 minima, -1 maxima); gives (row, theta) of those that are now confirmed.
+
+        A sign of 0 is a passage through a pole: it ends a swing, and is no turning itself.
+        """
         if self._all_count(theta, sign):  # nearly always; one by one takes 0.5 us a turning
             waiting = [(self.row, self.theta)] if self.sign else []
             confirmed = waiting + list(zip(rows[:-1].tolist(), theta[:-1].tolist(), strict=True))
@@ -74,7 +77,7 @@ class Confirmation:
 
     def _all_count(self, theta: np.ndarray, sign: np.ndarray) -> bool:
         """Whether each turning confirms the one before: minima and maxima in turn, all swings above the floor."""
-        if not len(theta):
+        if not len(theta) or not np.all(sign):
             return False
         every, ways = (np.append(self.theta, theta), np.append(self.sign, sign)) if self.sign else (theta, sign)
         return bool(np.all(ways[1:] == -ways[:-1]) and np.all(ways[1:] * np.diff(every) <= -NOISE_FLOOR))

@@ -1,11 +1,15 @@
 """What is known of a scenario before it is run: its invariants, its regime, its expected cost."""
 
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from ..engine.observables import Observables
 from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..sampling import ListedTimes
 
 
 STEPS_PER_RADIAN = {"double": 0.9, "longdouble": 0.9, "quad": 0.85}  # measured: canonical inversion, 1337 steps in 8 s
@@ -46,6 +50,36 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
     return {**({"thresholds": limits} if limits else {}), **{key: text for key, text in sentences.items() if text}}
 
 
+TRIED = 1.0  # seconds that a try may take, by the expected cost
+
+
+def tried(problem: Problem) -> dict[str, Any]:
+    """What a short run shows: how it ends, the least normal force on the way. Where the whole run would take more than
+    a second, its first part."""
+    from .run import solve
+
+    expected = cost(problem)["seconds"]
+    until = problem.until * min(1.0, TRIED / expected) if expected > 0 else problem.until
+    short = replace(problem, until=until, times=ListedTimes(np.array([0.0])), output="times")
+    short_run = solve(short, keep=False)
+    force = short_run.report.get("normal_force")
+    least = (
+        {}
+        if force is None
+        else {
+            "normal_force_min": {"value": force["min"], "unit": "N"},
+            "weight": {"value": force["weight"], "unit": "N"},
+        }
+    )
+    return {
+        "until": {"value": until, "unit": "s"},
+        "status": short_run.status.value,
+        "reason": short_run.reason,
+        **({"outcome": short_run.report["outcome"]} if "outcome" in short_run.report else {}),
+        **least,
+    }
+
+
 def _advice(problem: Problem) -> dict[str, str]:
     """A better form for a run so long that rounding would break the contract."""
     better = problem.system.long_form
@@ -64,12 +98,28 @@ def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, A
         from .regularisation import inversion_sensitivity
 
         sensitivity = inversion_sensitivity(problem)
+        result["regularisation"] += _converged(*list(sensitivity["inversion_time"].values())[:2])
         result["inversion_by_eps"] = {
             "eps": {"value": list(sensitivity["inversion_time"]), "unit": "m s-1"},
             "first_equator": {"value": list(sensitivity["inversion_time"].values()), "unit": "s"},
             "exponent": {"value": sensitivity["exponent"], "unit": "1"},
         }
     return result
+
+
+CONVERGED = 0.01  # relative change of the time of inversion when eps is halved: less, and eps decides nothing
+
+
+def _converged(half: float | None, whole: float | None) -> str:
+    """What to add about eps, from the times of inversion for half of it and for itself; nothing if it is small."""
+    if half is None and whole is None:
+        return ""
+    if half is None or whole is None:
+        return ", and this eps has not converged: half of it decides whether it inverts in time"
+    change = abs(half - whole) / whole
+    if change <= CONVERGED:
+        return ""
+    return f", and this eps has not converged: half of it changes that time by {100 * change:.2g} %"
 
 
 def cost(problem: Problem) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from ..engine.extremes import Extremes
 from ..engine.normal_force import grazing, normal_force
 from ..engine.observables import Observables
-from ..engine.settling import SETTLED_FOR, stays
+from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays
 from ..engine.status import Status
 from ..engine.taylor import Slice, endings_of, fingerprint, integrator_of, rows_at, slices
 from ..mechanics.units import SECOND
@@ -140,7 +140,26 @@ class Integration:
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json`, as far as the run has come."""
         theta_end = self.view.theta(self.last)
-        return {"t_end": self.t_end, **self.monitor.report(), **self.log.report(), "theta_end": theta_end}
+        return {
+            "t_end": self.t_end,
+            **self.monitor.report(),
+            **self.log.report(),
+            "theta_end": theta_end,
+            **self._outcome(),
+        }
+
+    def _outcome(self) -> dict[str, str]:
+        """What has become of the body by now, a name of CLASSES; nothing of a system that friction cannot turn over."""
+        system = self.problem.system
+        if not (system.inverts and system.classes):
+            return {}
+        if self.log.tally.kept.get("lifted_at") is not None:
+            return {"outcome": "lifted-off"}
+        values = self.view.evaluate(self.last)
+        theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
+        settled = np.array([self.log.settled_since(self.last) is not None])
+        kind = classes_of(system, theta, omega3 / self.second, settled, self.problem.body())
+        return {"outcome": CLASSES[kind[0]]}
 
     def reason(self) -> str:
         """The sentence that the user reads about the end."""

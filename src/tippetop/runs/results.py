@@ -69,6 +69,9 @@ class Summary(Record):
         `theta_min`, `theta_max` [rad] of all significant turnings.
     theta_end : float
         Inclination at the end [rad].
+    outcome : str
+        Of a top that can turn over: upright, inverted (near a pole whose spin is stable), tumbling, lifted-off or
+        under-way.
     system, form, parameters, friction, initial, run
         The scenario as it was understood, in SI units; `friction` only where there is a law.
     certificate : Record
@@ -93,6 +96,7 @@ class Summary(Record):
     inversion: Record
     nutational_band: Record
     theta_end: float
+    outcome: str
     system: str
     form: str
     parameters: Record

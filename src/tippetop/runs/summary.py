@@ -6,6 +6,16 @@ from typing import Any
 from ..mechanics.systems import find
 
 
+WORDS = {
+    "upright": "upright spin, which is stable",
+    "tumbling": "tumbling: nothing slides any more",
+    "inverted": "inverted spin, which is stable",
+    "lifted-off": "lifted off",
+    "under-way": "under way: this is not yet where the motion ends",
+}
+"""What has become of a body, by the name of its class."""
+
+
 def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
     """Name and text of each line of a summary."""
     status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
@@ -13,14 +23,20 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
     result = [("status", status)]
     system = find(info["system"])
-    if any(info["inversion"].values()) or (system is not None and system.inverts):
+    events = {event.name: event for event in system.events} if system is not None else {}
+    can_invert = system is None or system.inverts or "inverted" in events
+    if can_invert and (any(info["inversion"].values()) or (system is not None and system.inverts)):
         result.append(("inversion", _inversion(info)))
     else:
         result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
+    if info.get("outcome") in WORDS:
+        result.append(("outcome", WORDS[info["outcome"]]))
     result.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
-        result.append(("other events", ", ".join(f"{kind} {_times(n)}" for kind, n in others.items())))
+        result.append(
+            ("other events", ", ".join(f"{_counted(kind, events)}: {_passages(n)}" for kind, n in others.items()))
+        )
     if "normal_force" in info:
         force, weight = info["normal_force"], info["normal_force"]["weight"]
         low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
@@ -38,8 +54,16 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     return result
 
 
-def _times(n: int) -> str:
-    return {1: "once", 2: "twice"}.get(n, f"{n} times")
+def _passages(n: int) -> str:
+    return "1 passage" if n == 1 else f"{n} passages"
+
+
+def _counted(kind: str, events: Mapping[str, Any]) -> str:
+    """What is passed: a kind of event in words; a tip that is held does not lift off."""
+    event = events.get(kind)
+    if kind == "liftoff" and event is not None and event.ends is None:
+        return "vertical reaction falls to zero"
+    return {"equator": "equator (theta = pi/2)", "inverted": "inverted (theta rises through pi - 0.1)"}.get(kind, kind)
 
 
 def regularisation(info: Mapping[str, Any]) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..columns import with_coordinates
 from ..errors import StoreError
 from . import checkpoint, files, skeleton
 
@@ -74,7 +75,8 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
 
     attrs = attributes(path)
     try:
-        return xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        table = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        return with_coordinates(table)
     except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
 

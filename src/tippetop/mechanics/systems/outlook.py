@@ -15,12 +15,14 @@ from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
-from ..theory.thresholds import Threshold, lambda_de, lambda_s, lambda_u, sleeping_spin, thresholds
+from ..theory.thresholds import Threshold, lambda_de, lambda_s, lambda_u, sleeping_spin, thresholds, two_wells_from
 from ..theory.tumbling import lambda_t
-from ..units import RADIAN_PER_SECOND
+from ..units import JELLETT, ONE, RADIAN_PER_SECOND
 
 
 Start = Mapping[str, float]
+UNLESS = ", unless it lifts off"
+"""No bound of the normal force is proven, whatever the start."""
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -28,11 +30,11 @@ def tippe_top(b: Body, start: Start) -> Outlook:
     """A gliding tippe top: lambda is conserved, so it decides which states are stable. [T Theorem 3.3.2, corrected]"""
     now = regime(start["jellett"], b)
     if is_frictionless(b.friction):
-        fate = "no friction: no inversion, theta nutates for ever"
+        fate = "no friction: no inversion, theta nutates for ever" + UNLESS
     elif len(now.attractors) == 1:
-        fate = f"ends in {now.attractors[0]}"
+        fate = f"ends in {now.attractors[0]}" + UNLESS
     else:
-        fate = "depends on the start: " + ", or ".join(now.attractors)
+        fate = "depends on the start: " + ", or ".join(now.attractors) + UNLESS
     return Outlook(now.sentence(), fate, thresholds(b))
 
 
@@ -50,8 +52,18 @@ def tippe_top_borders(b: Body) -> dict[str, Any]:
 
 def rolling_tippe_top(b: Body, start: Start) -> Outlook:
     """A rolling tippe top: one degree of freedom. [T ch. 4]"""
+    from .spinning import lambda_pi  # it stands on `tippe_top`, which takes its outlook from here
+
+    limit, least = float(lambda_pi(b)), two_wells_from(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
-    return Outlook(sentence, "nutation between two angles", {"gamma": thresholds(b)["gamma"]})
+    stable = "stable" if abs(start["jellett"]) > limit else "unstable"
+    limits = {
+        "lambda_pi": Threshold(limit, JELLETT, "inverted spin stable in rolling above"),
+        "gamma": thresholds(b)["gamma"],
+        "gamma_star": Threshold(least, ONE, "two wells of the potential are possible above"),
+    }
+    fate = f"nutation between two angles{UNLESS}; the inverted spin of this lambda is {stable} in rolling"
+    return Outlook(sentence, fate, limits)
 
 
 def heavy_top(b: Body, start: Start) -> Outlook:
@@ -74,7 +86,7 @@ def gliding_heavy_top(b: Body, start: Start) -> Outlook:
     how = "spirals out slowly" if _sleeps(b, start) else "topples"
     return Outlook(
         f"upright spin unstable at every speed (growth rate {growth:.3g} per second): the top {how}",
-        "falls to the plane in the end, unless it lifts off",
+        "falls to the plane in the end" + UNLESS,
         _sleeping(b),
     )
 

@@ -1,6 +1,7 @@
 """Linear modes near a spinning state."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -25,17 +26,27 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     ndarray
         Complex rates [1/s], (3,), fastest growth first: the state is unstable iff the first has a positive real part.
     """
-    up = -1 if inverted else 1
-    slip = slip_coefficient(0.0, float(up), b.friction)
-    Lz, h = up * b.I3 * omega3, b.R - up * b.c
-    n = np.array([1j * Lz / b.I1, -1j * up / b.I1, 0])
-    momentum = np.array([-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g])
-    twist = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c
-    v = np.array([0, 0, -slip * b.g]) + 1j * h / b.I1 * momentum + 1j * twist * n
-    modes = np.linalg.eigvals(np.array([n, momentum, v]))
+    modes = np.linalg.eigvals(_gliding(omega3, b, -1 if inverted else 1))
     return modes[np.argsort(-modes.real)]
 
 
+def _gliding(omega3: Any, b: Body, up: int) -> np.ndarray:
+    """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many."""
+    slip = slip_coefficient(0.0, float(up), b.friction)
+    Lz, h = up * b.I3 * omega3, b.R - up * b.c
+    n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
+    momentum = _row(-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g)
+    twist = np.asarray(h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c)
+    lever = np.asarray(1j * h / b.I1)
+    v = _row(0, 0, -slip * b.g) + lever[..., None] * momentum + 1j * twist[..., None] * n
+    return np.stack(np.broadcast_arrays(n, momentum, v), -2)
+
+
+def _row(*entries: Any) -> np.ndarray:
+    return np.stack(np.broadcast_arrays(*(np.asarray(entry, complex) for entry in entries)), -1)
+
+
+ROUNDED = 1e-12  # of the fastest rate: a growth that is slower is zero to rounding
 LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
 
 
@@ -44,7 +55,29 @@ def will_leave(theta: float, omega3: float, b: Body) -> bool:
     motion is linear, and a mode grows there. [section 6]"""
     inverted = theta > math.pi / 2
     near = min(theta, math.pi - theta) < LINEAR
-    return near and bool(linear_modes(omega3, b, inverted=inverted)[0].real > 0)
+    return near and bool(is_unstable(omega3, b, inverted=inverted))
+
+
+def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool = True) -> Any:
+    """Whether a spinning state is unstable; of one body, or of many, (n,).
+
+    Parameters
+    ----------
+    omega3
+        Spin about the axis [rad/s].
+    b
+        The body, SI.
+    inverted
+        Near theta = pi rather than theta = 0.
+    gliding
+        Whether the contact glides; it is at rest otherwise: rolling, or a fixed tip.
+    """
+    up = -1 if inverted else 1
+    if gliding:
+        modes = np.linalg.eigvals(_gliding(omega3, b, up))
+        return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
+    h = b.R - up * b.c  # of the roots of `rolling_modes`: a discriminant
+    return (omega3 * (b.I3 + b.m * h * b.R)) ** 2 < -4 * up * b.m * b.g * b.c * (b.I1 + b.m * h**2)
 
 
 def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:

@@ -73,6 +73,15 @@ def gamma_plus(alpha: float) -> float:
     return (1 - alpha) * (7 + alpha + math.sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
+def two_wells_from(b: Body) -> float:
+    """gamma*, above which the potential can have two minima; infinite where it never can. [section 5, item 4]"""
+    alpha, _, sigma, _ = shape(b)
+    h = 1 + alpha
+    below = 2 * sigma * h * (1 + sigma) - 1 - sigma * h
+    above = sigma * h * (h * (1 + sigma * h) + 2 * (1 + sigma - sigma * alpha**2))
+    return float(above / below) if below > 0 else math.inf
+
+
 @formula
 def spin(z, lam, b):
     """omega_3 of the spinning state z = cos(theta) = +1 or -1 with Jellett's integral lambda [rad/s]. [T 4.23]"""

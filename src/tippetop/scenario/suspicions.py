@@ -1,0 +1,40 @@
+"""What is allowed in a scenario, but is hardly meant: numbers left out that decide the motion, and other units."""
+
+from ..mechanics.units import KILOGRAM, METRE
+from ..problem import Problem
+
+
+LARGEST = {
+    KILOGRAM.symbol: (5.0, "grams"),
+    METRE.symbol: (1.0, "millimetres or centimetres"),
+}
+"""By unit: above it, a parameter of a top that stands on a table looks like another unit."""
+
+
+def suspicions(problem: Problem) -> list[str]:
+    """One sentence for everything that is suspicious; empty for most scenarios."""
+    return [*_left_out(problem), *_other_units(problem)]
+
+
+def _left_out(problem: Problem) -> list[str]:
+    """Initial numbers that are zero because nobody gave them, where that decides the motion."""
+    initial, known = problem.initial, problem.system.initial
+    sentences = []
+    if "omega3" in known and not {"omega3", "psi_dot"} & set(initial):
+        sentences.append("`initial.omega3` is not given: this top does not spin.")
+    if "omega3" in known and not {"theta", "theta_dot"} & set(initial):
+        sentences.append("`initial.theta` is not given: this top starts exactly upright, and stays there.")
+    return sentences
+
+
+def _other_units(problem: Problem) -> list[str]:
+    """Parameters that look as if they were in another unit."""
+    sentences = []
+    for name, rule in problem.system.parameters.items():
+        most, other = LARGEST.get(rule.unit.symbol, (float("inf"), ""))
+        value = float(problem.parameters[name])
+        if value > most:
+            sentences.append(
+                f"`parameters.{name}` is {value:g} {rule.unit.symbol}, which looks like {other}: units are SI."
+            )
+    return sentences

@@ -1,0 +1,69 @@
+"""What has become of a top: near an unstable pole it is under way, and liftoff is known; in runs and lanes alike."""
+
+import json
+
+import numpy as np
+import pytest
+
+import tippetop
+from tippetop.cli import main
+from tippetop.ensembles.ensemble import measure
+from tippetop.ensembles.outcomes import CLASSES
+from tippetop.problem import Problems
+from tippetop.runs import forecast
+from tippetop.runs.run import solve
+from tippetop.runs.summary import lines
+from tippetop.scenario import build
+
+
+def outcomes(sets: list[str], until: float, **variations: list[float]) -> tuple[str, str]:
+    """The outcome of a single run, and the class of the same top in a lane."""
+    problem = build.load("inverting", sets, until=until)
+    lane = measure(Problems.vary(problem, {"initial.theta": np.array([problem.initial["theta"]])}), threads=1, lanes=4)
+    return solve(problem, keep=False).report["outcome"], CLASSES[lane.kind[0]]
+
+
+@pytest.mark.parametrize(
+    ("sets", "until", "expected"),
+    [
+        (["initial.theta=1e-6"], 0.5, "under-way"),  # within 0.1 rad of a pole that it will leave
+        (["initial.theta=0.05"], 0.05, "under-way"),
+        (["initial.theta=1e-3", "initial.omega3=10.0"], 1.0, "upright"),  # slow: the upright spin is stable
+        (["initial.theta=3.1", "initial.omega3=-10.0"], 0.02, "under-way"),  # and the inverted one is not
+        (["initial.theta=3.1", "initial.omega3=-155.0"], 0.5, "inverted"),
+        (["initial.omega3=300.0"], 6.0, "lifted-off"),
+    ],
+)
+def test_a_top_near_a_pole_is_there_only_if_it_stays(sets: list[str], until: float, expected: str) -> None:
+    assert outcomes(sets, until) == (expected, expected)
+
+
+def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
+    """In planar motion sliding dies for a moment at every swing: a run marks none of these as significant."""
+    problem = build.load("inverting", ["initial.omega3=0.0"], until=1.0)
+    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0).solution
+    assert len(run.events.of("settled").time) > 3
+    lane = measure(Problems.vary(problem, {"initial.omega3": np.array([0.0])}), threads=1, lanes=4)
+    assert len(run.events.of("settled", significant=True).time) == 0
+    assert not lane.settled[0]
+    assert np.isnan(lane.columns["settled_at"][0])
+
+
+def test_a_fate_knows_liftoff(capsys: pytest.CaptureFixture) -> None:
+    problem = build.load("inverting", ["initial.omega3=300.0"])
+    assert forecast.assessment(problem)["fate"] == "ends in the inverted spin, unless it lifts off"
+    with pytest.raises(SystemExit) as end:
+        main(["check", "inverting", "--set", "initial.omega3=300.0", "--try", "--json"])
+    assert end.value.code in (0, None)
+    tried = json.loads(capsys.readouterr().out)["tried"]
+    assert tried["status"] == "liftoff"
+    assert "4.96" in tried["reason"]
+    assert tried["outcome"] == "lifted-off"
+    assert abs(tried["normal_force_min"]["value"]) < 1e-9
+    assert "unless it lifts off" in forecast.assessment(build.load("rolling"))["fate"]
+
+
+def test_a_summary_says_that_a_top_is_under_way() -> None:
+    run = tippetop.run("inverting", ["initial.theta=1e-6"], until=0.5)
+    assert run.summary.outcome == "under-way"
+    assert "under way" in dict(lines(run.summary))["outcome"]

@@ -1,0 +1,71 @@
+"""Warnings: what is allowed, but hardly meant; and an eps that has not converged."""
+
+import json
+
+import pytest
+
+from tippetop.cli import main
+from tippetop.runs import forecast
+from tippetop.scenario import build, reading
+from tippetop.scenario.suspicions import suspicions
+
+
+def test_presets_are_not_suspicious() -> None:
+    for name in reading.presets():
+        assert suspicions(build.load(name)) == []
+
+
+@pytest.mark.parametrize(
+    ("sets", "word"),
+    [
+        (["initial.omega3="], "`initial.omega3` is not given: this top does not spin"),
+        (["initial.theta="], "`initial.theta` is not given"),
+        (["parameters.m=35.0", "parameters.I1=5.2e-3", "parameters.I3=5.6e-3"], "looks like grams"),
+        (["parameters.R=25.0", "parameters.I1=4.7", "parameters.I3=5.0"], "looks like millimetres"),
+    ],
+)
+def test_a_suspicion_is_said_and_changes_no_exit_code(sets: list[str], word: str, capsys) -> None:
+    tables = reading.override(reading.read("inverting"), sets)
+    assert any(word in sentence for sentence in suspicions(build.problem(tables)))
+    arguments = [part for text in sets for part in ("--set", text)]
+    with pytest.raises(SystemExit) as end:
+        main(["check", "inverting", *arguments, "--json"])
+    assert end.value.code in (0, None)
+    said = capsys.readouterr()
+    assert any(word in sentence for sentence in json.loads(said.out)["warnings"])
+    assert "tippetop: warning: " in said.err
+    assert word in said.err
+
+
+def test_lambda_in_another_unit_is_said(capsys) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["potential", "inverting", "--D", "1e-4", "--lambda", "4.0"])
+    assert end.value.code in (0, None)
+    assert "tippetop: warning: lambda = 4" in capsys.readouterr().err
+
+
+def test_an_eps_that_has_not_converged_is_said() -> None:
+    assert forecast._converged(1.0, 1.001) == ""
+    assert "half of it changes that time by 50 %" in forecast._converged(1.0, 2.0)
+    assert "whether it inverts" in forecast._converged(1.0, None)
+    assert forecast._converged(None, None) == ""
+
+
+def test_check_says_the_limits_of_rolling() -> None:
+    found = forecast.assessment(build.load("rolling"))
+    for name in ("lambda_pi", "gamma_star"):
+        assert found["thresholds"][name]["value"] > 0
+    assert "the inverted spin of this lambda is" in found["fate"]
+
+
+def test_gamma_star_is_where_two_wells_begin() -> None:
+    """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
+    from tippetop.mechanics.contact.body import Body
+    from tippetop.mechanics.friction import Frictionless
+    from tippetop.mechanics.systems import SYSTEMS
+    from tippetop.mechanics.theory.thresholds import two_wells_from
+
+    I3 = 8e-6 / 2.5
+    parameters = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": I3, "I3": I3, "g": 9.82}
+    body: Body = SYSTEMS["rolling-tippe-top"].body_of(parameters, Frictionless())
+    assert two_wells_from(body) == pytest.approx(2.1213, abs=5e-5)
