@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from .integration import Integration
 MOST_ROWS, FEWEST_ROWS = 1 << 18, 1 << 10  # of a chunk: 2 MiB a column take a third less than twice 1 MiB
 EVENTS_PER_CHUNK = 16_384
 COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
+PATIENCE = 2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
 
 Progress = Callable[[Integration], None]
 
@@ -38,6 +39,8 @@ class Recorder:
 
     All writing is done in one thread of its own: it follows the integration, and no KeyboardInterrupt enters it.
     """
+
+    keeps_rows: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -51,10 +54,14 @@ class Recorder:
         self.trajectory, self.log = trajectory, events
         self.behind: deque[Future] = deque()
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
-        self.committed_at = time.monotonic()
+        self.committed_at, self.asked = time.monotonic(), 0.0
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Takes rows."""
+        """Takes rows. Raises Interrupted where a slice has so many that its end cannot be waited for."""
+        if self.stop is not None and self.stop.is_set():
+            self.asked = self.asked or time.monotonic()
+            if time.monotonic() - self.asked > PATIENCE:
+                raise Interrupted
         self._later(lambda: self.trajectory.append(self.integration.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
@@ -177,7 +184,7 @@ def record(
     """
     with contextlib.ExitStack() as held:
         with new_store(target, overwrite=overwrite) as scratch:
-            integration = Integration(problem)
+            integration = Integration(problem, stop)
             root = tables.create_root(scratch, _attributes(integration))
             lock = held.enter_context(Lock(scratch))
             empty = integration.view.columns(np.zeros(0), integration.first[:0])
@@ -208,7 +215,7 @@ def resume(
         for left in (CHECKPOINT, LOCK):  # killed after its last word, before it could tidy up
             (target / left).unlink(missing_ok=True)
         raise StoreError(f"`{target}` must be unfinished to be resumed, but: {attrs['reason']}.")
-    integration = Integration(build.problem(build.tables_of(attrs)))
+    integration = Integration(build.problem(build.tables_of(attrs)), stop)
     with contextlib.ExitStack() as held:
         with files.writing(target):
             lock = held.enter_context(Lock(target))
