@@ -16,7 +16,7 @@ Result = TypeVar("Result")
 SILENT = 2.0  # [s] after which whoever waits at a terminal is told for what
 LOOK = 0.05  # [s] between two looks at the signals and at `stop`
 
-_abandoned: list[threading.Thread] = []  # their work cannot be ended: the process must not wait for it
+_abandoned: list[threading.Event] = []  # their work cannot be ended: the process must not wait for it
 
 
 def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None = None) -> Result:
@@ -36,27 +36,30 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     results: list[Any] = []
     errors: list[BaseException] = []
 
+    finished = threading.Event()  # `join` takes a thread for ended when a signal interrupts it (3.11)
+
     def done() -> None:
         try:
             results.append(work())
         except BaseException as error:
             errors.append(error)
+        finally:
+            finished.set()
 
     thread = threading.Thread(target=done, name="awaited", daemon=True)
     quiet = not sys.stderr.isatty() or bool(os.environ.get("TIPPETOP_QUIET"))
     began = time.monotonic()
     thread.start()
     try:
-        while thread.is_alive():
-            thread.join(LOOK)
+        while not finished.wait(LOOK):
             if not quiet and time.monotonic() - began > SILENT:
                 print(f"tippetop: {doing} ...", file=sys.stderr, flush=True)
                 quiet = True
-            if stop is not None and stop.is_set() and thread.is_alive():
+            if stop is not None and stop.is_set():
                 raise Interrupted
     finally:
-        if thread.is_alive():
-            _abandoned.append(thread)
+        if not finished.is_set():
+            _abandoned.append(finished)
     if errors:
         raise errors[0]
     return results[0]
@@ -64,4 +67,4 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
 
 def abandoned() -> bool:
     """Whether work that was not waited for is still done: only `os._exit` ends the process then."""
-    return any(thread.is_alive() for thread in _abandoned)
+    return not all(finished.is_set() for finished in _abandoned)

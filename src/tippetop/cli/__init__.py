@@ -33,6 +33,7 @@ app = App(
     version_flags=["--version"],
     version=lambda: _version(),
     console=streams.Console(),
+    suppress_keyboard_interrupt=False,
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
 )
@@ -51,7 +52,16 @@ def _version() -> str:
     return version("tippetop")
 
 
+_received: list[int] = []  # exit codes of the signals that came
+
+
+def _interrupt(*_: Any) -> NoReturn:
+    _received.append(INTERRUPTED)
+    raise KeyboardInterrupt
+
+
 def _terminate(*_: Any) -> NoReturn:
+    _received.append(TERMINATED)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough: what is open is being closed
     raise SystemExit(TERMINATED)
 
@@ -62,8 +72,13 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     streams.ready()
     signal.signal(signal.SIGTERM, _terminate)
     warnings.showwarning = _warn  # type: ignore[assignment]
+    signal.signal(signal.SIGINT, _interrupt)
     try:
         code = outcome(arguments)
+    except Exception:
+        if not _received:
+            raise
+        code = complain(["interrupted while it was loaded."], _received[0])  # an import makes an ImportError of it
     except SystemExit as stopped:
         if stopped.code == TERMINATED and not stopped.__context__:
             complain(["terminated; what is finished is kept."], TERMINATED)
