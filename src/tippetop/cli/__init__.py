@@ -33,7 +33,6 @@ app = App(
     version_flags=["--version"],
     version=lambda: _version(),
     console=streams.Console(),
-    suppress_keyboard_interrupt=False,
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
 )
@@ -80,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
             raise
         code = complain(["interrupted while it was loaded."], _received[0])  # an import makes an ImportError of it
     except SystemExit as stopped:
-        if stopped.code == TERMINATED and not stopped.__context__:
+        if stopped.code == TERMINATED and _received:
             complain(["terminated; what is finished is kept."], TERMINATED)
         code = stopped.code if isinstance(stopped.code, int) else BUG
     code = streams.finished(code)

@@ -21,10 +21,8 @@ from .sentences import scenario_sentence
 
 LEAST_TOLERANCE = 1e-5  # of the rounding unit: 2.2e-21 in double. Over 200 s of rolling in vector form, 1e-20 and
 # 1e-21 change E no less than 0 does (1.4e-14, 1.7e-14; 1.5e-14), and compile in 46 s where 1e-18 takes 32 s
-NEAREST_POLE = (
-    1e-3  # [rad] where z = cos(theta) is integrated: its rounding is one of 2.2e-15/theta after 4 s, measured
-)
-# against the vector form from 1.9e-5 to 0.3 rad. Growing as sqrt(t) that is 1e-10 rad, the promise, after 1e4 s
+NEAREST_POLE = 1e-3  # [rad] where z = cos(theta) is integrated: its rounding changes theta by 2.2e-15/theta in 4 s,
+# measured against the vector form from 1.9e-5 to 0.3 rad. As sqrt(t), that is the promise, 1e-10 rad, after 1e4 s
 MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
 
 
