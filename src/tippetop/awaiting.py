@@ -13,7 +13,7 @@ from .errors import Interrupted
 
 
 Result = TypeVar("Result")
-SILENT = 2.0  # [s] after which whoever waits at a terminal is told for what
+SILENT = 2.0  # [s] after which a terminal shows what is waited for
 LOOK = 0.05  # [s] between two looks at the signals and at `stop`
 
 _abandoned: list[threading.Event] = []  # their work cannot be ended: the process must not wait for it

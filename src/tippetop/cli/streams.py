@@ -38,7 +38,7 @@ class Console(RichConsole):
     """A console that leaves a reader who went away to `cli.outcome`."""
 
     def on_broken_pipe(self) -> NoReturn:
-        """Called in an except block: the BrokenPipeError goes on."""
+        """Called in an except block: raises the BrokenPipeError again."""
         raise
 
 

@@ -42,7 +42,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
 def _netcdf_apart(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
     """As `_netcdf`, in a process of its own: HDF5 ends its process by a segmentation fault when the disk is full.
     Raises OSError."""
-    import h5netcdf  # noqa: F401 - whoever lacks it is told here
+    import h5netcdf  # noqa: F401 - missing is a sentence here
 
     given = json.dumps([sys.path, str(store), groups, attrs, str(path)])
     child = subprocess.run([sys.executable, "-c", APART], input=given, capture_output=True, text=True, check=False)
