@@ -27,7 +27,7 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     work
         What is done, in a thread of its own; in any thread but the main one, which has the signals, just here.
     doing
-        What is said on stderr, if that is a terminal, of work that takes longer than 2 s.
+        The line on stderr, if that is a terminal, about work that takes longer than 2 s.
     stop
         Raises Interrupted as soon as this is set.
     """

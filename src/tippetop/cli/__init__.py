@@ -84,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         code = stopped.code if isinstance(stopped.code, int) else BUG
     code = streams.finished(code)
     if awaiting.abandoned():
-        os._exit(code)  # a compilation goes on in its thread, and the interpreter would wait for it
+        os._exit(code)  # a compilation still runs in its thread, and the interpreter would wait for it
     sys.exit(code)
 
 
