@@ -11,8 +11,10 @@ import pytest
 import xarray as xr
 
 from tippetop.cli import outcome
+from tippetop.errors import InputError
 from tippetop.figures import run
 from tippetop.mechanics.operand import leaves, product_error
+from tippetop.problem import ROUNDING
 from tippetop.runs import certificate, recording
 from tippetop.runs.run import solve
 from tippetop.scenario import build
@@ -123,11 +125,13 @@ def test_certify_is_kept_in_the_store(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_check_advises_the_form_that_lasts(capsys: pytest.CaptureFixture[str]) -> None:
     said = []
-    for sets in (["run.until=1e6"], ["run.until=1e6", "form=reduced"], ["run.until=1e4"]):
+    long = "run.until=1e6"
+    for sets in ([long, "form=vector"], [long], [long, "run.tolerance=1e-18"], ["run.until=1e4", "form=vector"]):
         words = [word for each in ["run.output_step=10", *sets] for word in ("--set", each)]
         assert outcome(["check", "rolling", *words]) == 0
-        said.append('form = "reduced"' in capsys.readouterr().out)
-    assert said == [True, False, False]
+        advice = capsys.readouterr().out
+        said.append(('form = "reduced" with' in advice, "tolerance = 1e-18 keeps it" in advice))
+    assert said == [(True, True), (False, True), (False, False), (False, False)]
 
 
 def unevenness(parameter: float, rng: np.random.Generator) -> float:
@@ -138,6 +142,35 @@ def unevenness(parameter: float, rng: np.random.Generator) -> float:
         errors = product_error(parameter, x) / np.spacing(parameter * x)
         found.append(abs(errors.mean()) / max(errors.std() / np.sqrt(x.size), 1e-30))
     return max(found)
+
+
+@pytest.mark.slow
+def test_the_rolling_preset_keeps_its_contract_over_ten_thousand_seconds() -> None:
+    problem = build.load("rolling", ["run.output_step=1"], until=1e4)
+    done = solve(problem, keep=False)
+    assert not certificate.broken_promises(done.report, ROUNDING["double"], "double")
+
+
+def test_the_rolling_preset_is_integrated_in_the_form_that_keeps_its_contract() -> None:
+    assert build.load("rolling").form.name == "reduced"
+
+
+@pytest.mark.parametrize("theta", [1.7e-4, 1.9e-5, np.pi - 1.7e-4])
+def test_a_reduced_start_next_to_a_pole_is_refused(theta: float) -> None:
+    near = [f"initial.theta={theta!r}"]
+    with pytest.raises(InputError, match='form = "vector" can'):
+        build.load("rolling", near)
+    build.load("rolling", [*near, "form=vector"])
+
+
+@pytest.mark.parametrize("theta", [1e-3, np.pi - 1e-3])
+def test_a_reduced_start_that_is_allowed_keeps_theta(theta: float) -> None:
+    runs = [
+        solve(build.load("rolling", [f"initial.theta={theta!r}", f"form={form}", "run.output_step=0.01"]))
+        for form in ("vector", "reduced")
+    ]
+    vector, reduced = (run.columns()["theta"].values for run in runs)
+    np.testing.assert_allclose(reduced, vector, rtol=0, atol=5e-15 / 1e-3)
 
 
 def test_products_with_the_parameters_of_the_reduced_form_round_evenly(rng: np.random.Generator) -> None:

@@ -125,7 +125,7 @@ def test_a_liftoff_that_the_event_misses_is_seen_in_the_force(monkeypatch: pytes
     problem = load("initial.omega3=170.0", until=10.0)
     expected = solve(problem).report["t_end"]
     blind = taylor.integrator_of(dataclasses.replace(problem, on_liftoff="continue"))
-    monkeypatch.setattr(integration, "integrator_of", lambda _: blind)
+    monkeypatch.setattr(integration, "integrator_of", lambda *_: blind)
     monkeypatch.setattr(integration, "slices", lambda *_: forgetful(slices(*_)))
     run = solve(problem)
     assert run.status is Status.LIFTOFF
@@ -143,7 +143,7 @@ def test_a_state_that_turns_non_finite_keeps_the_last_good_one(monkeypatch: pyte
     problem = load("form=euler", until=0.3)
     good = taylor.integrator_of(problem)
     good.pars[3] = np.nan  # what a broken parameter would do, past the door
-    monkeypatch.setattr(integration, "integrator_of", lambda _: good)
+    monkeypatch.setattr(integration, "integrator_of", lambda *_: good)
     run = solve(problem)
     assert run.status is Status.NON_FINITE
     assert "not finite" in run.reason

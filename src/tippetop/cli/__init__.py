@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import signal
 import sys
 import warnings
@@ -10,10 +12,15 @@ from typing import Any, NoReturn
 
 from cyclopts import App, CycloptsError
 
-from . import host, landscape, run, show, sweep, usage
+from .. import awaiting
+from . import host, landscape, run, show, streams, sweep, usage
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
+THE_DISKS = {  # errors of the system that are no bug of ours, wherever they come from
+    *(errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO),
+    *(errno.EACCES, errno.EPERM, errno.ELOOP, errno.EMFILE, errno.ENFILE, errno.ENOTDIR),
+}
 
 app = App(
     name="tippetop",
@@ -25,6 +32,7 @@ app = App(
     ),
     version_flags=["--version"],
     version=lambda: _version(),
+    console=streams.Console(),
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
 )
@@ -43,16 +51,41 @@ def _version() -> str:
     return version("tippetop")
 
 
+_received: list[int] = []  # exit codes of the signals that came
+
+
+def _interrupt(*_: Any) -> NoReturn:
+    _received.append(INTERRUPTED)
+    raise KeyboardInterrupt
+
+
 def _terminate(*_: Any) -> NoReturn:
+    _received.append(TERMINATED)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough: what is open is being closed
     raise SystemExit(TERMINATED)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs the command line and exits: 0 done, 1 a bug, 2 usage or configuration, 3 the physics stopped it, 4 the
     accuracy contract was broken, 5 store or disk, 6 failed chunks, 130 and 143 interrupted."""
+    streams.ready()
     signal.signal(signal.SIGTERM, _terminate)
     warnings.showwarning = _warn  # type: ignore[assignment]
-    sys.exit(outcome(arguments))
+    signal.signal(signal.SIGINT, _interrupt)
+    try:
+        code = outcome(arguments)
+    except Exception:
+        if not _received:
+            raise
+        code = complain(["interrupted while it was loaded."], _received[0])  # an import makes an ImportError of it
+    except SystemExit as stopped:
+        if stopped.code == TERMINATED and _received:
+            complain(["terminated; what is finished is kept."], TERMINATED)
+        code = stopped.code if isinstance(stopped.code, int) else BUG
+    code = streams.finished(code)
+    if awaiting.abandoned():
+        os._exit(code)  # a compilation still runs in its thread, and the interpreter would wait for it
+    sys.exit(code)
 
 
 def _warn(message: Warning | str, *_: Any) -> None:
@@ -69,7 +102,6 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return complain(["interrupted; nothing was stored."], INTERRUPTED)
     except BrokenPipeError:  # the reader of our output went away
-        sys.stderr.close()
         return DONE
     except Exception as error:
         known = _known_errors(error)
@@ -86,6 +118,9 @@ def _known_errors(error: Exception) -> int | None:
         return complain(error.sentences, USAGE)
     if isinstance(error, StoreError):
         return complain([str(error)], STORE)
+    if isinstance(error, OSError) and error.errno in THE_DISKS:
+        place = f"`{error.filename}`" if error.filename else "the disk"
+        return complain([f"{place} must be usable, but: {error.strerror}."], STORE)
     return None
 
 

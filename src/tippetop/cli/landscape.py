@@ -12,6 +12,8 @@ from cyclopts import Parameter
 
 
 Axis = Annotated[str | None, Parameter()]
+COMPILING = "the formulas are being compiled"
+MOST_POINTS = 10**7  # of an axis, which is held in memory whole
 Json = Annotated[bool, Parameter(name="--json", negative=())]
 
 
@@ -44,6 +46,7 @@ def surface(
     """
     import numpy as np
 
+    from ..awaiting import awaited
     from ..landscape import marked_lines, recording, surface
     from ..progress import Bar
     from .overwrite import remove_store
@@ -67,6 +70,8 @@ def surface(
         print(f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).", file=sys.stderr)
     elif out is not None:
         try:
+            few = (Ds[:: max(1, Ds.size - 1)], lambdas[:: max(1, lambdas.size - 1)])
+            awaited(lambda: surface.minimal_surface(parameters, *few, system, gradient=False), COMPILING)
             with Bar("chunks") as bar:
                 wanted = recording.Surface.over(parameters, Ds, lambdas, system)
                 recording.write(out, wanted, progress=bar.update)
@@ -74,8 +79,9 @@ def surface(
             print("tippetop: interrupted; the same command continues from here.", file=sys.stderr)
             return 130
     if figure is not None:
-        few = [v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas)]
-        _draw_surface(surface.minimal_surface(parameters, few[0], few[1], system, gradient=False), parameters, figure)
+        few = tuple(v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas))
+        grid = awaited(lambda: surface.minimal_surface(parameters, *few, system, gradient=False), COMPILING)
+        _draw_surface(grid, parameters, figure)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0
 
@@ -146,6 +152,7 @@ def potential(
     """
     import numpy as np
 
+    from ..awaiting import awaited
     from ..landscape import potential, recording, surface
     from ..store import root
     from .run import check_picture
@@ -155,14 +162,14 @@ def potential(
     for name, value in (("--D", D), ("--lambda", lambda_)):
         if not math.isfinite(value):
             raise _wrong(f"{name} must be finite, but is {value}.")
-    if n < 2:
-        raise _wrong(f"--n must be at least 2, but is {n}.")
+    if not 2 <= n <= MOST_POINTS:
+        raise _wrong(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
     if figure is not None:
         check_picture(figure, "--figure")
     warn(_far(parameters, lambda_))
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
-    V = potential.potential(parameters, z, D, lambda_, system)
-    least = surface.minimal_surface(parameters, D, lambda_, system)
+    V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
+    least = awaited(lambda: surface.minimal_surface(parameters, D, lambda_, system), COMPILING)
     meanings = least["status"].attrs["flag_meanings"].split()
     report = {
         "F": least["F"].item(),
@@ -258,6 +265,8 @@ def _axis(name: str, text: str) -> Any:
             raise ValueError
     except ValueError:
         raise _wrong(f"{name} must be min:max:n with min < max and n at least 2, but is `{text}`.") from None
+    if count > MOST_POINTS:
+        raise _wrong(f"{name} must have at most {MOST_POINTS} points, but has {count}.")
     return np.linspace(*limits, count)
 
 

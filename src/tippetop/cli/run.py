@@ -119,7 +119,8 @@ def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: P
             return work(stop.event)
         except Interrupted:
             pass
-    print(f"tippetop: interrupted; what is done is kept. Continue with: tippetop resume {store}", file=sys.stderr)
+    kept = f"what is done is kept. Continue with: tippetop resume {store}" if store.exists() else "nothing was stored."
+    print(f"tippetop: interrupted; {kept}", file=sys.stderr)
     raise SystemExit(128 + stop.signal)
 
 

@@ -140,11 +140,20 @@ def plot(
     out
         The picture to write: a name that ends with .png, .svg or .pdf.
     """
-    from ..store import chunks, root
+    from ..awaiting import awaited
+    from ..store import root
     from .run import check_picture
 
     check_picture(out, "--out")
     attrs = root.attributes(store)
+    awaited(lambda: _plot(store, kind, attrs, out), "the figure is being made (its formulas are compiled first)")
+    return 0
+
+
+def _plot(store: Path, kind: str | None, attrs: dict[str, Any], out: Path) -> None:
+    """Draws a store whose root attributes are `attrs`."""
+    from ..store import chunks
+
     content = attrs.get("content", "run")
     if content == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
@@ -158,7 +167,6 @@ def plot(
         catalogue.check_kind(kind or "theta")
         groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
         catalogue.draw(kind or "theta", groups, attrs, out)
-    return 0
 
 
 def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:

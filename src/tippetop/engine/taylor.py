@@ -5,6 +5,7 @@ The only user of heyoka's integrators.
 
 import copy
 import hashlib
+import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
+from ..awaiting import awaited
 from ..mechanics.events import Event
 from ..mechanics.operand import leaves
 from ..mechanics.system import System
@@ -167,9 +169,10 @@ def _compiled_for(problem: Problem) -> Compiled:
     )
 
 
-def integrator_of(problem: Problem) -> Any:
-    """A fresh integrator of the problem, at its start."""
-    integrator = copy.deepcopy(_compiled_for(problem).integrator)
+def integrator_of(problem: Problem, stop: threading.Event | None = None) -> Any:
+    """A fresh integrator of the problem, at its start. Raises Interrupted if `stop` is set while it is compiled."""
+    doing = "the equations are being compiled"
+    integrator = copy.deepcopy(awaited(lambda: _compiled_for(problem), doing, stop).integrator)
     integrator.pars[:] = [problem.number(leaf) for leaf in leaves(problem.internal_body)]
     integrator.state[:] = problem.start()
     return integrator

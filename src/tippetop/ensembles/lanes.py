@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Protocol
 import heyoka as hy
 import numpy as np
 
+from ..awaiting import awaited
 from ..engine.expressions import equations_of_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, stays
@@ -102,7 +103,11 @@ class Lanes:
 
     def __init__(self, tops: Problems, lanes: int = LANES):
         base = tops.base
-        batch = compiled(base.system, base.form.name, base.friction.__class__, base.tolerance, lanes, tops.orientation)
+        law = base.friction.__class__
+        batch = awaited(
+            lambda: compiled(base.system, base.form.name, law, base.tolerance, lanes, tops.orientation),
+            "the equations are being compiled",
+        )
         self.tops, self.lanes, self.batch = tops, lanes, batch
         integrator = self.integrator = copy.deepcopy(batch.integrator)
         self.rules, self.rows = rules(base), batch.rows

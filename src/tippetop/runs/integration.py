@@ -1,8 +1,10 @@
 """One run from start to end: slices go to a sink, the drift monitor and the event log; the end gets a status."""
 
 import math
+import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from .event_log import EventLog
 from .sinks import Sink
 
 
+ROWS_PER_BLOCK = 1 << 16  # 12 MB of 24 columns: what a sink takes at once
 SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
 
 
@@ -46,9 +49,9 @@ class Integration:
         Where the time went: compile, integrate.
     """
 
-    def __init__(self, problem: Problem):
+    def __init__(self, problem: Problem, stop: threading.Event | None = None):
         clock = time.perf_counter()
-        self.problem, self.integrator = problem, integrator_of(problem)
+        self.problem, self.integrator = problem, integrator_of(problem, stop)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
         self.second = float(problem.scales.of(SECOND))
@@ -119,13 +122,20 @@ class Integration:
             elif problem.output == "events" and len(table.time):
                 self._write(sink, table.time, states)
         if problem.output == "times" and upto > self.filled:
-            times = problem.times[self.filled : upto]
-            self.filled += len(times)
-            last = self.last  # the dense output of the slice is not used again here: another thread may have it
-            sink.rows(
-                times,
-                lambda: rows_at(piece, times / self.second, problem) if steps else np.repeat(last, len(times), axis=0),
-            )
+            if not sink.keeps_rows:
+                self.filled = upto
+            last = self.last if not steps else None
+            while self.filled < upto:  # in blocks: a step may hold more rows than memory does
+                times = problem.times[self.filled : min(upto, self.filled + ROWS_PER_BLOCK)]
+                self.filled += len(times)
+                # the dense output of the slice is not used again here: another thread may have it
+                sink.rows(times, partial(self._rows, piece, times, last))
+
+    def _rows(self, piece: Slice, times: np.ndarray, last: np.ndarray | None) -> np.ndarray:
+        """The states at times [s] of a slice; `last`, if the slice has no step."""
+        if last is not None:
+            return np.repeat(last, len(times), axis=0)
+        return rows_at(piece, times / self.second, self.problem)
 
     def _write(self, sink: Sink, times: np.ndarray, states: np.ndarray) -> None:
         sink.rows(times, lambda: states)

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from .integration import Integration
 MOST_ROWS, FEWEST_ROWS = 1 << 18, 1 << 10  # of a chunk: 2 MiB a column take a third less than twice 1 MiB
 EVENTS_PER_CHUNK = 16_384
 COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
+PATIENCE = 2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
 
 Progress = Callable[[Integration], None]
 
@@ -39,6 +40,8 @@ class Recorder:
 
     All writing is done in one thread of its own: it follows the integration, and no KeyboardInterrupt enters it.
     """
+
+    keeps_rows: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -54,10 +57,14 @@ class Recorder:
         self.begun_with: list[dict[str, Any]] = []  # versions and processors of those that wrote it before
         self.behind: deque[Future] = deque()
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
-        self.committed_at = time.monotonic()
+        self.committed_at, self.asked = time.monotonic(), 0.0
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Takes rows."""
+        """Takes rows. Raises Interrupted where a slice has so many that its end cannot be waited for."""
+        if self.stop is not None and self.stop.is_set():
+            self.asked = self.asked or time.monotonic()
+            if time.monotonic() - self.asked > PATIENCE:
+                raise Interrupted
         self._later(lambda: self.trajectory.append(self.integration.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
@@ -182,7 +189,7 @@ def record(
     """
     with contextlib.ExitStack() as held:
         with new_store(target, overwrite=overwrite) as scratch:
-            integration = Integration(problem)
+            integration = Integration(problem, stop)
             root = tables.create_root(scratch, _attributes(integration))
             lock = held.enter_context(Lock(scratch))
             trajectory, events = (Appender.created(root, *table) for table in _tables(integration))
@@ -229,7 +236,7 @@ def resume(
         with files.writing(target):
             lock = held.enter_context(Lock(target))
         kept = _checkpoint(target, accept_other_version)
-        integration = Integration(build.problem(build.tables_of(attrs)))
+        integration = Integration(build.problem(build.tables_of(attrs)), stop)
         _compare(target, integration, kept)
         return _run(integration, lock, progress, stop, kept)
 

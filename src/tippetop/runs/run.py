@@ -1,5 +1,6 @@
 """A problem integrated in memory: the solution as it comes from the integrator, and the call that makes it."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 
 from ..engine.observables import Observables
 from ..engine.status import Status
+from ..errors import InputError
 from ..problem import Problem
 from .events import EventTable
 from .integration import Integration
@@ -36,6 +38,23 @@ class Solution:
         return Observables(self.problem).columns(self.times, self.rows)
 
 
+def refuse_more_than_memory(problem: Problem) -> None:
+    """Raises InputError for rows that this machine cannot hold: the states, and the columns that are made of them."""
+    if problem.output != "times":
+        return
+    columns = Observables(problem).columns(np.zeros(1), problem.start()[None, :])
+    per_row = sum(c.values.nbytes for c in columns.values()) + problem.start().nbytes + 8
+    needed, there = len(problem.times) * per_row, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if needed > there:
+        raise InputError(
+            [
+                f"{len(problem.times):.3g} rows of {per_row} bytes must fit in {there / 1e9:.3g} GB of memory, but "
+                f"take {needed / 1e9:.3g} GB: give a store (--out, out=), which takes any number, or a longer "
+                "`run.output_step`."
+            ]
+        )
+
+
 def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:
     """Integrates a problem to its end, gathering rows and events in memory.
 
@@ -54,7 +73,9 @@ def solve(problem: Problem, progress: Callable[[Integration], None] | None = Non
     Solution
         Its `problem` is what was integrated: without orientation if nothing was kept.
     """
-    if not keep:
+    if keep:
+        refuse_more_than_memory(problem)
+    else:
         problem = replace(problem, orientation=False)
     integration, memory = Integration(problem), Memory() if keep else Nowhere()
     integration.run(memory, progress)

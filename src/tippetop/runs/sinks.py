@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 class Sink(Protocol):
     """Where a run goes as it is made: memory, or a store."""
+
+    keeps_rows: ClassVar[bool]  # whether rows are to be made at all
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Takes rows: times [s], and what gives their internal states; it may be called later, in another thread."""
@@ -34,6 +36,7 @@ class Memory:
     states: list[np.ndarray] = field(default_factory=list)
     tables: list[EventTable] = field(default_factory=list)
     marks: list[int] = field(default_factory=list)
+    keeps_rows: ClassVar[bool] = True
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Takes rows."""
@@ -57,6 +60,8 @@ class Memory:
 
 class Nowhere(Memory):
     """Keeps nothing: for those who want what a run reports, however long it is."""
+
+    keeps_rows: ClassVar[bool] = False
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Drops rows, which then are not even made."""

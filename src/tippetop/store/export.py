@@ -1,5 +1,8 @@
 """A store in the formats of others: netCDF, CSV, Parquet; a block of rows at a time, whole or not at all."""
 
+import json
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -28,11 +31,31 @@ def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
         raise InputError([f"--group must be {' or '.join(groups)}, but is `{group}`."])
     try:
         with files.writing(out), files.replacing(out, overwrite=False) as scratch:
-            FORMATS[to](store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
+            writer = _netcdf_apart if to == "netcdf" else FORMATS[to]
+            writer(store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
     except ImportError as error:
         raise StoreError(
             f"the export to {to} must find its library, but: {error} (install tippetop[export])."
         ) from None
+
+
+def _netcdf_apart(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
+    """As `_netcdf`, in a process of its own: HDF5 ends its process by a segmentation fault when the disk is full.
+    Raises OSError."""
+    import h5netcdf  # noqa: F401 - missing is a sentence here
+
+    given = json.dumps([sys.path, str(store), groups, attrs, str(path)])
+    child = subprocess.run([sys.executable, "-c", APART], input=given, capture_output=True, text=True, check=False)
+    if child.returncode < 0:
+        raise OSError(f"HDF5 failed there (signal {-child.returncode}), as it does when the disk is full")
+    if child.returncode > 0:
+        raise OSError(child.stderr.strip().rpartition("\n")[2] or "HDF5 failed there")
+
+
+APART = """import json, pathlib, sys
+sys.path[:], store, groups, attrs, path = json.load(sys.stdin)
+from tippetop.store.export import _netcdf
+_netcdf(pathlib.Path(store), groups, attrs, pathlib.Path(path))"""
 
 
 def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
@@ -111,8 +134,6 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
 
 def _plain(value: Any) -> Any:
     """An attribute as netCDF and Parquet can hold it."""
-    import json
-
     return value if isinstance(value, int | float | str) and not isinstance(value, bool) else json.dumps(value)
 
 

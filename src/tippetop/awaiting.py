@@ -1,0 +1,70 @@
+"""Long work of a library that cannot be interrupted, such as a compilation: done in a thread, and waited for."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from .errors import Interrupted
+
+
+Result = TypeVar("Result")
+SILENT = 2.0  # [s] after which a terminal shows what is waited for
+LOOK = 0.05  # [s] between two looks at the signals and at `stop`
+
+_abandoned: list[threading.Event] = []  # their work cannot be ended: the process must not wait for it
+
+
+def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None = None) -> Result:
+    """What `work` returns or raises. Signals are handled while it is done: neither LLVM nor heyoka looks for them.
+
+    Parameters
+    ----------
+    work
+        What is done, in a thread of its own; in any thread but the main one, which has the signals, just here.
+    doing
+        The line on stderr, if that is a terminal, about work that takes longer than 2 s.
+    stop
+        Raises Interrupted as soon as this is set.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return work()
+    results: list[Any] = []
+    errors: list[BaseException] = []
+
+    finished = threading.Event()  # `join` takes a thread for ended when a signal interrupts it (3.11)
+
+    def done() -> None:
+        try:
+            results.append(work())
+        except BaseException as error:
+            errors.append(error)
+        finally:
+            finished.set()
+
+    thread = threading.Thread(target=done, name="awaited", daemon=True)
+    quiet = not sys.stderr.isatty() or bool(os.environ.get("TIPPETOP_QUIET"))
+    began = time.monotonic()
+    thread.start()
+    try:
+        while not finished.wait(LOOK):
+            if not quiet and time.monotonic() - began > SILENT:
+                print(f"tippetop: {doing} ...", file=sys.stderr, flush=True)
+                quiet = True
+            if stop is not None and stop.is_set():
+                raise Interrupted
+    finally:
+        if not finished.is_set():
+            _abandoned.append(finished)
+    if errors:
+        raise errors[0]
+    return results[0]
+
+
+def abandoned() -> bool:
+    """Whether work that was not waited for is still done: only `os._exit` ends the process then."""
+    return not all(finished.is_set() for finished in _abandoned)

@@ -1,0 +1,82 @@
+"""Standard output and standard error of the command line: closed, full or narrow ones become a sentence at most."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from typing import Any, NoReturn
+
+from rich.console import Console as RichConsole
+
+from ..errors import StoreError
+
+
+class _Output(io.FileIO):
+    """Standard output: what cannot be written is a StoreError."""
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise StoreError(f"standard output must be writable, but: {error.strerror or error}.") from None
+
+
+class _Errors(io.FileIO):
+    """Standard error: what cannot be written is lost, because there is no other place to say so."""
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except OSError:
+            return memoryview(data).nbytes
+
+
+class Console(RichConsole):
+    """A console that leaves a reader who went away to `cli.outcome`."""
+
+    def on_broken_pipe(self) -> NoReturn:
+        """Called in an except block: raises the BrokenPipeError again."""
+        raise
+
+
+def ready() -> None:
+    """Makes the standard streams of this process usable, whatever they are.
+
+    Closed ones (`>&-`) become the null device: no store may get their number, for others write to it. Characters that
+    an encoding lacks are escaped.
+    """
+    fd = 0
+    while fd <= 2:
+        fd = os.open(os.devnull, os.O_RDWR)
+        if fd <= 2:
+            os.set_inheritable(fd, True)
+    os.close(fd)
+    sys.stdout, sys.stderr = _text(_Output, 1, sys.stdout), _text(_Errors, 2, sys.stderr)
+
+
+def _text(raw: type[io.FileIO], fd: int, old: Any) -> io.TextIOWrapper:
+    """The text stream of a descriptor, encoded as `old`."""
+    file = raw(fd, "w", closefd=False)
+    encoding = getattr(old, "encoding", None) or "utf-8"
+    line_buffering = fd == 2 or file.isatty()
+    return io.TextIOWrapper(io.BufferedWriter(file), encoding, "backslashreplace", line_buffering=line_buffering)
+
+
+def finished(code: int) -> int:
+    """Writes what is left, at the end of the process; gives the exit code, which is another if that fails."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        pass
+    except StoreError as error:
+        print(f"tippetop: {error}", file=sys.stderr)
+        code = code or 5
+    else:
+        return code
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 1)  # what could not be written goes nowhere, rather than be tried again at exit
+    os.close(null)
+    return code

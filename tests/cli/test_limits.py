@@ -1,0 +1,198 @@
+"""Limits of the command line: whatever the streams, the text, the numbers: a sentence and the documented exit code."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tippetop.cli import outcome
+from tippetop.errors import InputError
+from tippetop.scenario import build, reading
+
+
+MAIN = [sys.executable, "-c", "from tippetop.cli import main; main()"]
+RUN = ["run", "inverting", "--until", "0.05"]
+
+
+def shell(words: list[str], redirected: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+    command = ["bash", "-c", f'set -o pipefail; "$@" {redirected}', "bash", *MAIN, *words]
+    return subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, **environment}, timeout=120, check=False
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "redirected", "code"),
+    [
+        (RUN, ">&-", 0),
+        (RUN, "2>&-", 0),
+        (RUN, "<&- >&- 2>&-", 0),
+        (["run", "nothing"], "2>&-", 2),
+        (["run", "nothing"], "2>/dev/full", 2),
+        (["systems"], ">/dev/full", 5),
+        (["systems", "--json"], ">/dev/full", 5),
+        (RUN, ">/dev/full", 5),
+        (["--help"], ">/dev/full", 5),
+        (["--version"], ">/dev/full", 5),
+        (["systems"], "| head -1", 0),
+        (["systems"], "| true", 0),
+        (["--help"], "| true", 0),
+    ],
+)
+def test_streams_that_cannot_be_written_are_no_traceback(words: list[str], redirected: str, code: int) -> None:
+    done = shell(words, redirected)
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr
+    if code == 5:
+        assert "standard output must be writable, but: No space left on device." in done.stderr
+
+
+def test_no_store_gets_the_number_of_a_closed_stream(tmp_path: Path) -> None:
+    done = shell([*RUN, "--out", str(tmp_path / "a.zarr")], ">&- 2>&-")
+    assert done.returncode == 0
+    assert outcome(["info", str(tmp_path / "a.zarr")]) == 0
+
+
+def test_a_terminal_without_our_characters_is_written_to_nevertheless() -> None:
+    done = shell(RUN, PYTHONIOENCODING="ascii")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.isascii()
+    assert "tippe top" in done.stdout
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a = " + "[" * 5000 + "]" * 5000,
+        "a = " + "{a=" * 3000 + "1" + "}" * 3000,
+        ".".join(["a"] * 20_000) + " = 1",
+        "[" + ".".join(["a"] * 20_000) + "]",
+        "a = {" + " . ".join(["'a b'"] * 20_000) + " = 1}",
+    ],
+)
+def test_deep_nesting_is_refused_at_once(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "deep.toml"
+    file.write_text(text)
+    began = time.monotonic()
+    with pytest.raises(InputError, match=r"nested too deeply|more than 64 parts"):
+        reading.read(str(file))
+    assert time.monotonic() - began < 2.0
+
+
+def test_a_deep_assignment_is_refused_in_a_short_sentence() -> None:
+    for assignment in ("run.a=" + "[" * 5000 + "]" * 5000, ".".join(["a"] * 20_000) + "=1"):
+        with pytest.raises(InputError) as refused:
+            reading.override({}, [assignment])
+        assert len(str(refused.value)) < 300
+
+
+def test_long_lines_of_numbers_are_no_dotted_keys() -> None:
+    times = ", ".join(f"{i}.5" for i in range(1000))
+    assert reading.override({}, [f"run.output_times=[{times}]"])["run"]["output_times"][-1] == 999.5
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [(["info", "{}"], 5), ([*RUN, "--out", "{}"], 5), (["check", "{}"], 2), ([*RUN, "--figure", "{}.png"], 5)],
+)
+def test_a_name_that_is_too_long_is_a_sentence(words: list[str], code: int, capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome([word.replace("{}", "n" * 300) for word in words]) == code
+    assert "File name too long" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "code"),
+    [
+        ("parameters.m", "5e-324", 2),
+        ("parameters.R", "5e-324", 2),
+        ("parameters.g", "5e-324", 2),
+        ("run.output_step", "5e-324", 2),
+        ("run.until", "5e-324", 0),
+        ("initial.theta", "5e-324", 0),
+        ("initial.omega3", "1e150", 3),  # the first step is not finite
+        ("friction.mu", "1e308", 3),
+    ],
+)
+def test_numbers_at_the_ends_of_the_doubles(
+    key: str, value: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = ["run", "inverting", "--set", "run.until=0.01", "--set", f"{key}={value}"]
+    assert outcome(given) == code
+    assert outcome([*given, "--out", str(tmp_path / "a.zarr")]) == code
+    assert (code == 0) == (not capsys.readouterr().err)
+
+
+@pytest.mark.parametrize(
+    ("precision", "tolerance"), [("double", 1e-22), ("double", 1e-60), ("longdouble", 1e-30), ("quad", 1e-300)]
+)
+def test_a_tolerance_far_below_the_rounding_unit_is_refused(precision: str, tolerance: float) -> None:
+    with pytest.raises(InputError, match=r"must be 0 .the rounding unit. or at least"):
+        build.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
+
+
+@pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-18), ("double", 1e-20), ("quad", 1e-38)])
+def test_a_tolerance_somewhat_below_the_rounding_unit_is_allowed(precision: str, tolerance: float) -> None:
+    made = build.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
+    assert made.tolerance == tolerance
+
+
+@pytest.mark.parametrize(
+    ("words", "after"),
+    [
+        (["run", "inverting", "--set", "run.precision=longdouble", "--set", "run.until=1e7"], 3.0),
+        (["run", "inverting", "--set", "run.precision=quad", "--set", "run.until=1e7", "--out", "a.zarr"], 3.0),
+        (["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"], 2.5),
+        (["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"], 2.5),
+    ],
+)
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_while_compiling_is_obeyed_at_once(
+    words: list[str], after: float, number: signal.Signals, tmp_path: Path
+) -> None:
+    cache = {**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache")}
+    process = subprocess.Popen(
+        [*MAIN, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=cache
+    )
+    time.sleep(after)
+    began = time.monotonic()
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 128 + number, errors
+    assert time.monotonic() - began < 3.0
+    assert "Traceback" not in errors
+    assert "terminated" in errors or "interrupted" in errors
+    assert not list(tmp_path.glob("a.zarr"))
+    assert not list(tmp_path.glob(".a.zarr*"))
+
+
+def test_a_negative_range_is_taken_as_it_is_typed(tmp_path: Path) -> None:
+    words = ["surface", "inverting", "--D", "-1e-4:1e-4:30", "--lambda", "0:1e-4:3", "--out", str(tmp_path / "f.zarr")]
+    assert outcome(words) == 0
+
+
+def test_an_axis_that_memory_cannot_hold_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["surface", "inverting", "--D", "-1:1:1000000000000", "--out", "f.zarr"]) == 2
+    assert "must have at most 10000000 points" in capsys.readouterr().err
+
+
+def test_netcdf_on_a_full_disk_ends_with_a_sentence(tmp_path: Path) -> None:
+    assert (
+        outcome(["run", "inverting", "--set", "run.output_step=1e-5", "--until", "0.5", "--out", str(tmp_path / "a")])
+        == 0
+    )
+    done = subprocess.run(
+        ["bash", "-c", 'ulimit -f 256; "$@"', "bash", *MAIN, "export", "a", "--to", "netcdf", "--out", "a.nc"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 5, done.stderr
+    assert "`a.nc` must be writable, but" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"a"}
