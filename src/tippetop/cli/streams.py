@@ -54,7 +54,10 @@ def ready() -> None:
         if fd <= 2:
             os.set_inheritable(fd, True)
     os.close(fd)
-    sys.stdout, sys.stderr = _text(_Output, 1, sys.stdout), _text(_Errors, 2, sys.stderr)
+    if sys.stdout is sys.__stdout__:  # not where whoever called us put another
+        sys.stdout = _text(_Output, 1, sys.stdout)
+    if sys.stderr is sys.__stderr__:
+        sys.stderr = _text(_Errors, 2, sys.stderr)
 
 
 def _text(raw: type[io.FileIO], fd: int, old: Any) -> io.TextIOWrapper:
