@@ -54,15 +54,18 @@ def test_cost_is_proportional_to_what_is_asked_for() -> None:
     assert seconds[0] < seconds[1] / 10 < seconds[2] / 100
 
 
-def test_advice_is_given_to_long_runs_in_double_of_the_other_form_only() -> None:
-    long = {"until": forecast.LONG}
-    advised = forecast.assessment(build.load("rolling", **long))["advice"]
+def test_advice_is_given_to_long_runs_in_double_only() -> None:
+    """Of the other form, or of a tolerance where the form is the better one already."""
     better = build.load("rolling").system.long_form
-    assert f'form = "{better}"' in advised
+    vector = forecast.assessment(build.load("rolling", ["form=vector"], forecast.LONG))["advice"]
+    assert f'form = "{better}"' in vector
+    in_better_form = forecast.assessment(build.load("rolling", [f"form={better}"], forecast.LONG))["advice"]
+    assert "form" not in in_better_form
+    assert "tolerance" in in_better_form
     for sets, until in (
-        ([f"form={better}"], forecast.LONG),
-        (["run.precision=longdouble", "run.output_step=10.0"], forecast.LONG),
-        ([], 0.9 * forecast.LONG),
+        ([f"form={better}", "run.tolerance=1e-18"], forecast.LONG),
+        (["form=vector", "run.precision=longdouble", "run.output_step=10.0"], forecast.LONG),
+        (["form=vector"], 0.9 * forecast.LONG),
     ):
         assert "advice" not in forecast.assessment(build.load("rolling", sets, until))
 

@@ -190,6 +190,7 @@ ALLOWED = {
     "engine/taylor.py": {"set_logger_level_critical"},  # in a function for whoever owns the process
     "sweeps/workers.py": {"signal.signal", "disable"},  # in processes that it starts itself
     "progress.py": {"environ"},  # reads
+    "awaiting.py": {"environ"},  # reads
 }
 
 
