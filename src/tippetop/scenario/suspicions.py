@@ -5,7 +5,7 @@ from ..problem import Problem
 
 
 LARGEST = {
-    KILOGRAM.symbol: (5.0, "grams"),
+    KILOGRAM.symbol: (20.0, "grams"),
     METRE.symbol: (1.0, "millimetres or centimetres"),
 }
 """By unit: above it, a parameter of a top that stands on a table looks like another unit."""
