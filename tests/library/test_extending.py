@@ -7,6 +7,7 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import laws
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 
 import tippetop as tt
 from tippetop.mechanics import friction, systems
+from tippetop.mechanics.operand import formula
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
@@ -52,6 +54,68 @@ def test_a_law_of_ones_own(own) -> None:
         tt.run(TOP, own.Quadratic(0.3, -1.0), start=START, until=0.5)
     with pytest.raises(ValueError, match="must be new"):
         tt.register(own.QUADRATIC, "viscous")
+
+
+def law(name: str, fields: tuple[str, ...] = ("mu",), coefficient=None, parameters=None) -> tt.Law:
+    """A law with a record of its own, whose numbers are speeds."""
+    rule = tt.Parameter(tt.Unit(0, -1, 1, "s m-1"), "a number", least=0)
+    record = NamedTuple(name, [(field, float) for field in fields])  # type: ignore[misc]
+    return tt.Law(
+        record, parameters or dict.fromkeys(fields, rule), "F = ...", coefficient or formula(lambda v2, z, law: law.mu)
+    )
+
+
+def test_numbers_of_a_law_go_by_name(own) -> None:
+    """The order of `parameters` is not that of the record's fields: every way to give them fills the right one."""
+    rule, one = own.QUADRATIC.parameters["mu"], tt.Parameter(tt.Unit(0, 0, 0, "1"), "a number")
+    swapped = law("Swapped", ("mu", "other"), parameters={"other": one, "mu": rule})
+    tt.register(swapped)
+    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.2)
+    run = tt.run(TOP, swapped.record(mu=0.3, other=77.0), start=START, until=0.2)
+    assert run.problem.friction == (0.3, 77.0)
+    np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
+    assert tt.run("inverting", {"law": "swapped", "mu": 0.3, "other": 7.0}, until=0.1).problem.friction == (0.3, 7.0)
+    assert swapped.units() == (rule.unit, one.unit)
+    np.testing.assert_array_equal(
+        tt.linear_modes(TOP, swapped.record(0.3, 7.0), omega3=100.0),
+        tt.linear_modes(TOP, tt.Viscous(0.3), omega3=100.0),
+    )
+
+
+def test_a_law_need_not_use_all_its_numbers(own) -> None:
+    """One run and many: the integrator has no place for numbers beyond the last that it reads."""
+    lazy = law("Lazy", ("mu", "unused"))
+    tt.register(lazy)
+    run = tt.run(TOP, lazy.record(0.3, 5.0), start=START, until=0.2)
+    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.2)
+    np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
+    many = tt.ensemble(TOP, {"unused": np.array([1.0, 2.0])}, lazy.record(0.3, 5.0), start=START, until=0.2)
+    np.testing.assert_allclose(many["theta_end"], float(plain.trajectory.theta[-1]), rtol=1e-12)
+
+
+def test_registering_refuses_what_would_be_mistaken(own) -> None:
+    """A name or a record that is another's already, and what cannot be a law; each in one sentence."""
+    mine = law("Mine")
+    assert tt.register(mine) is tt.register(mine), "the same again changes nothing"
+    for record, name, sentence in (
+        (mine, "second", "the record of the law `second` must be its own, but Mine is that of `mine`"),
+        (mine._replace(coefficient=own.quadratic), "mine", "the name of a law must be new, but `mine`"),
+        (law("Other"), "mine", "the name of a law must be new, but `mine` is that of Mine"),
+        (law("Other"), "modified", "the name of a law must be new, but `modified` is one of gliding-cylinder"),
+        (law("Other"), "none", "the name of a law must be new"),
+        (law("Other"), "", "must be letters"),
+        (law("Other"), "a b", "must be letters"),
+        (law("Other", ("law",)), "other", "must not be named `law`"),
+        (law("Other", ("mu",), parameters={"nu": None}), "other", "must be the fields of its record, mu, but are nu"),
+        (law("Other", ("mu", "nu"), parameters={"mu": None}), "other", "must be the fields of its record, mu, nu"),
+        (law("Other")._replace(record=dict), None, "must be a NamedTuple"),
+        (law("Other")._replace(record=3), "other", "must be a NamedTuple"),
+        (own.SCALED_TIPPE_TOP.replace(name=""), None, "the name of a system must be letters"),
+        (own.SCALED_TIPPE_TOP.replace(name="heavy-top"), None, "the name of a system must be new"),
+        (3, None, "`record` must be a System or a Law"),
+    ):
+        with pytest.raises(tt.InputError, match=sentence):
+            tt.register(record, name)
 
 
 def test_laws_know_it(own, rng: np.random.Generator) -> None:

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from ..mechanics import friction, systems
+from ..errors import InputError
+from ..mechanics import systems
 from ..mechanics.friction import Law
 from ..mechanics.system import System
 
@@ -24,8 +25,8 @@ def register(record: System | Law, name: str | None = None) -> Any:
 
     Raises
     ------
-    ValueError
-        If the name is taken, or a law has no coefficient.
+    InputError
+        If the name is taken, or the record cannot be a law or a system.
 
     Notes
     -----
@@ -35,7 +36,7 @@ def register(record: System | Law, name: str | None = None) -> Any:
     if isinstance(record, System):
         systems.add(record)
     elif isinstance(record, Law):
-        friction.add(name or record.record.__name__.lower(), record)
+        systems.add_law(getattr(record.record, "__name__", "").lower() if name is None else name, record)
     else:
-        raise ValueError(f"Argument `record` must be a System or a Law, but is {record!r:.60}.")
+        raise InputError([f"`record` must be a System or a Law, but is {record!r:.60}."])
     return record

@@ -4,12 +4,14 @@ Entry points are looked for when a name is asked for that is not known (a scan t
 `tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the entry point's name.
 """
 
+import re
 import warnings
 from collections.abc import Callable
 from functools import cache
 from importlib.metadata import entry_points
 from typing import Any
 
+from ...errors import InputError
 from .. import friction
 from ..system import System
 from .cylinder import GLIDING_CYLINDER
@@ -27,10 +29,23 @@ SYSTEMS: dict[str, System] = {
 
 
 def add(system: System) -> None:
-    """Registers a system under its name, which must be new."""
-    if SYSTEMS.get(system.name, system) is not system:
-        raise ValueError(f"the name of a system must be new, but `{system.name}` is known.")
-    SYSTEMS[system.name] = system
+    """Registers a system under its name, which must be new. Raises InputError."""
+    name = system.name
+    if not isinstance(name, str) or not re.fullmatch(friction.NAME, name):
+        raise InputError(
+            [f"the name of a system must be letters, digits, - and _, and begin with no digit, but is {name!r:.60}."]
+        )
+    if SYSTEMS.get(name, system) is not system:
+        raise InputError([f"the name of a system must be new, but `{name}` is known."])
+    SYSTEMS[name] = system
+
+
+def add_law(name: str, law: friction.Law) -> None:
+    """Registers a friction law under a name that no law has, of no system either. Raises InputError."""
+    for system in SYSTEMS.values():
+        if name in system.laws and name not in friction.LAWS:
+            raise InputError([f"the name of a law must be new, but `{name}` is one of {system.name}."])
+    friction.add(name, law)
 
 
 def find(name: str) -> System | None:
@@ -44,7 +59,7 @@ def find(name: str) -> System | None:
 def load_entry_points() -> None:
     """Registers, once a process, what installed packages offer; one that fails is left out with a warning."""
     groups: dict[str, Callable[[str, Any], None]] = {
-        "tippetop.friction": friction.add,
+        "tippetop.friction": add_law,
         "tippetop.systems": lambda _, system: add(system),
     }
     for group, register in groups.items():
