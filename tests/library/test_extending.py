@@ -1,5 +1,6 @@
 """A system, a law, an event and a column that are not in the package: in Python, and by entry points in TOML."""
 
+import dataclasses
 import json
 import os
 import subprocess
@@ -164,6 +165,79 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     stored.plot("theta", tmp_path / "theta.png")
     with pytest.raises(tt.InputError, match="`theta` must be a new name"):
         tt.run("inverting", columns=[tt.Quantity("theta", "", tt.Unit(0, 0, 0, "1"), "", own.spin_energy)])
+
+
+def test_names_of_events_and_columns_are_new_words(own) -> None:
+    """A name that a table has already would replace its column; one with a blank or a slash breaks a store."""
+    for name, sentence in (
+        *((name, "must be a new name") for name in ("psi", "orientation", "xyz", "wxyz", "time", "theta", "axis")),
+        *((name, "must be a new name") for name in ("turning", "kind", "amplitude", "significant", "jellett", "work")),
+        *((name, "must be letters, digits and _") for name in ("", "a b", "a/b", "..", "1x", "\u00e9", 3, None)),
+        *((name, "must not be one of") for name in ("work_lo", "state_ux", "drift_energy")),
+    ):
+        for given in (
+            {"columns": [dataclasses.replace(own.SPIN_ENERGY, name=name)]},
+            {"events": [dataclasses.replace(own.EIGHTH, name=name)]},
+        ):
+            with pytest.raises(tt.InputError, match=sentence) as caught:
+                tt.run("inverting", until=0.05, **given)
+            assert len(caught.value.sentences) == 1
+    for given in (
+        {"columns": [own.SPIN_ENERGY, dataclasses.replace(own.SPIN_ENERGY, formula=own.eighth)]},
+        {"events": [own.EIGHTH, dataclasses.replace(own.EIGHTH, direction=1)]},
+        {"events": [own.EIGHTH], "columns": [dataclasses.replace(own.SPIN_ENERGY, name="eighth")]},
+    ):
+        with pytest.raises(tt.InputError, match="given twice"):
+            tt.run("inverting", until=0.05, **given)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"kept": (tt.Kept("a", "middle", "x"),)}, "must be one of first, last, count, but is 'middle'"),
+        ({"kept": (tt.Kept("a", "first", "x", 2),)}, "must be -1, 0 or 1"),
+        ({"kept": (tt.Kept("a", "first", "x"), tt.Kept("a", "count", "x"))}, "`a` is given twice"),
+        ({"kept": ("a",)}, "must be Kept records"),
+        ({"kept": 3}, "must be Kept records"),
+        *(
+            ({"kept": (tt.Kept(name, "first", "x"),)}, "new name")
+            for name in ("first_equator", "t_end", "status", "mu")
+        ),
+        *(({"ends": word}, "must be a word other than") for word in ("finished", "running", "invalid", "todo", 5, "")),
+        ({"direction": "up"}, "must be -1, 0 or 1"),
+        ({"formula": None}, "must be a function"),
+    ],
+)
+def test_an_event_of_ones_own_is_checked(own, changes: dict, sentence: str) -> None:
+    with pytest.raises(tt.InputError, match=sentence):
+        tt.run("inverting", until=0.05, events=[dataclasses.replace(own.EIGHTH, **changes)])
+
+
+def test_which_events_are_logged(own) -> None:
+    """All by default, none of an empty list; own ones beside those that are named, or beside all if none is named."""
+
+    def logged(events) -> tuple[str, ...]:
+        return tt.run("inverting", until=0.05, events=events).problem.events
+
+    every = logged(None)
+    assert {"turning", "equator", "inverted"} <= set(every)
+    assert logged([]) == ()
+    assert logged(["turning"]) == logged("turning") == ("turning",)
+    assert logged([own.EIGHTH]) == logged(own.EIGHTH) == (*every, "eighth")
+    assert logged(["turning", own.EIGHTH]) == ("turning", "eighth")
+    kept = dataclasses.replace(own.EIGHTH, kept=[tt.Kept("first_eighth", "first", "x")])  # a list is fine
+    run = tt.run("inverting", until=0.05, events=[], columns=own.SPIN_ENERGY)
+    assert run.events.sizes["event"] == 0
+    assert "spin_energy" in run.trajectory
+    assert logged([kept]) == (*every, "eighth")
+
+
+@pytest.mark.parametrize("value", [5, True, 1.5, object(), np.array(1.0), np.array([1.0, 2.0]), [3], {"x": 1}, b"x"])
+def test_events_and_columns_are_lists_of_records(value) -> None:
+    with pytest.raises(tt.InputError, match=r"`events` must be|`run.events`|`events`"):
+        tt.run("inverting", until=0.05, events=value)
+    with pytest.raises(tt.InputError, match="`columns` must be"):
+        tt.run("inverting", until=0.05, columns=value)
 
 
 def test_a_system_of_ones_own(own) -> None:

@@ -37,8 +37,8 @@ def run(
     output_step: float | None = None,
     output_times: Sequence[float] | np.ndarray | None = None,
     output: Literal["times", "events", "steps"] | None = None,
-    events: Iterable[str | Event] | None = None,
-    columns: Iterable[Quantity] = (),
+    events: Iterable[str | Event] | str | Event | None = None,
+    columns: Iterable[Quantity] | Quantity | None = (),
     precision: Literal["double", "longdouble", "quad"] | None = None,
     tolerance: float | None = None,
     on_liftoff: Literal["stop", "continue"] | None = None,
@@ -74,9 +74,11 @@ def run(
         When rows are wanted: every so many seconds; at these times [s], (n,), ascending; or at the "events", or the
         ends of the "steps". By default 1001 rows.
     events : iterable of str or Event, optional
-        Names of the kinds that are logged, by default all; an Event is one of your own, and is added to the system.
-    columns : iterable of Quantity
-        Columns of your own, functions of the scalars of a state.
+        Names of the kinds that are logged, by default all; an empty list logs none. An Event is one of your own: it is
+        added to the system and logged, beside the kinds that are named, and beside all kinds if none is named. Its
+        name is letters, digits and _, and new.
+    columns : iterable of Quantity, optional
+        Columns of your own, functions of the scalars of a state, under new names.
     precision : str, optional
         double, longdouble (80 bits) or quad (113 bits).
     tolerance : float, optional
