@@ -256,6 +256,33 @@ def test_a_system_of_ones_own(own) -> None:
     assert list(many["status"].values) == [1, 1, 1]
 
 
+def test_workers_of_a_sweep_know_packages_only(own, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is registered in this process alone runs in it; with workers, that is said before anything is tried."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(systems, "REGISTERED_HERE", set())
+    tt.register(own.QUADRATIC)
+    tt.register(own.SCALED_TIPPE_TOP)
+    (tmp_path / "scenario.toml").write_text(SCENARIO)
+    (tmp_path / "plan.toml").write_text(PLAN)
+    for where in ({"workers": 2}, {"scheduler": "tcp://127.0.0.1:1"}):
+        with pytest.raises(tt.InputError, match="`scaled-tippe-top` must come from an installed package"):
+            tt.sweep("plan.toml", "sweep.zarr", **where)
+    assert not (tmp_path / "sweep.zarr").exists()
+    assert list(tt.sweep("plan.toml", "sweep.zarr")["status"].values) == [1] * 5
+    assert list(tt.sweep("plan.toml", "one.zarr", workers=1)["status"].values) == [1] * 5
+    (tmp_path / "law.toml").write_text(
+        'scenario = "inverting"\n[set.friction]\nlaw = "quadratic"\nmu = 0.3\ndrag = 1.0\n'
+        '[[axis]]\nof = "initial.omega3"\nlinspace = [90.0, 200.0]\nn = 2\n'
+    )
+    with pytest.raises(tt.InputError, match="the friction law `quadratic` must come from an installed package"):
+        tt.sweep("law.toml", "law.zarr", workers=2)
+    for workers in ("x", 0, -1, 1.5, True):
+        with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
+            tt.sweep("plan.toml", "sweep.zarr", workers=workers)
+    systems.add_law("quadratic", own.QUADRATIC)  # as an entry point does
+    assert systems.known_to_others(own.Quadratic)
+
+
 SCENARIO = f"""
 system = "scaled-tippe-top"
 [parameters]

@@ -119,7 +119,7 @@ def _names(subject: str, names: list[Any], system: System, known: set[str], othe
     return faults
 
 
-def _event_faults(event: Event) -> list[str]:
+def _event_faults(event: Any) -> list[str]:
     """What is wrong with an event by itself, in sentences."""
     of, faults = f"of the event `{event.name}`", _formula_faults(f"of the event `{event.name}`", event.formula)
     if event.direction not in (-1, 0, 1):
@@ -140,7 +140,7 @@ def _event_faults(event: Event) -> list[str]:
     return faults
 
 
-def _column_faults(quantity: Quantity) -> list[str]:
+def _column_faults(quantity: Any) -> list[str]:
     """What is wrong with a column by itself, in sentences."""
     faults = _formula_faults(f"of the column `{quantity.name}`", quantity.formula)
     if not isinstance(quantity.unit, Unit):

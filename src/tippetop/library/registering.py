@@ -9,7 +9,7 @@ from ..mechanics.system import System
 
 
 def register(record: System | Law, name: str | None = None) -> Any:
-    """Makes a system or a friction law of your own known by name: to TOML, presets, `check`, `run` and sweeps.
+    """Makes a system or a friction law of your own known by name in this process: to TOML, `run` and sweeps.
 
     Parameters
     ----------
@@ -30,13 +30,14 @@ def register(record: System | Law, name: str | None = None) -> Any:
 
     Notes
     -----
-    A package does the same for the command line with entry points: the group `tippetop.systems` names System records,
-    `tippetop.friction` names laws.
+    Other processes do not know it: not the command line, not the workers of a sweep, which then runs in this process
+    (`workers=1`, or none said). A package makes its records known everywhere by entry points: the group
+    `tippetop.systems` names System records, `tippetop.friction` names laws.
     """
     if isinstance(record, System):
-        systems.add(record)
+        systems.add(record, here=True)
     elif isinstance(record, Law):
-        systems.add_law(getattr(record.record, "__name__", "").lower() if name is None else name, record)
+        systems.add_law(getattr(record.record, "__name__", "").lower() if name is None else name, record, here=True)
     else:
         raise InputError([f"`record` must be a System or a Law, but is {record!r:.60}."])
     return record

@@ -28,7 +28,7 @@ def problem_of(
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
     form: str | None = None,
-    events: Iterable[str | Event] | None = None,
+    events: Iterable[str | Event] | str | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = (),
     until: Any = None,
     **run: Any,
