@@ -223,6 +223,8 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
 def record_of(law: Any, system: System) -> Any:
     """The record that formulas take, of a law as `table_of` takes it."""
     if isinstance(law, Friction):
+        if law.law not in system.laws:
+            raise InputError([f"`{system.name}` must have a law of {', '.join(system.laws)}, but has {law.law}."])
         return law.record()
     numbers = table_of(law, system.laws)
     known = system.laws[numbers.pop("law")]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ..arguments import instance, path_of
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
@@ -141,11 +142,12 @@ def run(
     )
     if out is None:
         return integrate(problem, progress=progress)
+    place = path_of("out", out)
     from ..runs.recording import record
 
     with _following(progress) as follow:
-        record(problem, Path(out), overwrite=overwrite, progress=follow, stop=stop)
-    return StoredRun(out)
+        record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
+    return StoredRun(place)
 
 
 def integrate(problem: Problem, *, progress: bool = False) -> Run:
@@ -162,6 +164,7 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
     -------
     Run
     """
+    instance("problem", problem, Problem, "a Problem, as `load` gives it")
     with _following(progress) as follow:
         return Run(solve(problem, follow))
 
@@ -195,6 +198,7 @@ def open(path: str | Path) -> "Run | xr.Dataset":
     StoreError
         If there is no store of tippetop.
     """
+    path = path_of("path", path)
     content = root.attributes(path).get("content")
     if content is None:
         return StoredRun(path)
@@ -230,7 +234,7 @@ def resume(path: str | Path, *, stop: threading.Event | None = None, accept_othe
     """
     from ..runs import recording
 
-    recording.resume(Path(path), stop=stop, accept_other_version=accept_other_version)
+    recording.resume(path_of("path", path), stop=stop, accept_other_version=accept_other_version)
     return StoredRun(path)
 
 
@@ -246,4 +250,5 @@ def datasets(run: Run) -> "dict[str, xr.Dataset]":
     dict of xarray.Dataset
         `trajectory` and `events`.
     """
+    instance("run", run, Run, "a Run")
     return {"trajectory": run.trajectory, "events": run.events}

@@ -118,6 +118,8 @@ def _merge_dotted(tables: dict[str, Any], given: dict[str, Any]) -> None:
     own = {key: value for key, value in given.items() if "." not in key}
     for key in given.keys() - own.keys():
         table, _, name = key.partition(".")
+        if not isinstance(tables.get(table, {}), dict):
+            raise InputError([f"`{key}` must name a key of a table, but `{table}` is not a table."])
         tables[table] = {**tables.get(table, {}), name: given[key]}
     base = tables.get("friction", {})
     keep = isinstance(base, dict) and own.get("law", base.get("law")) == base.get("law")
@@ -132,7 +134,9 @@ def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
         given = given.numbers()
     if not isinstance(given, Mapping):
         raise InputError([f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}."])
-    tables[name] = {**tables.get(name, {}), **plain(given)}
+    base = tables.get(name, {})
+    if isinstance(base, dict):  # else the check of the scenario says so
+        tables[name] = {**base, **plain(given)}
 
 
 def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> None:

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..arguments import path_of, whole
 from ..errors import InputError, Interrupted, StoreError, Unfinished
 from ..mechanics.systems import known_to_others
 from ..problem import Problem
@@ -74,9 +75,9 @@ def sweep(
     Interrupted
         `stop` was set.
     """
+    place = path_of("out", out)
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
-    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-        raise InputError([f"`workers` must be a whole number, at least 1, but is {workers!r:.60}."])
+    workers = None if workers is None else whole("workers", workers)
     if scheduler is not None and not find_spec("distributed"):
         raise InputError(["`scheduler` must find dask, but it is not installed: install tippetop[sweep]."])
     here = _known_here(checked.base)
@@ -85,7 +86,7 @@ def sweep(
     with (
         reporting(progress, "tops") as report,
         contextlib.nullcontext() if scheduler is None else connect(scheduler) as client,
-        opened(out, checked) as store,
+        opened(place, checked) as store,
     ):
         sentences = _fill(store, workers, client, report, stop)
         if not sentences:
@@ -93,7 +94,7 @@ def sweep(
             store.finish()
     if sentences:
         raise Unfinished(sentences)
-    return open_sweep(out)
+    return open_sweep(place)
 
 
 def _known_here(base: Problem) -> str:
