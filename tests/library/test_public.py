@@ -434,6 +434,7 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
         "`form` is not a table": lambda: tt.run({**tables, "form": "vector"}, friction={"form.y": 1}, until=0.1),
         "`parameters`": lambda: tt.run(tables, parameters={"m": 0.2}, until=0.1),
         "but has modified": lambda: tt.linear_modes(TOP, tt.Modified(mu=0.1, v_k=0.1), omega3=10.0),
+        "`law` must be the record of a friction law": lambda: TOP.body(tt.Viscous(mu=0.3)),
         "`run` must be a Run, but is 3": lambda: tt.reconstruct(3),  # type: ignore[arg-type]
         "`run` must be a Run, but is None": lambda: tt.datasets(None),  # type: ignore[arg-type]
         "`problem` must be a Problem": lambda: tt.integrate("inverting"),  # type: ignore[arg-type]

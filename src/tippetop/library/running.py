@@ -61,8 +61,10 @@ def run(
         A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace those of the
         source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command line's `--set` takes them.
     start, initial : mapping, optional
-        The start, over that of the source: theta, phi [rad], theta_dot, phi_dot, omega3, psi_dot [rad/s],
-        nu_x, nu_y [m/s], x, y [m], centre_at_rest; what is not named is zero. The two are the same.
+        The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3 [rad/s], nu_x, nu_y [m/s],
+        x, y [m]; what is not named is zero. psi_dot [rad/s] may stand for omega3, centre_at_rest (a bool) for nu_x and
+        nu_y. psi turns the body about its axis: of the motion it changes the columns psi and orientation alone. A
+        cylinder has theta, theta_dot, x and, where it glides, nu_x. The two arguments are the same.
     parameters : mapping, optional
         Numbers of the body that replace those of the source, SI units.
     system : str or System, optional
