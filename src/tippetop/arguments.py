@@ -21,8 +21,11 @@ def finite(name: str, value: Any) -> float:
 
 def whole(name: str, value: Any) -> int:
     """The argument as an int of at least 1. Raises InputError."""
-    number = finite(name, value)
-    if number != int(number) or number < 1:
+    try:
+        number = finite(name, value)
+    except InputError:
+        number = 0.0
+    if number < 1 or not number.is_integer():
         raise InputError([f"`{name}` must be a whole number, at least 1, but is {value!r:.60}."])
     return int(number)
 
