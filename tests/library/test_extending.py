@@ -1,5 +1,6 @@
 """A system, a law, an event and a column that are not in the package: in Python, and by entry points in TOML."""
 
+import dataclasses
 import json
 import os
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import laws
 import numpy as np
@@ -14,6 +16,7 @@ import pytest
 
 import tippetop as tt
 from tippetop.mechanics import friction, systems
+from tippetop.mechanics.operand import formula
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
@@ -52,6 +55,68 @@ def test_a_law_of_ones_own(own) -> None:
         tt.run(TOP, own.Quadratic(0.3, -1.0), start=START, until=0.5)
     with pytest.raises(ValueError, match="must be new"):
         tt.register(own.QUADRATIC, "viscous")
+
+
+def law(name: str, fields: tuple[str, ...] = ("mu",), coefficient=None, parameters=None) -> tt.Law:
+    """A law with a record of its own, whose numbers are speeds."""
+    rule = tt.Parameter(tt.Unit(0, -1, 1, "s m-1"), "a number", least=0)
+    record = NamedTuple(name, [(field, float) for field in fields])  # type: ignore[misc]
+    return tt.Law(
+        record, parameters or dict.fromkeys(fields, rule), "F = ...", coefficient or formula(lambda v2, z, law: law.mu)
+    )
+
+
+def test_numbers_of_a_law_go_by_name(own) -> None:
+    """The order of `parameters` is not that of the record's fields: every way to give them fills the right one."""
+    rule, one = own.QUADRATIC.parameters["mu"], tt.Parameter(tt.Unit(0, 0, 0, "1"), "a number")
+    swapped = law("Swapped", ("mu", "other"), parameters={"other": one, "mu": rule})
+    tt.register(swapped)
+    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.2)
+    run = tt.run(TOP, swapped.record(mu=0.3, other=77.0), start=START, until=0.2)
+    assert run.problem.friction == (0.3, 77.0)
+    np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
+    assert tt.run("inverting", {"law": "swapped", "mu": 0.3, "other": 7.0}, until=0.1).problem.friction == (0.3, 7.0)
+    assert swapped.units() == (rule.unit, one.unit)
+    np.testing.assert_array_equal(
+        tt.linear_modes(TOP, swapped.record(0.3, 7.0), omega3=100.0),
+        tt.linear_modes(TOP, tt.Viscous(0.3), omega3=100.0),
+    )
+
+
+def test_a_law_need_not_use_all_its_numbers(own) -> None:
+    """One run and many: the integrator has no place for numbers beyond the last that it reads."""
+    lazy = law("Lazy", ("mu", "unused"))
+    tt.register(lazy)
+    run = tt.run(TOP, lazy.record(0.3, 5.0), start=START, until=0.2)
+    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.2)
+    np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
+    many = tt.ensemble(TOP, {"unused": np.array([1.0, 2.0])}, lazy.record(0.3, 5.0), start=START, until=0.2)
+    np.testing.assert_allclose(many["theta_end"], float(plain.trajectory.theta[-1]), rtol=1e-12)
+
+
+def test_registering_refuses_what_would_be_mistaken(own) -> None:
+    """A name or a record that is another's already, and what cannot be a law; each in one sentence."""
+    mine = law("Mine")
+    assert tt.register(mine) is tt.register(mine), "the same again changes nothing"
+    for record, name, sentence in (
+        (mine, "second", "the record of the law `second` must be its own, but Mine is that of `mine`"),
+        (mine._replace(coefficient=own.quadratic), "mine", "the name of a law must be new, but `mine`"),
+        (law("Other"), "mine", "the name of a law must be new, but `mine` is that of Mine"),
+        (law("Other"), "modified", "the name of a law must be new, but `modified` is one of gliding-cylinder"),
+        (law("Other"), "none", "the name of a law must be new"),
+        (law("Other"), "", "must be letters"),
+        (law("Other"), "a b", "must be letters"),
+        (law("Other", ("law",)), "other", "must not be named `law`"),
+        (law("Other", ("mu",), parameters={"nu": None}), "other", "must be the fields of its record, mu, but are nu"),
+        (law("Other", ("mu", "nu"), parameters={"mu": None}), "other", "must be the fields of its record, mu, nu"),
+        (law("Other")._replace(record=dict), None, "must be a NamedTuple"),
+        (law("Other")._replace(record=3), "other", "must be a NamedTuple"),
+        (own.SCALED_TIPPE_TOP.replace(name=""), None, "the name of a system must be letters"),
+        (own.SCALED_TIPPE_TOP.replace(name="heavy-top"), None, "the name of a system must be new"),
+        (3, None, "`record` must be a System or a Law"),
+    ):
+        with pytest.raises(tt.InputError, match=sentence):
+            tt.register(record, name)
 
 
 def test_laws_know_it(own, rng: np.random.Generator) -> None:
@@ -102,6 +167,79 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
         tt.run("inverting", columns=[tt.Quantity("theta", "", tt.Unit(0, 0, 0, "1"), "", own.spin_energy)])
 
 
+def test_names_of_events_and_columns_are_new_words(own) -> None:
+    """A name that a table has already would replace its column; one with a blank or a slash breaks a store."""
+    for name, sentence in (
+        *((name, "must be a new name") for name in ("psi", "orientation", "xyz", "wxyz", "time", "theta", "axis")),
+        *((name, "must be a new name") for name in ("turning", "kind", "amplitude", "significant", "jellett", "work")),
+        *((name, "must be letters, digits and _") for name in ("", "a b", "a/b", "..", "1x", "\u00e9", 3, None)),
+        *((name, "must not be one of") for name in ("work_lo", "state_ux", "drift_energy")),
+    ):
+        for given in (
+            {"columns": [dataclasses.replace(own.SPIN_ENERGY, name=name)]},
+            {"events": [dataclasses.replace(own.EIGHTH, name=name)]},
+        ):
+            with pytest.raises(tt.InputError, match=sentence) as caught:
+                tt.run("inverting", until=0.05, **given)
+            assert len(caught.value.sentences) == 1
+    for given in (
+        {"columns": [own.SPIN_ENERGY, dataclasses.replace(own.SPIN_ENERGY, formula=own.eighth)]},
+        {"events": [own.EIGHTH, dataclasses.replace(own.EIGHTH, direction=1)]},
+        {"events": [own.EIGHTH], "columns": [dataclasses.replace(own.SPIN_ENERGY, name="eighth")]},
+    ):
+        with pytest.raises(tt.InputError, match="given twice"):
+            tt.run("inverting", until=0.05, **given)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"kept": (tt.Kept("a", "middle", "x"),)}, "must be one of first, last, count, but is 'middle'"),
+        ({"kept": (tt.Kept("a", "first", "x", 2),)}, "must be -1, 0 or 1"),
+        ({"kept": (tt.Kept("a", "first", "x"), tt.Kept("a", "count", "x"))}, "`a` is given twice"),
+        ({"kept": ("a",)}, "must be Kept records"),
+        ({"kept": 3}, "must be Kept records"),
+        *(
+            ({"kept": (tt.Kept(name, "first", "x"),)}, "new name")
+            for name in ("first_equator", "t_end", "status", "mu")
+        ),
+        *(({"ends": word}, "must be a word other than") for word in ("finished", "running", "invalid", "todo", 5, "")),
+        ({"direction": "up"}, "must be -1, 0 or 1"),
+        ({"formula": None}, "must be a function"),
+    ],
+)
+def test_an_event_of_ones_own_is_checked(own, changes: dict, sentence: str) -> None:
+    with pytest.raises(tt.InputError, match=sentence):
+        tt.run("inverting", until=0.05, events=[dataclasses.replace(own.EIGHTH, **changes)])
+
+
+def test_which_events_are_logged(own) -> None:
+    """All by default, none of an empty list; own ones beside those that are named, or beside all if none is named."""
+
+    def logged(events) -> tuple[str, ...]:
+        return tt.run("inverting", until=0.05, events=events).problem.events
+
+    every = logged(None)
+    assert {"turning", "equator", "inverted"} <= set(every)
+    assert logged([]) == ()
+    assert logged(["turning"]) == logged("turning") == ("turning",)
+    assert logged([own.EIGHTH]) == logged(own.EIGHTH) == (*every, "eighth")
+    assert logged(["turning", own.EIGHTH]) == ("turning", "eighth")
+    kept = dataclasses.replace(own.EIGHTH, kept=[tt.Kept("first_eighth", "first", "x")])  # a list is fine
+    run = tt.run("inverting", until=0.05, events=[], columns=own.SPIN_ENERGY)
+    assert run.events.sizes["event"] == 0
+    assert "spin_energy" in run.trajectory
+    assert logged([kept]) == (*every, "eighth")
+
+
+@pytest.mark.parametrize("value", [5, True, 1.5, object(), np.array(1.0), np.array([1.0, 2.0]), [3], {"x": 1}, b"x"])
+def test_events_and_columns_are_lists_of_records(value) -> None:
+    with pytest.raises(tt.InputError, match=r"`events` must be|`run.events`|`events`"):
+        tt.run("inverting", until=0.05, events=value)
+    with pytest.raises(tt.InputError, match="`columns` must be"):
+        tt.run("inverting", until=0.05, columns=value)
+
+
 def test_a_system_of_ones_own(own) -> None:
     """Passed as a record or by its name, it is the tippe top in other numbers."""
     run = tt.run(own.SCALED_TIPPE_TOP, tt.Viscous(0.3), parameters=SCALED, start=START, until=2.0)
@@ -116,6 +254,33 @@ def test_a_system_of_ones_own(own) -> None:
     assert "k1" in tt.run(tables, tt.Viscous(0.3)).summary.parameters
     many = tt.ensemble(tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.Viscous(0.3))
     assert list(many["status"].values) == [1, 1, 1]
+
+
+def test_workers_of_a_sweep_know_packages_only(own, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is registered in this process alone runs in it; with workers, that is said before anything is tried."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(systems, "REGISTERED_HERE", set())
+    tt.register(own.QUADRATIC)
+    tt.register(own.SCALED_TIPPE_TOP)
+    (tmp_path / "scenario.toml").write_text(SCENARIO)
+    (tmp_path / "plan.toml").write_text(PLAN)
+    for where in ({"workers": 2}, {"scheduler": "tcp://127.0.0.1:1"}):
+        with pytest.raises(tt.InputError, match="`scaled-tippe-top` must come from an installed package"):
+            tt.sweep("plan.toml", "sweep.zarr", **where)
+    assert not (tmp_path / "sweep.zarr").exists()
+    assert list(tt.sweep("plan.toml", "sweep.zarr")["status"].values) == [1] * 5
+    assert list(tt.sweep("plan.toml", "one.zarr", workers=1)["status"].values) == [1] * 5
+    (tmp_path / "law.toml").write_text(
+        'scenario = "inverting"\n[set.friction]\nlaw = "quadratic"\nmu = 0.3\ndrag = 1.0\n'
+        '[[axis]]\nof = "initial.omega3"\nlinspace = [90.0, 200.0]\nn = 2\n'
+    )
+    with pytest.raises(tt.InputError, match="the friction law `quadratic` must come from an installed package"):
+        tt.sweep("law.toml", "law.zarr", workers=2)
+    for workers in ("x", 0, -1, 1.5, True):
+        with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
+            tt.sweep("plan.toml", "sweep.zarr", workers=workers)
+    systems.add_law("quadratic", own.QUADRATIC)  # as an entry point does
+    assert systems.known_to_others(own.Quadratic)
 
 
 SCENARIO = f"""

@@ -381,3 +381,93 @@ def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
         assert found.attrs["mismatch"] < 1e-8
     with pytest.raises(tt.InputError, match="must be one of a tippe top"):
         tt.reconstruct(tt.run(CYLINDER, start={"theta": 0.5}, until=0.1))
+
+
+# --- arguments that are wrong ----------------------------------------------------------------------------------------
+
+NO_PATH = (3, None, 1.5, True, ["x"], b"x", "", np.array(["a"]))
+NO_NUMBER = (None, "x", np.nan, np.inf, True, [1], np.array([1.0, 2.0]), 1 + 1j, 10**400, {}, object(), b"1")
+
+
+@pytest.mark.parametrize("value", NO_PATH, ids=repr)
+def test_what_is_no_path_is_refused(run: tt.Run, value) -> None:
+    """By every function that takes one, before anything is computed."""
+    for call in (
+        lambda: tt.open(value),
+        lambda: tt.resume(value),
+        lambda: tt.load(value),
+        lambda: tt.open_group(value, "trajectory"),
+        lambda: run.save(value),
+        lambda: tt.sweep(value, "sweep.zarr"),
+        lambda: tt.sweep("plan.toml", value),
+        lambda: tt.StoredRun(value),
+        *([] if value is None else [lambda: tt.run("inverting", until=0.01, out=value)]),
+        *([] if value is None else [lambda: run.plot("theta", value)]),
+    ):
+        with pytest.raises(tt.InputError, match="must be a path"):
+            call()
+
+
+@pytest.mark.parametrize("value", NO_NUMBER, ids=lambda value: repr(value)[:20])
+def test_what_is_no_finite_number_is_refused(value) -> None:
+    rolling = tt.run("rolling", until=0.3)
+    for call in (
+        lambda: tt.regime(TOP, value),
+        lambda: tt.linear_modes(TOP, omega3=value),
+        lambda: tt.linear_modes(TOP, tt.Viscous(mu=0.3), omega3=value),
+        lambda: tt.nutation(TOP, energy=value, theta=0.5, D=1e-4, lam=1e-6),
+        lambda: tt.nutation(TOP, energy=0.01, theta=value, D=1e-4, lam=1e-6),
+        lambda: tt.nutation(TOP, energy=0.01, theta=0.5, D=value, lam=1e-6),
+        *([] if value is None else [lambda: tt.reconstruct(rolling, period=value), lambda: rolling.certify(value)]),
+    ):
+        with pytest.raises(tt.InputError, match=r"must be a finite number|must be given"):
+            call()
+
+
+def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
+    """Each wrong argument has one sentence that names it."""
+    tables = {"system": "tippe-top", "parameters": 3, "friction": {"law": "viscous", "mu": 0.3}}
+    spins = {"omega3": np.array([100.0, 120.0])}
+    for sentence, call in {
+        "`nope` is neither": lambda: tt.load(Path("nope")),
+        "`system` is not a table": lambda: tt.run("inverting", friction={"system.y": 1}, until=0.1),
+        "`form` is not a table": lambda: tt.run({**tables, "form": "vector"}, friction={"form.y": 1}, until=0.1),
+        "`parameters`": lambda: tt.run(tables, parameters={"m": 0.2}, until=0.1),
+        "but has modified": lambda: tt.linear_modes(TOP, tt.Modified(mu=0.1, v_k=0.1), omega3=10.0),
+        "`law` must be the record of a friction law": lambda: TOP.body(tt.Viscous(mu=0.3)),
+        "`run` must be a Run, but is 3": lambda: tt.reconstruct(3),  # type: ignore[arg-type]
+        "`run` must be a Run, but is None": lambda: tt.datasets(None),  # type: ignore[arg-type]
+        "`problem` must be a Problem": lambda: tt.integrate("inverting"),  # type: ignore[arg-type]
+        "`table` must be the table of a sweep": lambda: tt.gridded(run.trajectory),
+        "`period` must be greater than 0": lambda: tt.reconstruct(run, period=-1.0),
+        "`window` must be greater than 0": lambda: run.certify(0),
+        "the kind of figure must be one of .* but is `3`": lambda: run.plot(3),  # type: ignore[arg-type]
+        "the kind of figure must be one of .* but is .*x": lambda: run.plot(["x"]),  # type: ignore[arg-type]
+        "must end with the format": lambda: run.plot("theta", tmp_path / "theta"),
+        "must end with the format of a figure": lambda: run.plot("theta", tmp_path / "theta.doc"),
+        "`omega3` must be an array of numbers": lambda: tt.ensemble("inverting", {"omega3": ["a"]}, until=0.1),
+        "`threads` must be a whole": lambda: tt.ensemble("inverting", spins, until=0.1, threads=0),
+        "`threads` must be a whole number": lambda: tt.ensemble("inverting", spins, until=0.1, threads="x"),  # type: ignore[arg-type]
+        "`progress` must be": lambda: tt.ensemble("inverting", spins, until=0.1, progress=3),  # type: ignore[arg-type]
+    }.items():
+        with pytest.raises(tt.InputError, match=sentence):
+            call()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_stored_run_is_found_from_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A relative path means the folder in which it was given."""
+    monkeypatch.chdir(tmp_path)
+    made = tt.run("inverting", until=0.1, out="run.zarr")
+    stored = tt.open("run.zarr")
+    monkeypatch.chdir("/")
+    assert made.path == stored.path == tmp_path / "run.zarr"
+    assert stored.trajectory.sizes == made.trajectory.sizes
+    assert stored.events.sizes == made.events.sizes
+
+
+def test_every_folder_with_modules_is_a_package() -> None:
+    """The import contracts look at packages only: a folder without __init__.py would escape them."""
+    root = Path(tt.__file__).parent
+    bare = {path.parent for path in root.rglob("*.py") if not (path.parent / "__init__.py").exists()}
+    assert not bare

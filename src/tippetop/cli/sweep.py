@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -50,6 +51,9 @@ def sweep(
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
         failed = []
+    except errors.InputError as error:
+        words = (re.sub("^`(workers|scheduler)` must", r"--\1 must", sentence) for sentence in error.sentences)
+        raise errors.InputError(list(words)) from None
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
     except (KeyboardInterrupt, SystemExit) as stopped:  # at once: not after the chunks that are being computed

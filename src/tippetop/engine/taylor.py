@@ -129,7 +129,6 @@ def compiled(
     integrator = hy.taylor_adaptive(
         rates,
         np.zeros(len(rates), dtype=PRECISIONS[precision]),
-        pars=np.zeros(len(leaves(body)), dtype=PRECISIONS[precision]),
         tol=number(tolerance),
         high_accuracy=True,
         nt_events=passing,
@@ -173,7 +172,8 @@ def integrator_of(problem: Problem, stop: threading.Event | None = None) -> Any:
     """A fresh integrator of the problem, at its start. Raises Interrupted if `stop` is set while it is compiled."""
     doing = "the equations are being compiled"
     integrator = copy.deepcopy(awaited(lambda: _compiled_for(problem), doing, stop).integrator)
-    integrator.pars[:] = [problem.number(leaf) for leaf in leaves(problem.internal_body)]
+    numbers = leaves(problem.internal_body)[: len(integrator.pars)]  # it has none beyond the last that it reads
+    integrator.pars[:] = [problem.number(leaf) for leaf in numbers]
     integrator.state[:] = problem.start()
     return integrator
 

@@ -16,7 +16,6 @@ from ..engine.expressions import equations_of_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.status import Status
-from ..mechanics.operand import leaves
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
@@ -78,7 +77,6 @@ def compiled(
     integrator = hy.taylor_adaptive_batch(
         equations,
         np.zeros((len(equations), lanes)),
-        pars=np.zeros((len(leaves(body)), lanes)),
         tol=tolerance,
         high_accuracy=True,
     )
@@ -126,7 +124,8 @@ class Lanes:
         self.states = np.empty((LONGEST + 1, *self.state.shape))
         self.tcs = np.empty((LONGEST, len(batch.variables), *self.tc.shape[1:]))
         self.steps_made = self.steps_possible = 0  # steps of tops, and steps that the lanes could have made
-        integrator.pars[:] = tops.pars[:, tops.valid][:, :1]  # lanes without a top hold a sound one, at its end
+        self.pars = tops.pars[: len(integrator.pars)]  # the integrator has none beyond the last that it reads
+        integrator.pars[:] = self.pars[:, tops.valid][:, :1]  # lanes without a top hold a sound one, at its end
         self._put(slice(None), tops.start[:, tops.valid][:, :1])
 
     def _put(self, lane: Any, state: np.ndarray) -> None:
@@ -139,7 +138,7 @@ class Lanes:
 
     def load(self, lane: int, top: int, signs: np.ndarray, on_zero: np.ndarray) -> None:
         """Puts a top into a lane."""
-        self.integrator.pars[:, lane] = self.tops.pars[:, top]
+        self.integrator.pars[:, lane] = self.pars[:, top]
         self._put(lane, self.tops.start[:, top])
         self.top[lane], self.end[lane] = top, self.tops.end[top]
         reset(self.tallies, self.rows, lane, signs, on_zero)
@@ -147,7 +146,7 @@ class Lanes:
     def park(self, lane: int) -> None:
         """Leaves a lane with a sound top at its end: it takes no steps."""
         sound = np.flatnonzero(self.tops.valid)[0]
-        self.integrator.pars[:, lane] = self.tops.pars[:, sound]
+        self.integrator.pars[:, lane] = self.pars[:, sound]
         self._put(lane, self.tops.start[:, sound])
         self.top[lane] = -1
 

@@ -133,10 +133,22 @@ def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
     """Raises InputError if there is no such figure."""
     from ..errors import InputError, suggestion
 
-    if kind not in known:
+    if not isinstance(kind, str) or kind not in known:
+        kind = str(kind)
         raise InputError(
             [f"the kind of figure must be one of {', '.join(known)}, but is `{kind}`.{suggestion(kind, known)}"]
         )
+
+
+def check_format(path: Path) -> None:
+    """Raises InputError if the ending of a path names no format of figures."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    from ..errors import InputError
+
+    formats = FigureCanvasBase.get_supported_filetypes()
+    if path.suffix.removeprefix(".").lower() not in formats:
+        raise InputError([f"`{path}` must end with the format of a figure, such as .png, .svg or .pdf, but does not."])
 
 
 def _function(name: str) -> Any:

@@ -37,7 +37,11 @@ class Top:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def body(self, law: Any = None) -> Any:
-        """The record that formulas take, in SI units; `law` is a record of a friction law."""
+        """The record that formulas take, in SI units; `law` is a record of a friction law, as `Viscous.record` gives.
+
+        Raises InputError if it is none."""
+        if law is not None and not hasattr(law, "_fields"):
+            raise InputError([f"`law` must be the record of a friction law, but is {law!r:.60}."])
         return self.system().body_of(self.numbers(), Frictionless() if law is None else law)
 
     def system(self, *, gliding: bool = True) -> System:

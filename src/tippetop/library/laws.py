@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 from ..errors import InputError
 from ..mechanics.friction import Law
@@ -215,7 +215,7 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
     load_entry_points()
     for name, known in laws.items():
         if isinstance(law, tuple) and type(law) is known.record:
-            return {"law": name, **dict(zip(known.parameters, law, strict=True))}
+            return {"law": name, **cast(Any, law)._asdict()}
     kind = type(law).__name__
     raise InputError([f"the friction law {kind} must be registered: tippetop.register(Law({kind}, ...))."])
 
@@ -223,6 +223,8 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
 def record_of(law: Any, system: System) -> Any:
     """The record that formulas take, of a law as `table_of` takes it."""
     if isinstance(law, Friction):
+        if law.law not in system.laws:
+            raise InputError([f"`{system.name}` must have a law of {', '.join(system.laws)}, but has {law.law}."])
         return law.record()
     numbers = table_of(law, system.laws)
     known = system.laws[numbers.pop("law")]

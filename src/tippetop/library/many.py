@@ -4,6 +4,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ..arguments import whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.system import System
@@ -73,7 +76,12 @@ def ensemble(
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:
             sentences.append(f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables.")
-        dotted[fits[0] if fits else name] = values
+        dotted[fits[0] if fits else str(name)] = values
+        if np.asarray(values).dtype.kind not in "fiu":
+            sentences.append(f"`{name}` must be an array of numbers, but is {values!r:.60}.")
     if sentences:
         raise InputError(sentences)
+    threads = None if threads is None else whole("threads", threads)
+    if not isinstance(progress, bool) and not callable(progress):
+        raise InputError([f"`progress` must be a function or a bool, but is {progress!r:.60}."])
     return ensembles.of_problem(base, dotted, threads=threads, progress=progress, orientation=orientation)

@@ -2,13 +2,14 @@
 
 from typing import Any
 
-from ..mechanics import friction, systems
+from ..errors import InputError
+from ..mechanics import systems
 from ..mechanics.friction import Law
 from ..mechanics.system import System
 
 
 def register(record: System | Law, name: str | None = None) -> Any:
-    """Makes a system or a friction law of your own known by name: to TOML, presets, `check`, `run` and sweeps.
+    """Makes a system or a friction law of your own known by name in this process: to TOML, `run` and sweeps.
 
     Parameters
     ----------
@@ -24,18 +25,19 @@ def register(record: System | Law, name: str | None = None) -> Any:
 
     Raises
     ------
-    ValueError
-        If the name is taken, or a law has no coefficient.
+    InputError
+        If the name is taken, or the record cannot be a law or a system.
 
     Notes
     -----
-    A package does the same for the command line with entry points: the group `tippetop.systems` names System records,
-    `tippetop.friction` names laws.
+    Other processes do not know it: not the command line, not the workers of a sweep, which then runs in this process
+    (`workers=1`, or none said). A package makes its records known everywhere by entry points: the group
+    `tippetop.systems` names System records, `tippetop.friction` names laws.
     """
     if isinstance(record, System):
-        systems.add(record)
+        systems.add(record, here=True)
     elif isinstance(record, Law):
-        friction.add(name or record.record.__name__.lower(), record)
+        systems.add_law(getattr(record.record, "__name__", "").lower() if name is None else name, record, here=True)
     else:
-        raise ValueError(f"Argument `record` must be a System or a Law, but is {record!r:.60}.")
+        raise InputError([f"`record` must be a System or a Law, but is {record!r:.60}."])
     return record

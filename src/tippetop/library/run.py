@@ -5,6 +5,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..arguments import finite, path_of
 from ..errors import InputError
 from ..mechanics.systems import find
 from ..problem import Problem
@@ -153,8 +154,9 @@ class Run:
         """
         from ..runs import saving
 
-        saving.save(self.solution, self.attributes, path, overwrite=overwrite)
-        return Path(path)
+        place = path_of("path", path)
+        saving.save(self.solution, self.attributes, place, overwrite=overwrite)
+        return place
 
     def plot(self, kind: str = "theta", path: str | Path | None = None) -> "Figure":
         """Draws the run.
@@ -180,9 +182,12 @@ class Run:
         from ..figures import catalogue
 
         catalogue.check_kind(kind)
+        file = None if path is None else path_of("path", path)
+        if file is not None:
+            catalogue.check_format(file)
         figure = catalogue.figure_of(kind, self._for_figures(), self.attributes)
-        if path is not None:
-            catalogue.write(figure, Path(path))
+        if file is not None:
+            catalogue.write(figure, file)
         return figure
 
     def _for_figures(self) -> dict[str, Any]:
@@ -202,7 +207,9 @@ class Run:
             `against` (the wider precision), `window` [s], the largest difference of `theta` [rad] and of its end,
             whether both end the same way, and of the times of shared turnings [s]. It joins the summary.
         """
-        result = root.finite(certificate(self.problem, window))
+        if window is not None and finite("window", window) <= 0:
+            raise InputError([f"`window` must be greater than 0, but is {window!r:.60}."])
+        result = root.finite(certificate(self.problem, None if window is None else float(window)))
         self.attributes["certificate"] = result
         self.__dict__.pop("summary", None)
         return Record(result)
@@ -235,7 +242,7 @@ class StoredRun(Run):
     """A run in a store, finished or not: a `Run` whose tables are read when needed."""
 
     def __init__(self, path: str | Path):
-        self.path = Path(path)
+        self.path = path_of("path", path).absolute()  # the process may go elsewhere
         self.attributes  # noqa: B018 - raises StoreError if there is none
 
     @property

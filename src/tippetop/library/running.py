@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ..arguments import instance, path_of
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
@@ -37,8 +38,8 @@ def run(
     output_step: float | None = None,
     output_times: Sequence[float] | np.ndarray | None = None,
     output: Literal["times", "events", "steps"] | None = None,
-    events: Iterable[str | Event] | None = None,
-    columns: Iterable[Quantity] = (),
+    events: Iterable[str | Event] | str | Event | None = None,
+    columns: Iterable[Quantity] | Quantity | None = (),
     precision: Literal["double", "longdouble", "quad"] | None = None,
     tolerance: float | None = None,
     on_liftoff: Literal["stop", "continue"] | None = None,
@@ -60,8 +61,10 @@ def run(
         A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace those of the
         source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command line's `--set` takes them.
     start, initial : mapping, optional
-        The start, over that of the source: theta, phi [rad], theta_dot, phi_dot, omega3, psi_dot [rad/s],
-        nu_x, nu_y [m/s], x, y [m], centre_at_rest; what is not named is zero. The two are the same.
+        The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3 [rad/s], nu_x, nu_y [m/s],
+        x, y [m]; what is not named is zero. psi_dot [rad/s] may stand for omega3, centre_at_rest (a bool) for nu_x and
+        nu_y. psi turns the body about its axis: of the motion it changes the columns psi and orientation alone. A
+        cylinder has theta, theta_dot, x and, where it glides, nu_x. The two arguments are the same.
     parameters : mapping, optional
         Numbers of the body that replace those of the source, SI units.
     system : str or System, optional
@@ -74,9 +77,11 @@ def run(
         When rows are wanted: every so many seconds; at these times [s], (n,), ascending; or at the "events", or the
         ends of the "steps". By default 1001 rows.
     events : iterable of str or Event, optional
-        Names of the kinds that are logged, by default all; an Event is one of your own, and is added to the system.
-    columns : iterable of Quantity
-        Columns of your own, functions of the scalars of a state.
+        Names of the kinds that are logged, by default all; an empty list logs none. An Event is one of your own: it is
+        added to the system and logged, beside the kinds that are named, and beside all kinds if none is named. Its
+        name is letters, digits and _, and new.
+    columns : iterable of Quantity, optional
+        Columns of your own, functions of the scalars of a state, under new names.
     precision : str, optional
         double, longdouble (80 bits) or quad (113 bits).
     tolerance : float, optional
@@ -139,11 +144,12 @@ def run(
     )
     if out is None:
         return integrate(problem, progress=progress)
+    place = path_of("out", out)
     from ..runs.recording import record
 
     with _following(progress) as follow:
-        record(problem, Path(out), overwrite=overwrite, progress=follow, stop=stop)
-    return StoredRun(out)
+        record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
+    return StoredRun(place)
 
 
 def integrate(problem: Problem, *, progress: bool = False) -> Run:
@@ -160,6 +166,7 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
     -------
     Run
     """
+    instance("problem", problem, Problem, "a Problem, as `load` gives it")
     with _following(progress) as follow:
         return Run(solve(problem, follow))
 
@@ -193,6 +200,7 @@ def open(path: str | Path) -> "Run | xr.Dataset":
     StoreError
         If there is no store of tippetop.
     """
+    path = path_of("path", path)
     content = root.attributes(path).get("content")
     if content is None:
         return StoredRun(path)
@@ -228,7 +236,7 @@ def resume(path: str | Path, *, stop: threading.Event | None = None, accept_othe
     """
     from ..runs import recording
 
-    recording.resume(Path(path), stop=stop, accept_other_version=accept_other_version)
+    recording.resume(path_of("path", path), stop=stop, accept_other_version=accept_other_version)
     return StoredRun(path)
 
 
@@ -244,4 +252,5 @@ def datasets(run: Run) -> "dict[str, xr.Dataset]":
     dict of xarray.Dataset
         `trajectory` and `events`.
     """
+    instance("run", run, Run, "a Run")
     return {"trajectory": run.trajectory, "events": run.events}

@@ -3,7 +3,6 @@
 import os
 import re
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from typing import Any
 
 from ..errors import InputError
@@ -13,6 +12,7 @@ from ..problem import Problem
 from ..scenario import build, reading
 from ..scenario.numbers import plain
 from .bodies import Top
+from .extensions import extended, given_columns, given_events
 from .laws import table_of
 
 
@@ -28,13 +28,14 @@ def problem_of(
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
     form: str | None = None,
-    events: Iterable[str | Event] | None = None,
-    columns: Iterable[Quantity] = (),
+    events: Iterable[str | Event] | str | Event | None = None,
+    columns: Iterable[Quantity] | Quantity | None = (),
     until: Any = None,
     **run: Any,
 ) -> Problem:
     """The checked Problem of what `run` takes. Raises InputError."""
-    named, own = _events(events)
+    named, own = _events(None if events is None else given_events(events))
+    own_columns = given_columns(columns)
     try:
         tables, record = _tables(source, system, friction)
         chosen = record or build.system_of(tables)
@@ -53,32 +54,13 @@ def problem_of(
             tables["form"] = form
         if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
             raise InputError([_needs_law(source)])
-        _options(tables, until, {**run, **({"events": named} if named else {})})
-        chosen = extended(chosen, own, tuple(columns))
-        if own and not named and "events" in tables.get("run", {}):
+        _options(tables, until, {**run, **({} if named is None else {"events": named})})
+        chosen = extended(chosen, own, own_columns)
+        if own and named is None and "events" in tables.get("run", {}):
             tables["run"]["events"] = [*tables["run"]["events"], *(event.name for event in own)]
         return build.problem(tables, chosen)
     except InputError as error:
         raise InputError([_in_python(sentence) for sentence in error.sentences]) from None
-
-
-@lru_cache(maxsize=64)
-def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
-    """The system with more events and columns; the same record for the same ones, so that it is compiled once."""
-    if not events and not columns:
-        return system
-    known = {
-        *(event.name for event in system.events),
-        *(quantity.name for quantity in system.quantities),
-        *system.angles._fields,
-        *system.vectors,
-        "time",
-    }
-    names = [*(event.name for event in events), *(quantity.name for quantity in columns)]
-    faults = [f"`{name}` must be a new name, but `{system.name}` has it." for name in names if name in known]
-    if faults:
-        raise InputError(faults)
-    return system.replace(events=(*system.events, *events), quantities=(*system.quantities, *columns))
 
 
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[dict[str, Any], System | None]:
@@ -110,12 +92,13 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
     return tables, record
 
 
-def _events(events: Iterable[str | Event] | None) -> tuple[list[str], tuple[Event, ...]]:
-    """Names of the kinds to be logged, and events of one's own; if any is named, the own ones are logged too."""
-    given: list[Any] = [events] if isinstance(events, str | Event) else list(events or ())
+def _events(given: list[str | Event] | None) -> tuple[list[str] | None, tuple[Event, ...]]:
+    """Names of the kinds to be logged, and events of one's own. None, all of them, where none is given and where only
+    own ones are; if any is named, the own ones are logged beside those."""
+    given, all_kinds = given or [], given is None
     own = tuple(event for event in given if isinstance(event, Event))
-    names: list[Any] = [event.name if isinstance(event, Event) else event for event in given]
-    return (names if len(own) < len(given) else []), own
+    names = [event.name if isinstance(event, Event) else event for event in given]
+    return (None if all_kinds or (own and len(own) == len(given)) else names), own
 
 
 def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:
@@ -135,6 +118,8 @@ def _merge_dotted(tables: dict[str, Any], given: dict[str, Any]) -> None:
     own = {key: value for key, value in given.items() if "." not in key}
     for key in given.keys() - own.keys():
         table, _, name = key.partition(".")
+        if not isinstance(tables.get(table, {}), dict):
+            raise InputError([f"`{key}` must name a key of a table, but `{table}` is not a table."])
         tables[table] = {**tables.get(table, {}), name: given[key]}
     base = tables.get("friction", {})
     keep = isinstance(base, dict) and own.get("law", base.get("law")) == base.get("law")
@@ -149,7 +134,9 @@ def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
         given = given.numbers()
     if not isinstance(given, Mapping):
         raise InputError([f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}."])
-    tables[name] = {**tables.get(name, {}), **plain(given)}
+    base = tables.get(name, {})
+    if isinstance(base, dict):  # else the check of the scenario says so
+        tables[name] = {**base, **plain(given)}
 
 
 def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> None:

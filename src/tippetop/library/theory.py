@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import finite, instance
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.theory import main_equation, modes, regimes
@@ -76,7 +77,7 @@ def regime(top: TippeTop, lam: float) -> Regime:
     -----
     Rutstam (2010), section 3.3.
     """
-    return regimes.regime(float(lam), _tippe_top(top))
+    return regimes.regime(finite("lam", lam), _tippe_top(top))
 
 
 def linear_modes(top: Top, law: Any = None, *, omega3: float, inverted: bool = False) -> np.ndarray:
@@ -104,9 +105,10 @@ def linear_modes(top: Top, law: Any = None, *, omega3: float, inverted: bool = F
     """
     if not isinstance(top, TippeTop | HeavyTop):
         raise InputError([f"the body must be a TippeTop or a HeavyTop, but is {top!r:.60}."])
+    spin = finite("omega3", omega3)
     if law is None:
-        return modes.rolling_modes(float(omega3), top.body(), inverted=inverted)
-    return modes.linear_modes(float(omega3), top.body(record_of(law, top.system())), inverted=inverted)
+        return modes.rolling_modes(spin, top.body(), inverted=inverted)
+    return modes.linear_modes(spin, top.body(record_of(law, top.system())), inverted=inverted)
 
 
 def nutation(
@@ -154,11 +156,12 @@ def nutation(
     if missing:
         raise InputError(missing)
     system, b = top.system(), top.body()
-    momenta = [value for _, value in given]
+    momenta = [finite(name, value) for name, value in given]
+    energy, theta = finite("energy", energy), finite("theta", theta)
     assert system.potential is not None
     assert system.theta_inertia is not None
     inertia, potential = system.theta_inertia, system.potential
-    return one_dimensional.nutation(lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, float(theta))
+    return one_dimensional.nutation(lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, theta)
 
 
 def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
@@ -188,6 +191,9 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
     """
     import xarray as xr
 
+    instance("run", run, Run, "a Run")
+    if period is not None and finite("period", period) <= 0:
+        raise InputError([f"`period` must be greater than 0, but is {period!r:.60}."])
     problem, rows = run.problem, run.trajectory
     system = problem.system
     if len(system.momenta) != 2:

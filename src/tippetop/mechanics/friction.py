@@ -3,8 +3,10 @@
 k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies.
 """
 
+import re
 from typing import Any, NamedTuple
 
+from ..errors import InputError
 from .operand import Operand, exp, formula, select, sqrt
 from .system import Parameter
 from .units import METRE_PER_SECOND, ONE, SECOND_PER_METRE
@@ -102,7 +104,7 @@ class Law(NamedTuple):
 
     def units(self) -> Any:
         """The law's record filled with units."""
-        return self.record(*(p.unit for p in self.parameters.values()))
+        return self.record(**{name: p.unit for name, p in self.parameters.items()})
 
 
 _VISCOUS = Parameter(SECOND_PER_METRE, "viscous friction coefficient mu", least=0)
@@ -153,10 +155,41 @@ def is_frictionless(law: Any) -> bool:
 
 
 def add(name: str, law: Law) -> None:
-    """Registers a law under the name that [friction] law = "..." takes: from here on every gliding system has it."""
-    if law.coefficient is None:
-        raise ValueError(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
-    if name in LAWS and LAWS[name].record is not law.record:
-        raise ValueError(f"the name of a law must be new, but `{name}` is that of {LAWS[name].record.__name__}.")
+    """Registers a law under the name that [friction] law = "..." takes: from here on every gliding system has it.
+
+    The same law under the same name again changes nothing. Raises InputError."""
+    if name in LAWS and LAWS[name] is law:
+        return
+    if faults := _faults(name, law):
+        raise InputError(faults)
     LAWS[name] = law
     SLIP[law.record] = law.coefficient
+
+
+NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
+"""What the name of a law or a system is made of: it stands in TOML, on the command line and in stores."""
+
+
+def _faults(name: Any, law: Law) -> list[str]:
+    """What is wrong with a law that is to be registered, in sentences."""
+    if not isinstance(name, str) or not re.fullmatch(NAME, name):
+        return [f"the name of a law must be letters, digits, - and _, and begin with no digit, but is {name!r:.60}."]
+    fields = getattr(law.record, "_fields", None)
+    if not isinstance(law.record, type) or fields is None:
+        return [f"the record of the law `{name}` must be a NamedTuple, but is {law.record!r:.60}."]
+    faults = []
+    if name in LAWS:
+        faults.append(f"the name of a law must be new, but `{name}` is that of {LAWS[name].record.__name__}.")
+    if law.coefficient is None:
+        faults.append(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
+    if set(fields) != set(law.parameters):
+        names, given = ", ".join(fields) or "none", ", ".join(law.parameters) or "none"
+        faults.append(f"the parameters of the law `{name}` must be the fields of its record, {names}, but are {given}.")
+    if "law" in law.parameters:
+        faults.append(f"a parameter of the law `{name}` must not be named `law`: that is the key of the law's name.")
+    others = [other for other, known in LAWS.items() if known.record is law.record and other != name]
+    if others:
+        faults.append(
+            f"the record of the law `{name}` must be its own, but {law.record.__name__} is that of `{others[0]}`."
+        )
+    return faults

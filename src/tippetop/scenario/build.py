@@ -2,11 +2,13 @@
 
 import itertools
 import math
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
 from pydantic import ValidationError
 
+from ..arguments import path_of
 from ..errors import InputError, suggestion
 from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.friction import LAWS
@@ -54,7 +56,7 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
         system=system,
         form=system.forms[scenario.form],
         parameters=parameters,
-        friction=law.record(*(values[n] for n in law.parameters)),
+        friction=law.record(**{name: values[name] for name in law.parameters}),
         initial=initial,
         until=run.until,
         times=_times(run),
@@ -83,12 +85,12 @@ def system_of(tables: dict[str, Any]) -> System:
     return system
 
 
-def load(source: str, assignments: list[str] | None = None, until: float | None = None) -> Problem:
+def load(source: str | Path, assignments: list[str] | None = None, until: float | None = None) -> Problem:
     """The checked Problem of a TOML file or a preset.
 
     Parameters
     ----------
-    source : str
+    source : str or path
         A TOML file, or the name of a preset.
     assignments : list of str, optional
         `table.key=value` texts, as the command line's `--set` takes them.
@@ -104,7 +106,7 @@ def load(source: str, assignments: list[str] | None = None, until: float | None 
     InputError
         With one sentence for everything that is wrong.
     """
-    tables = override(read(source), assignments or [])
+    tables = override(read(str(path_of("source", source))), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 
 

@@ -23,7 +23,13 @@ def presets() -> dict[str, str]:
     Returns
     -------
     dict of str
-        The TOML text of each, by name.
+        The TOML text of each, by name. `run(name)` and `load(name)` take the name.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> sorted(tt.presets())
+    >>> print(tt.presets()["inverting"])
     """
     folder = files("tippetop") / "scenario" / "presets"
     named = {p.name.removesuffix(".toml"): p for p in folder.iterdir() if p.name.endswith(".toml")}

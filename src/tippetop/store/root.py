@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import path_of
 from ..columns import with_coordinates
 from ..errors import StoreError
 from . import checkpoint, files, skeleton
@@ -73,7 +74,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     """
     import xarray as xr
 
-    attrs = attributes(path)
+    attrs = attributes(path_of("path", path))
     try:
         table = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
         return with_coordinates(table)

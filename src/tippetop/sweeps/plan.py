@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
+from ..arguments import path_of
 from ..ensembles import ensemble
 from ..errors import InputError
 from ..problem import Problem, key_faults
@@ -72,7 +73,8 @@ class Plan:
     @classmethod
     def from_toml(cls, path: str | Path) -> "Plan":
         """The plan of a TOML file. Raises InputError with every fault that was found."""
-        return cls.from_tables(reading.read(str(path)), Path(path).parent)
+        place = path_of("plan", path)
+        return cls.from_tables(reading.read(str(place)), place.parent)
 
     @classmethod
     def from_tables(cls, document: dict[str, Any], folder: Path = Path()) -> "Plan":

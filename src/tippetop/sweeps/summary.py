@@ -7,7 +7,7 @@ import numpy as np
 
 from ..engine.status import Status
 from ..ensembles import ensemble
-from ..errors import StoreError
+from ..errors import InputError, StoreError
 from ..store import root, tables
 from .plan import Plan
 from .store import CHUNK_STATUSES, GROUP, RUNS, failures
@@ -37,6 +37,8 @@ def gridded(table: Any) -> Any:
     """
     import xarray as xr
 
+    if not isinstance(table, xr.Dataset) or "plan" not in table.attrs:
+        raise InputError([f"`table` must be the table of a sweep, as `open` gives it, but is {type(table).__name__}."])
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
     axes = Plan.from_tables(table.attrs["plan"]).design.grid
     grid = xr.Dataset(attrs=table.attrs)

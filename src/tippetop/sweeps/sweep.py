@@ -8,7 +8,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..arguments import path_of, whole
 from ..errors import InputError, Interrupted, StoreError, Unfinished
+from ..mechanics.systems import known_to_others
+from ..problem import Problem
 from ..progress import reporting
 from ..runs import recording
 from ..scenario import build
@@ -72,15 +75,18 @@ def sweep(
     Interrupted
         `stop` was set.
     """
+    place = path_of("out", out)
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
-    if workers is not None and workers < 1:
-        raise InputError([f"--workers must be at least 1, but is {workers}."])
+    workers = None if workers is None else whole("workers", workers)
     if scheduler is not None and not find_spec("distributed"):
-        raise InputError(["--scheduler must find dask, but it is not installed: install tippetop[sweep]."])
+        raise InputError(["`scheduler` must find dask, but it is not installed: install tippetop[sweep]."])
+    here = _known_here(checked.base)
+    if here and (scheduler is not None or (workers or 1) > 1):
+        raise InputError([f"{here} must come from an installed package for workers to know it: take workers=1."])
     with (
         reporting(progress, "tops") as report,
         contextlib.nullcontext() if scheduler is None else connect(scheduler) as client,
-        opened(out, checked) as store,
+        opened(place, checked) as store,
     ):
         sentences = _fill(store, workers, client, report, stop)
         if not sentences:
@@ -88,7 +94,16 @@ def sweep(
             store.finish()
     if sentences:
         raise Unfinished(sentences)
-    return open_sweep(out)
+    return open_sweep(place)
+
+
+def _known_here(base: Problem) -> str:
+    """What of a scenario no other process knows, in words; empty if there is nothing."""
+    if not known_to_others(base.system):
+        return f"the system `{base.system.name}`"
+    if not known_to_others(type(base.friction)):
+        return f"the friction law `{base.law_name}`"
+    return ""
 
 
 def _fill(
@@ -105,7 +120,8 @@ def _fill(
     sentences = []
     tables, versions = build.resolved(plan.base), provenance.versions()
     tasks = (Task(chunk, tables, plan.columns(plan.tops(chunk)), plan.keep, versions) for chunk in todo)
-    small = workers is None and len(todo) * plan.chunk * plan.seconds_per_top < SMALL
+    here = workers is None and bool(_known_here(plan.base))
+    small = here or (workers is None and len(todo) * plan.chunk * plan.seconds_per_top < SMALL)
     try:
         for task, result in _computed(tasks, workers, client, small) if todo else ():
             tops = plan.tops(task.chunk)

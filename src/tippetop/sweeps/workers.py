@@ -48,7 +48,7 @@ def connect(scheduler: str) -> Iterator[Any]:
         client = Client(scheduler, timeout=CONNECT_FOR, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:  # TimeoutError is an OSError
         raise InputError(
-            [f"--scheduler must be the address of a running dask scheduler, but `{scheduler}`: {error}."]
+            [f"`scheduler` must be the address of a running dask scheduler, but `{scheduler}`: {error}."]
         ) from None
     with client:
         yield client

@@ -4,12 +4,14 @@ Entry points are looked for when a name is asked for that is not known (a scan t
 `tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the entry point's name.
 """
 
+import re
 import warnings
 from collections.abc import Callable
 from functools import cache
 from importlib.metadata import entry_points
 from typing import Any
 
+from ...errors import InputError
 from .. import friction
 from ..system import System
 from .cylinder import GLIDING_CYLINDER
@@ -26,11 +28,47 @@ SYSTEMS: dict[str, System] = {
 }
 
 
-def add(system: System) -> None:
-    """Registers a system under its name, which must be new."""
-    if SYSTEMS.get(system.name, system) is not system:
-        raise ValueError(f"the name of a system must be new, but `{system.name}` is known.")
-    SYSTEMS[system.name] = system
+REGISTERED_HERE: set[Any] = set()
+"""Systems, and records of laws, that were registered in this process and by no entry point: others do not know them."""
+
+
+def add(system: System, *, here: bool = False) -> None:
+    """Registers a system under its name, which must be new. `here`: in this process. Raises InputError."""
+    name = system.name
+    if not isinstance(name, str) or not re.fullmatch(friction.NAME, name):
+        raise InputError(
+            [f"the name of a system must be letters, digits, - and _, and begin with no digit, but is {name!r:.60}."]
+        )
+    if SYSTEMS.get(name, system) is not system:
+        raise InputError([f"the name of a system must be new, but `{name}` is known."])
+    _note(system, here=here, new=name not in SYSTEMS)
+    SYSTEMS[name] = system
+
+
+def add_law(name: str, law: friction.Law, *, here: bool = False) -> None:
+    """Registers a friction law under a name that no law has, of no system either. `here`: in this process. Raises
+    InputError."""
+    new = name not in friction.LAWS if isinstance(name, str) else False
+    for system in SYSTEMS.values():
+        if name in system.laws and name not in friction.LAWS:
+            raise InputError([f"the name of a law must be new, but `{name}` is one of {system.name}."])
+    friction.add(name, law)
+    _note(law.record, here=here, new=new)
+
+
+def _note(record: Any, *, here: bool, new: bool) -> None:
+    """Notes who registered a record: an entry point's word outweighs that of this process."""
+    if here and new:
+        REGISTERED_HERE.add(record)
+    elif not here:
+        REGISTERED_HERE.discard(record)
+
+
+def known_to_others(record: Any) -> bool:
+    """Whether other processes know a system, or a law by its record: of the package, or by an entry point."""
+    if record in REGISTERED_HERE:
+        load_entry_points()
+    return record not in REGISTERED_HERE
 
 
 def find(name: str) -> System | None:
@@ -44,7 +82,7 @@ def find(name: str) -> System | None:
 def load_entry_points() -> None:
     """Registers, once a process, what installed packages offer; one that fails is left out with a warning."""
     groups: dict[str, Callable[[str, Any], None]] = {
-        "tippetop.friction": friction.add,
+        "tippetop.friction": add_law,
         "tippetop.systems": lambda _, system: add(system),
     }
     for group, register in groups.items():

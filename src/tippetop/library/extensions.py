@@ -1,0 +1,152 @@
+"""Events and columns of one's own, checked, and the system with them."""
+
+import re
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Any
+
+from ..engine.status import Status
+from ..ensembles.outcomes import columns_of
+from ..errors import InputError
+from ..mechanics.events import NUMBERED, Event, Kept
+from ..mechanics.system import Quantity, System
+from ..mechanics.units import Unit
+
+
+NAME = r"[A-Za-z_][A-Za-z0-9_]*"
+ALWAYS = (
+    "time",
+    "event",
+    "top",
+    "xyz",
+    "wxyz",
+    "psi",
+    "orientation",
+    "kind",
+    "theta_dot_sign",
+    "amplitude",
+    "significant",
+)
+"""Names in tables that no system lists: dimensions, the orientation, and columns of the event log."""
+BUILT_IN = ("status", "class", "top", "turning", "equators", "inversions")
+"""Columns of ensembles that `columns_of` does not list."""
+WHAT = ("first", "last", "count")
+RESERVED = tuple(s.value for s in Status if s not in (Status.LIFTOFF, Status.FALLEN, Status.ENDED))
+"""Statuses that are no event's to give."""
+
+
+def given_events(events: Any) -> list[str | Event]:
+    """The argument `events` as a list. Raises InputError."""
+    given: list[Any] = [events] if isinstance(events, str | Event) else _listed("events", events)
+    wrong = [item for item in given if not isinstance(item, str | Event)]
+    if wrong:
+        raise InputError(
+            [f"`events` must be names of events or Event records, but has {item!r:.60}." for item in wrong]
+        )
+    return given
+
+
+def given_columns(columns: Any) -> tuple[Quantity, ...]:
+    """The argument `columns` as a tuple. Raises InputError."""
+    if columns is None:
+        return ()
+    given = [columns] if isinstance(columns, Quantity) else _listed("columns", columns)
+    wrong = [item for item in given if not isinstance(item, Quantity)]
+    if wrong:
+        raise InputError([f"`columns` must be Quantity records, but has {item!r:.60}." for item in wrong])
+    return tuple(given)
+
+
+def _listed(argument: str, given: Any) -> list[Any]:
+    """A list of what is given. Raises InputError if it is no collection."""
+    if isinstance(given, Iterable) and not isinstance(given, str | bytes) and getattr(given, "ndim", 1) == 1:
+        return list(given)
+    raise InputError([f"`{argument}` must be a list, but is {given!r:.60}."])
+
+
+def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
+    """The system with more events and columns; the same record for the same ones, so that it is compiled once.
+
+    Raises InputError."""
+    if not events and not columns:
+        return system
+    if faults := _faults(system, events, columns):
+        raise InputError(faults)
+    own = tuple(Event(**{**vars(event), "kept": tuple(event.kept)}) for event in events)
+    return _extended(system, own, columns)
+
+
+@lru_cache(maxsize=64)
+def _extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
+    return system.replace(events=(*system.events, *events), quantities=(*system.quantities, *columns))
+
+
+def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> list[str]:
+    """What is wrong with events and columns of one's own, in sentences."""
+    known = {
+        *ALWAYS,
+        *NUMBERED,
+        *(event.name for event in system.events),
+        *(quantity.name for quantity in system.quantities),
+        *system.angles._fields,
+        *system.vectors,
+    }
+    faults = [f for event in events for f in _event_faults(event)] + [f for q in columns for f in _column_faults(q)]
+    faults += _names("the name of an event", [event.name for event in events], system, known)
+    names = {event.name for event in events if isinstance(event.name, str)}
+    faults += _names("the name of a column", [quantity.name for quantity in columns], system, known, names)
+    kept = [k for event in events if isinstance(event.kept, list | tuple) for k in event.kept if isinstance(k, Kept)]
+    numbers = {*columns_of(system), *BUILT_IN, *system.parameters, *system.initial, "mu", "until"}
+    for law in system.laws.values():
+        numbers |= set(law.parameters)
+    return faults + _names("the name of a Kept", [k.name for k in kept], system, numbers)
+
+
+def _names(subject: str, names: list[Any], system: System, known: set[str], others: Iterable[str] = ()) -> list[str]:
+    """Sentences on names that cannot be, or are not new."""
+    faults, seen = [], set(others)
+    for name in names:
+        if not isinstance(name, str) or not re.fullmatch(NAME, name):
+            faults.append(f"{subject} must be letters, digits and _, and begin with no digit, but is {name!r:.60}.")
+        elif name in known:
+            faults.append(f"`{name}` must be a new name, but `{system.name}` has it.")
+        elif re.fullmatch(r"state_.*|final_.*|drift_.*|.*_lo", name):
+            faults.append(f"{subject} must not be one of state_..., final_..., drift_... or ..._lo, but is `{name}`.")
+        elif name in seen:
+            faults.append(f"{subject} must be given once, but `{name}` is given twice.")
+        else:
+            seen.add(name)
+    return faults
+
+
+def _event_faults(event: Any) -> list[str]:
+    """What is wrong with an event by itself, in sentences."""
+    of, faults = f"of the event `{event.name}`", _formula_faults(f"of the event `{event.name}`", event.formula)
+    if event.direction not in (-1, 0, 1):
+        faults.append(f"`direction` {of} must be -1, 0 or 1, but is {event.direction!r:.60}.")
+    if event.ends is not None and (not isinstance(event.ends, str) or not event.ends or event.ends in RESERVED):
+        faults.append(
+            f"`ends` {of} must be a word other than {', '.join(RESERVED)}, or None, but is {event.ends!r:.60}."
+        )
+    if not isinstance(event.kept, list | tuple) or not all(isinstance(kept, Kept) for kept in event.kept):
+        return [*faults, f"`kept` {of} must be Kept records, but is {event.kept!r:.60}."]
+    for kept in event.kept:
+        if kept.what not in WHAT:
+            faults.append(
+                f"`what` of the Kept `{kept.name}` must be one of {', '.join(WHAT)}, but is {kept.what!r:.60}."
+            )
+        if kept.direction not in (-1, 0, 1):
+            faults.append(f"`direction` of the Kept `{kept.name}` must be -1, 0 or 1, but is {kept.direction!r:.60}.")
+    return faults
+
+
+def _column_faults(quantity: Any) -> list[str]:
+    """What is wrong with a column by itself, in sentences."""
+    faults = _formula_faults(f"of the column `{quantity.name}`", quantity.formula)
+    if not isinstance(quantity.unit, Unit):
+        faults.append(f"`unit` of the column `{quantity.name}` must be a Unit, but is {quantity.unit!r:.60}.")
+    return faults
+
+
+def _formula_faults(of: str, formula: Any) -> list[str]:
+    return [] if callable(formula) else [f"`formula` {of} must be a function, but is {formula!r:.60}."]
