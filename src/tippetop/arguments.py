@@ -1,4 +1,4 @@
-"""Arguments of the library, checked one by one: what is wrong is said in a sentence that names the argument."""
+"""Arguments of the library, checked one by one: a fault is one sentence that names the argument."""
 
 import math
 import os

@@ -31,7 +31,7 @@ def register(record: System | Law, name: str | None = None) -> Any:
     Notes
     -----
     Other processes do not know it: not the command line, not the workers of a sweep, which then runs in this process
-    (`workers=1`, or none said). A package makes its records known everywhere by entry points: the group
+    (`workers=1`, or none given). A package makes its records known everywhere by entry points: the group
     `tippetop.systems` names System records, `tippetop.friction` names laws.
     """
     if isinstance(record, System):
