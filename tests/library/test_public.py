@@ -369,6 +369,13 @@ def test_the_theory_takes_bodies(run: tt.Run) -> None:
         tt.regime(CYLINDER, 1.0)  # type: ignore[arg-type]
 
 
+def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
+    run = tt.run("rolling", output_step=1e-3, until=0.5)
+    with pytest.warns(UserWarning, match="is not to be relied on"):
+        found = tt.reconstruct(run)
+    assert found.attrs["mismatch"] > 1e-6
+
+
 def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
     start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
     run = tt.run("inverting", start=start, until=0.15, output_step=5e-5)
