@@ -188,13 +188,19 @@ def jet(p, x):
 
 @kernel
 def extremes(p, low, high, samples, monotone):
-    """The smallest value of p on [0, 1] if it may lie below `low`, else `low`; and likewise the greatest.
+    """The smallest value of p on [0, 1] if it may lie below `low`, else `low`; likewise the greatest; and where they
+    are, NaN where the value is the one that was given.
 
     `samples` has the size of a row of NODES. `monotone`: p is known to be.
     """
+    at_low, at_high = np.nan, np.nan
     if monotone:
-        end = value(p, 1.0)
-        return min(low, p[0], end), max(high, p[0], end)
+        start, end = p[0], value(p, 1.0)
+        if min(start, end) < low:
+            low, at_low = (start, 0.0) if start <= end else (end, 1.0)
+        if max(start, end) > high:
+            high, at_high = (start, 0.0) if start >= end else (end, 1.0)
+        return low, high, at_low, at_high
     nodes = len(samples)
     for i in range(nodes):
         samples[i] = 0.0
@@ -211,22 +217,29 @@ def extremes(p, low, high, samples, monotone):
         bend += k * (k - 1) * abs(p[k])
     bend /= 8 * (nodes - 1) ** 2  # between two nodes p goes no further beyond them
     if samples[under] - bend < low:
-        low = min(low, _polished(p, 1.0, under / (nodes - 1), samples[under]))
+        least, x = _polished(p, 1.0, under / (nodes - 1), samples[under])
+        if least < low:
+            low, at_low = least, x
     if samples[over] + bend > high:
-        high = max(high, -_polished(p, -1.0, over / (nodes - 1), -samples[over]))
-    return low, high
+        most, x = _polished(p, -1.0, over / (nodes - 1), -samples[over])
+        if -most > high:
+            high, at_high = -most, x
+    return low, high, at_low, at_high
 
 
 @kernel
 def _polished(p, sign, x, best):
-    """The smallest value of sign*p next to x: Newton on the slope, kept in [0, 1]."""
+    """The smallest value of sign*p next to x, and where: Newton on the slope, kept in [0, 1]."""
+    at = x
     for _ in range(6):
         f, slope, curve = jet(p, x)
-        best = min(best, sign * f)
+        if sign * f < best:
+            best, at = sign * f, x
         if not sign * curve > 0:
-            return best
+            return best, at
         after = min(1.0, max(0.0, x - slope / (2 * curve)))
         if abs(after - x) <= 1e-9:  # where the value is flat to 1e-18
-            return best
+            return best, at
         x = after
-    return min(best, sign * value(p, x))
+    last = sign * value(p, x)
+    return (last, x) if last < best else (best, at)

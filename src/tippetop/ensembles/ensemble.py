@@ -19,7 +19,7 @@ from ..problem import Problem, Problems, variation_faults
 from ..progress import reporting
 from ..scenario import build
 from .lanes import LANES, Lanes
-from .observer import take_turning
+from ..engine.observer import take_turning
 from .outcomes import Outcomes, _conclude, dataset
 from .tallies import LEAST, MOST, SIGN
 

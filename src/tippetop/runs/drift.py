@@ -6,14 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.extremes import Extremes
 from ..engine.invariants import invariants, size
 from ..engine.observables import Observables
+from ..engine.slices import Extremes
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
-
-
-SAMPLES_PER_SLICE = 256  # step ends at which the invariants are compared: 1 % of the cost of a slice of 4096 steps
 
 
 @dataclass
@@ -33,11 +30,11 @@ class Monitor:
         self.drift = dict.fromkeys(self._start, 0.0)
 
     def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
-        """Takes in step ends (n, variables) of a slice of so many steps."""
+        """Takes in step ends (n, variables) of a slice of so many steps, and the extremes of the force so far."""
         for name, values in self._invariants(rows).items():
             start = self._start[name]
             self.drift[name] = max(self.drift[name], float(np.max(np.abs(values - start) / size(start))))
-        self.force = self.force.joined(force)
+        self.force = force
         self.steps += steps
 
     def _invariants(self, rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..engine.observables import Observables
-from ..engine.taylor import Slice
-from ..engine.zeros import Zero, sign_changes
-from ..mechanics.events import AT_POLE, ON_ZERO, Event
+from ..engine.slices import Passages
+from ..mechanics.events import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from .events import Confirmation, EventTable
@@ -20,12 +19,8 @@ UNREPORTED = ("equators", "lifted_at", "settled_at")
 """What no report says apart: its counts, its reason do."""
 
 
-NEAR_POLE = 1e-6
-"""sin(theta) below which a turning is looked at more closely, and the internal time over which."""
-
-
-class Passages(NamedTuple):
-    """Zeros of a slice and what the states there say, (k,) each."""
+class Lines(NamedTuple):
+    """Passages as the log has them, (k,) each."""
 
     states: np.ndarray  # (k, variables), internal
     seconds: np.ndarray  # [s]
@@ -33,10 +28,11 @@ class Passages(NamedTuple):
     sign: np.ndarray  # of the crossing
     theta: np.ndarray  # [rad]
     rising: np.ndarray  # sign of theta' just after, int8
+    at_pole: np.ndarray  # whether the axis passes a pole
 
-    def where(self, keep: np.ndarray) -> "Passages":
+    def where(self, keep: np.ndarray) -> "Lines":
         """Some of them."""
-        return Passages(*(values[keep] for values in self))
+        return Lines(*(values[keep] for values in self))
 
 
 @dataclass
@@ -68,7 +64,8 @@ class EventLog:
         self.logged = self._numbers(problem.events)
         self.turnings = self._numbers(name for name, event in self.events.items() if event.sense)
         self.lasting = [event for event in self.events.values() if event.lasting]
-        self.starts_on = {name for name in self.events if abs(self._value(name, first)[0]) < ON_ZERO}
+        self.numbers = self._numbers(self.events).astype(np.int8)  # of the kinds, and signs of turnings, by event
+        self.senses = np.array([event.sense for event in self.events.values()], dtype=int)
         self.confirmation = Confirmation()
         self.tally = Tally(
             before=view.theta(first),
@@ -86,13 +83,12 @@ class EventLog:
 
     # --- a slice --------------------------------------------------------------------------------------------------
 
-    def take(self, piece: Slice) -> tuple[EventTable, list[int], np.ndarray]:
+    def take(self, found: Passages) -> tuple[EventTable, list[int], np.ndarray]:
         """Rows of a slice, indices of rows (old or new) that are now known to be significant, and the states (internal)
         of the new rows."""
-        zeros = self._zeros(piece)
-        if not zeros:
+        if not len(found.times):
             return self.empty, [], np.zeros((0, 0))
-        passages = self._passages(piece, zeros)
+        passages = self._lines(found)
         keep = np.isin(passages.kind, self.logged)
         self._remember(passages, np.where(keep, self.tally.rows + np.cumsum(keep) - 1, -1))
         logged = passages.where(keep)
@@ -100,71 +96,24 @@ class EventLog:
         turning = np.isin(logged.kind, self.turnings)
         rows = self.tally.rows + np.flatnonzero(turning)
         self.tally.rows += len(turning)
-        ways = np.where(self._through_pole(piece, zeros, keep)[turning], 0, logged.rising[turning])
+        ways = np.where(logged.at_pole, 0, logged.rising)[turning]
         confirmed = self.confirmation.take(rows, logged.theta[turning], ways)
         return table, self._marks(confirmed), logged.states
 
-    def _zeros(self, piece: Slice) -> list[Zero]:
-        """The zeros of a slice; in the first step of a run, those of events that start on their zero are found anew.
-
-        heyoka finds the zero at t = 0 (twice), and then misses another one in the same step.
-        """
-        zeros = [zero for zero in piece.zeros if zero.time > 0]
-        if not self.starts_on or len(piece.times) < 2:
-            return zeros
-        start, end = (float(t) for t in piece.times[:2])
-        kept = [zero for zero in zeros if zero.kind not in self.starts_on or zero.time > end]
-        grid, number = np.linspace(start, end, 130)[1:], piece.ends.dtype
-        for kind in self.starts_on:
-
-            def value(times: np.ndarray, kind: str = kind) -> np.ndarray:
-                return self._value(kind, np.array(piece.output(np.asarray(times, dtype=number)), copy=True))
-
-            if np.max(np.abs(value(grid))) < ON_ZERO:
-                continue  # zero all the way, like z' of a top that spins upright
-            for when, sign in sign_changes(value, grid):
-                if self.events[kind].direction in (0, sign):
-                    kept.append(Zero(number.type(when), kind, sign))
-        self.starts_on = set()
-        return sorted(kept, key=lambda zero: zero.time)
-
-    def _passages(self, piece: Slice, zeros: list[Zero]) -> Passages:
-        times = np.array([z.time for z in zeros])
-        states = np.array(piece.output(times), copy=True)
-        values = self.view.evaluate(states)
-        sign = np.array([z.sign for z in zeros])
-        turns = sign * np.array([self.events[z.kind].sense for z in zeros])
-        return Passages(
-            states,
-            times.astype(float) * self.second,
-            self._numbers(z.kind for z in zeros).astype(np.int8),
-            sign,
+    def _lines(self, found: Passages) -> Lines:
+        values = self.view.evaluate(found.states)
+        turns = found.signs * self.senses[found.events]
+        return Lines(
+            found.states,
+            found.times.astype(float) * self.second,
+            self.numbers[found.events],
+            found.signs,
             values["theta"].astype(float),
             np.where(turns != 0, turns, np.sign(values["theta_dot"].astype(float))).astype(np.int8),
+            found.at_pole,
         )
 
-    def _through_pole(self, piece: Slice, zeros: list[Zero], keep: np.ndarray) -> np.ndarray:
-        """Which of the zeros that are kept are passages of the axis through a pole, rather than near it, (k,)."""
-        names = self.view.problem.variables.names
-        passing = np.zeros(int(keep.sum()), bool)
-        if "ux" not in names:
-            return passing
-        columns = [names.index("ux"), names.index("uy")]
-        times = np.array([zero.time for zero, kept in zip(zeros, keep, strict=True) if kept])
-        number = piece.ends.dtype
-
-        def across(when: np.ndarray) -> np.ndarray:
-            return np.array(piece.output(when.astype(number)), copy=True)[:, columns].astype(float)
-
-        near = np.flatnonzero(np.hypot(*across(times).T) < NEAR_POLE) if len(times) else np.zeros(0, int)
-        if len(near):
-            start, end = (times[near] + shift for shift in (-NEAR_POLE, NEAR_POLE))
-            start, end = np.maximum(start, piece.times[0]), np.minimum(end, piece.times[-1])
-            speed = np.hypot(*(across(end) - across(start)).T) / (end - start).astype(float)
-            passing[near] = np.hypot(*across(times[near]).T) < AT_POLE * speed
-        return passing
-
-    def _remember(self, passages: Passages, rows: np.ndarray) -> None:
+    def _remember(self, passages: Lines, rows: np.ndarray) -> None:
         """What events keep of their passages, whatever kinds are logged; `rows` are those of the log, or -1."""
         for number in np.unique(passages.kind).tolist():
             event, mine = self.events[self.kinds[number]], passages.kind == number
@@ -181,7 +130,7 @@ class EventLog:
         elif len(seconds) and (what == "last" or self.tally.kept[name] is None):
             self.tally.kept[name] = float(seconds[-1 if what == "last" else 0])
 
-    def _table(self, logged: Passages) -> EventTable:
+    def _table(self, logged: Lines) -> EventTable:
         """Rows of the log; the swings continue from the turning before."""
         turning = np.isin(logged.kind, self.turnings)
         swing = np.full(logged.theta.shape, np.nan)
@@ -239,8 +188,7 @@ class EventLog:
         waiting = self.confirmation
         return {"tally": asdict(self.tally), "waiting": [waiting.row, waiting.theta, waiting.sign]}
 
-    def restore(self, kept: dict[str, Any], *, fresh: bool) -> None:
-        """Continues from a checkpoint; unless fresh, the first step of the run is over."""
-        self.starts_on = self.starts_on if fresh else set()
+    def restore(self, kept: dict[str, Any]) -> None:
+        """Continues from a checkpoint."""
         self.tally = Tally(**kept["tally"])
         self.confirmation.row, self.confirmation.theta, self.confirmation.sign = kept["waiting"]

@@ -4,21 +4,19 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..engine.extremes import Extremes
-from ..engine.normal_force import grazing, normal_force
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays
+from ..engine.slices import STEPS_PER_SLICE, Slice, event_functions
 from ..engine.status import Status
-from ..engine.taylor import Slice, endings_of, fingerprint, integrator_of, rows_at, slices
+from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..store import hexfloat
-from .drift import SAMPLES_PER_SLICE, Monitor
+from .drift import Monitor
 from .event_log import EventLog
 from .sinks import Sink
 
@@ -37,8 +35,8 @@ class Integration:
 
     Attributes
     ----------
-    integrator
-        heyoka's; its state is the last of the run, in internal units.
+    driver
+        Makes the steps; its state is the last of the run, in internal units.
     last
         The last good state, (1, variables), internal.
     t_end
@@ -51,7 +49,7 @@ class Integration:
 
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         clock = time.perf_counter()
-        self.problem, self.integrator = problem, integrator_of(problem, stop)
+        self.problem, self.driver = problem, driver_of(problem, stop)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
         self.second = float(problem.scales.of(SECOND))
@@ -78,17 +76,17 @@ class Integration:
         Interrupted
             If the sink does, between two slices.
         """
-        problem = self.problem
-        end = problem.number(problem.until) / problem.number(self.second)
+        problem, request = self.problem, _Request(self, sink)
         if self.fresh and problem.output != "times":
-            self._write(sink, np.array([0.0]), self.first)
-        steps = SETTLED_SLICE if problem.stop_when == "settled" else None
-        for part in slices(self.integrator, end, endings_of(problem), steps):
-            force = normal_force(part, problem) if len(part.times) > 1 else Extremes()
-            piece = grazing(part, force, problem)
-            self.seconds["integrate"] += piece.wall
+            self.write(sink, np.array([0.0]), self.first)
+        self.status = self._ended_at_start() if self.fresh else None
+        steps = SETTLED_SLICE if problem.stop_when == "settled" else STEPS_PER_SLICE
+        while self.status is None:
+            clock, before = time.perf_counter(), request.seconds
+            piece = self.driver.advance(request, steps)
+            self.seconds["integrate"] += time.perf_counter() - clock - (request.seconds - before)
             self.fresh = False
-            self._follow(piece, force, sink)
+            self._follow(piece, sink)
             if self.status is not None:
                 break
             if problem.stop_when == "settled" and self._settled_long():
@@ -97,47 +95,41 @@ class Integration:
             sink.slice_done(self)
             if progress is not None:
                 progress(self)
+        self._fill(sink)
         sink.events(self.log.empty, self.log.finish(self.last))
         if problem.output == "events":
-            self._write(sink, np.array([self.t_end]), self.last)
+            self.write(sink, np.array([self.t_end]), self.last)
 
-    def _follow(self, piece: Slice, force: Extremes, sink: Sink) -> None:
-        problem, self.status = self.problem, piece.status
-        steps = len(piece.times) - 1
-        ends = piece.ends
-        while steps and not np.all(np.isfinite(ends[steps - 1].astype(float))):  # never let a bad state in
-            steps -= 1
-        reached = float(piece.times[steps])
-        self.t_end = reached * self.second
-        upto = problem.times.count(self.t_end, inclusive=self.status is not None)
-        if steps:
-            ends = ends[:steps]
-            self.last = ends[-1:].copy()
-            every = max(1, steps // SAMPLES_PER_SLICE)
-            self.monitor.follow(np.concatenate([ends[::every], ends[-1:]]), force, steps)
-            table, marks, states = self.log.take(piece)
-            sink.events(table, marks)
-            if problem.output == "steps":
-                self._write(sink, np.asarray(piece.times[1 : steps + 1], float) * self.second, ends)
-            elif problem.output == "events" and len(table.time):
-                self._write(sink, table.time, states)
-        if problem.output == "times" and upto > self.filled:
-            if not sink.keeps_rows:
-                self.filled = upto
-            last = self.last if not steps else None
-            while self.filled < upto:  # in blocks: a step may hold more rows than memory does
-                times = problem.times[self.filled : min(upto, self.filled + ROWS_PER_BLOCK)]
-                self.filled += len(times)
-                # the dense output of the slice is not used again here: another thread may have it
-                sink.rows(times, partial(self._rows, piece, times, last))
+    def _ended_at_start(self) -> Status | None:
+        """How a run ends before its first step: a quantity that must not be negative is so from the start."""
+        events = self.problem.system.events
+        for event, value in zip(events, event_functions(self.problem.alone)[0], strict=True):
+            if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:
+                return Status.of_event(event.ends)
+        return None
 
-    def _rows(self, piece: Slice, times: np.ndarray, last: np.ndarray | None) -> np.ndarray:
-        """The states at times [s] of a slice; `last`, if the slice has no step."""
-        if last is not None:
-            return np.repeat(last, len(times), axis=0)
-        return rows_at(piece, times / self.second, self.problem)
+    def _follow(self, piece: Slice, sink: Sink) -> None:
+        self.status, self.last = piece.status, piece.last
+        self.t_end = float(piece.time) * self.second
+        self.monitor.follow(np.concatenate([piece.samples, piece.last]), self.driver.extremes(), piece.steps)
+        table, marks, states = self.log.take(piece.passages)
+        sink.events(table, marks)
+        if self.problem.output == "steps" and self.status is not None and piece.steps:
+            self.write(sink, np.array([self.t_end]), self.last)
+        elif self.problem.output == "events" and len(table.time):
+            self.write(sink, table.time, states)
 
-    def _write(self, sink: Sink, times: np.ndarray, states: np.ndarray) -> None:
+    def _fill(self, sink: Sink) -> None:
+        """Rows at the end of the run that no step has: the last good state."""
+        if self.problem.output != "times" or not sink.keeps_rows:
+            return
+        upto = self.problem.times.count(self.t_end, inclusive=True)
+        if upto > self.filled:
+            times = self.problem.times[self.filled : upto]
+            self.write(sink, times, np.repeat(self.last, len(times), axis=0))
+
+    def write(self, sink: Sink, times: np.ndarray, states: np.ndarray) -> None:
+        """Gives rows to a sink: times [s], internal states."""
         sink.rows(times, lambda: states)
         self.filled += len(times)
 
@@ -206,12 +198,10 @@ class Integration:
 
     def snapshot(self) -> dict[str, Any]:
         """All that is needed to continue bit by bit, as plain JSON data."""
-        integrator = self.integrator
         return hexfloat.encode(
             {
-                "equations": fingerprint(integrator),
-                "state": integrator.state,
-                "time": list(integrator.dtime),
+                "equations": fingerprint(self.driver),
+                "driver": self.driver.snapshot(),
                 "filled": self.filled,
                 "t_end": self.t_end,
                 "monitor": self.monitor.snapshot(),
@@ -232,13 +222,43 @@ class Integration:
         ValueError
             If it was made of other equations.
         """
-        integrator, number = self.integrator, self.problem.number
-        if kept["equations"] != fingerprint(integrator):
+        number, driver = self.problem.number, kept["driver"]
+        if kept["equations"] != fingerprint(self.driver):
             raise ValueError("the equations must be those of the checkpoint, but this release has others")
-        integrator.state[:] = [hexfloat.from_hex(text, number) for text in kept["state"]]
-        integrator.dtime = tuple(hexfloat.from_hex(text, number) for text in kept["time"])
-        self.last = integrator.state.copy()[None, :]
+        state = np.array([hexfloat.from_hex(text, number) for text in driver["state"]], dtype=number)
+        clock = [hexfloat.from_hex(text, number) for text in driver["time"]]
+        rest = {name: hexfloat.decode(value) for name, value in driver.items() if name not in ("state", "time")}
+        self.driver.restore(rest, state, (clock[0], clock[1]))
+        self.last = state[None, : self.driver.variables].copy()
         self.filled, self.t_end = kept["filled"], hexfloat.decode(kept["t_end"])
         self.monitor.restore(hexfloat.decode(kept["monitor"]))
         self.fresh = self.t_end == 0  # it was killed before its first slice
-        self.log.restore(hexfloat.decode(kept["log"]), fresh=self.fresh)
+        self.log.restore(hexfloat.decode(kept["log"]))
+
+
+class _Request:
+    """The rows that the sink of an integration wants."""
+
+    def __init__(self, integration: Integration, sink: Sink):
+        self.integration, self.sink = integration, sink
+        self.steps = integration.problem.output == "steps" and sink.keeps_rows
+        self.asked, self.seconds = integration.filled, 0.0
+
+    def wanted(self) -> np.ndarray:
+        """Internal times of the next rows, or room for so many."""
+        integration = self.integration
+        if self.steps:
+            return np.empty(ROWS_PER_BLOCK)
+        if integration.problem.output != "times" or not self.sink.keeps_rows:
+            return np.zeros(0)
+        times = integration.problem.times[self.asked : self.asked + ROWS_PER_BLOCK]  # a step may hold more than memory
+        self.asked += len(times)
+        return times / integration.second
+
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Takes rows that were made."""
+        integration, clock = self.integration, time.perf_counter()
+        filled = integration.filled
+        seconds = times * integration.second if self.steps else integration.problem.times[filled : filled + len(times)]
+        integration.write(self.sink, seconds, states)
+        self.seconds += time.perf_counter() - clock

@@ -1,4 +1,4 @@
-"""What is kept of every top while its steps pass, and where the event functions stand in the Taylor coefficients."""
+"""What is kept of every run while its steps pass, and where the event functions stand in the Taylor coefficients."""
 
 import math
 from collections.abc import Sequence
@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..engine.status import Status
 from ..mechanics.events import Event
+from .status import Status
 
 
 FIRST, LAST, COUNT = range(3)
@@ -21,28 +21,29 @@ class EventRows(NamedTuple):
     or the rate of one (`shift` 1), times `scale`, a power of two. A variable whose rate is another event function
     (`leader`; -1: none) needs no sums of its own: that rate bounds it. `direction`, `sense`, `extremes` are those of
     the event; `ends` the code of the status of a top that it ends, 0 if it ends none; what it keeps are the `numbers`
-    from `first` to `last`, this one excluded.
+    from `first` to `last`, this one excluded. What is not `watched` has no zeros that anybody wants.
     """
 
     events: np.ndarray  # (events,)
     numbers: np.ndarray  # (numbers,) `what`: FIRST, LAST or COUNT; `direction` of the passages that are meant
-    axis: np.ndarray  # (3,) rows of 3hat
+    axis: np.ndarray  # (3,) rows of 3hat; (0,) where it is not integrated
 
 
 class StopRules(NamedTuple):
-    """When a top ends before its time, other than by an event."""
+    """When a run ends before its time, other than by an event; and how often its state is sampled."""
 
     lasting: int  # the event that must last; -1: no top ends because it has settled
     way: int  # sign of its function beyond its zero
     settled_for: float  # internal time that it must have lasted
     most_steps: int
+    every: int  # steps between two samples
 
 
 _LANE: dict[str, Any] = {
     "status": Status.RUNNING.code,
     "t": 0.0,  # internal time reached
     "steps": 0,
-    "step": -1,  # of the slice, the last one made
+    "step": -1,  # of a slice of steps, the last one made
     "upto": 1.0,  # how far of it
     "tiny": 0,  # steps in a row that led nowhere
     "waiting": 0,  # sign of the turning that waits to be confirmed; 0: none
@@ -56,49 +57,51 @@ _LANE: dict[str, Any] = {
 """What a lane starts with; times are internal, NaN: did not happen."""
 
 
-SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY = range(7)
+SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_MOST = range(9)
 """What is known of an event function in a lane: its sign, +1 or -1; its least and greatest values, as it stands in the
-coefficients; 1 if the run starts on a zero of it; and of the present step bounds, and 1 if it is monotone there."""
+coefficients; 1 if the run starts on a zero of it; of the present step bounds, and 1 if it is monotone there; and when
+it was least and greatest."""
 
 
 class Tallies(NamedTuple):
     """What is kept of the tops in the lanes, step by step; times are internal."""
 
     lane: np.ndarray  # (lanes,) records: how far each has come, and its turnings
-    functions: np.ndarray  # (7, events, lanes) what is known of the event functions: SIGN to STEADY
+    functions: np.ndarray  # (9, events, lanes) what is known of the event functions: SIGN to T_MOST
     kept: np.ndarray  # (numbers, lanes) times, NaN: did not happen; or counts
 
 
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
-EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), ("extremes", bool)])
+EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), ("extremes", bool), ("watched", bool)])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 
 
 def event_rows(
-    events: Sequence[Event], sources: Sequence[tuple[int, int, float, float]], rows: np.ndarray, axis: Sequence[int]
+    events: Sequence[Event], sources: Sequence[tuple[int, int, float, float]], axis: Sequence[int]
 ) -> EventRows:
-    """The events as arrays. `sources` are variable, shift, scale and offset of each function; `rows` are the variables
-    whose coefficients are kept, `axis` those of 3hat."""
+    """The events as arrays. `sources` are variable, shift, scale and offset of each function; `axis` are the variables
+    of 3hat, none in a form without it."""
     rate_of = {s[0]: e for e, s in reversed(list(enumerate(sources))) if s[1:] == (1, 1.0, 0.0)}
     records = np.zeros(len(events), EVENT_RECORD)
     numbers: list[tuple[int, int]] = []
     for record, event, (variable, shift, scale, offset) in zip(records, events, sources, strict=True):
-        record["row"], record["shift"] = np.searchsorted(rows, variable), shift
+        record["row"], record["shift"] = variable, shift
         record["scale"], record["offset"] = scale, offset
         record["leader"] = rate_of.get(variable, -1) if shift == 0 else -1
         record["direction"], record["sense"], record["extremes"] = event.direction, event.sense, bool(event.extremes)
+        record["watched"] = True
         record["ends"] = Status.of_event(event.ends).code if event.ends else 0
         record["first"] = len(numbers)
         numbers += [(WHAT[kept.what], kept.direction or event.direction) for kept in event.kept]
         record["last"] = len(numbers)
-    return EventRows(records, np.array(numbers, NUMBER_RECORD), np.searchsorted(rows, axis))
+    return EventRows(records, np.array(numbers, NUMBER_RECORD), np.array(axis, int))
 
 
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
     """Tallies of so many lanes."""
     n = len(rows.events)
     lane = np.empty(lanes, [(name, np.array(value).dtype) for name, value in _LANE.items()])
-    tallies = Tallies(lane, np.zeros((7, n, lanes)), np.empty((len(rows.numbers), lanes)))
+    tallies = Tallies(lane, np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes)))
     for at in range(lanes):
         reset(tallies, rows, at, np.ones(n), np.zeros(n, bool))
     return tallies
@@ -111,4 +114,55 @@ def reset(tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_ze
     functions[SIGN], functions[ON_ZERO] = signs, on_zero
     functions[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)
     functions[MOST] = -functions[LEAST]
+    functions[T_LEAST], functions[T_MOST] = np.nan, np.nan
     tallies.kept[:, lane] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
+
+
+class PassageLog(NamedTuple):
+    """Zeros of event functions as they are found, in one lane; of length 0 where nobody wants them."""
+
+    count: np.ndarray  # (1,) how many there are
+    time: np.ndarray  # (n,) internal
+    event: np.ndarray  # (n,) its number
+    sign: np.ndarray  # (n,) of the crossing, +1 rising
+    at_pole: np.ndarray  # (n,) whether the axis passes a pole there
+    step: np.ndarray  # (n,) of a slice of steps
+    states: np.ndarray  # (n, variables)
+
+
+def new_log(length: int, variables: int) -> PassageLog:
+    """A log with room for so many passages."""
+    numbers = [np.zeros(length, np.int64) for _ in range(2)]
+    ends = np.zeros(length, np.bool_), np.zeros(length, np.int64), np.zeros((length, variables))
+    return PassageLog(np.zeros(1, np.int64), np.zeros(length), *numbers, *ends)
+
+
+class Samples(NamedTuple):
+    """States on the way, at which the invariants are compared."""
+
+    count: np.ndarray  # (1,)
+    lane: np.ndarray  # (n,)
+    states: np.ndarray  # (n, variables)
+
+
+def new_samples(length: int, variables: int) -> Samples:
+    """Room for so many samples."""
+    return Samples(np.zeros(1, np.int64), np.zeros(length, np.int64), np.zeros((length, variables)))
+
+
+class Scratch(NamedTuple):
+    """Room that the observer works in."""
+
+    polynomial: np.ndarray  # (order + 1,) of an event function over a step
+    work: np.ndarray  # (order + 1,)
+    zeros: np.ndarray  # (order + 1,)
+    nodes: np.ndarray  # (9,)
+    factors: np.ndarray  # (2, order + 1, lanes)
+    sums: np.ndarray  # (3, lanes)
+    quiet: np.ndarray  # (lanes,)
+
+
+def new_scratch(size: int, lanes: int) -> Scratch:
+    """Room for polynomials of so many coefficients."""
+    rows = [np.empty(size) for _ in range(3)]
+    return Scratch(*rows, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes))

@@ -1,4 +1,4 @@
-"""Follows the Taylor steps of a batch: finds the events of every top and records what is kept of them.
+"""Follows Taylor steps: finds the events of every run and records what is kept of them.
 
 Every number depends on the lane's own steps alone: not on its neighbours, nor on where slices end. What an event does
 is data (`EventRows`): nothing here knows one kind from another.
@@ -9,66 +9,71 @@ import numpy as np
 from tippetop_kernels.jit import inlined, kernel
 from tippetop_kernels.polynomials import crossings, extremes, ranges
 
-from ..engine.status import Status
 from ..mechanics.events import AT_POLE, ON_ZERO_FOR, hysteresis
-from .tallies import COUNT, HIGH, LAST, LEAST, LOW, MOST, ON_ZERO, SIGN, STEADY
+from .status import Status
+from .tallies import COUNT, HIGH, LAST, LEAST, LOW, MOST, ON_ZERO, SIGN, STEADY, T_LEAST, T_MOST
 
 
 RUNNING, STALLED, SETTLED = Status.RUNNING.code, Status.STALLED.code, Status.SETTLED.code
-EVERY = 32  # steps between two looks at the invariants
 TINY = 1e-10  # internal time: a step that leads nowhere
 PATIENCE = 64  # tiny steps in a row that are a stall
 
 
 @kernel
-def follow(times, tcs, rows, rules, tallies, samples):
-    """Takes in the steps of a slice: times (n + 1, lanes), Taylor coefficients tcs (n, rows, order + 1, lanes).
+def follow(times, tcs, rows, rules, tallies, log, scratch):
+    """Takes in a slice of steps: times (n + 1, lanes), Taylor coefficients tcs (n, variables, order + 1, lanes).
 
-    The tally of a top that ended says in which step and where in it; steps up to `step` of a lane are known already.
-    Fills `samples` (2, k) with step and lane of every 32nd step of a lane; gives how many there are.
+    The tally of a run that ended says in which step and where in it: later ones are not looked at.
     """
-    steps, _, size, lanes = tcs.shape
-    events, numbers, axis, known, kept = rows.events, rows.numbers, rows.axis, tallies.functions, tallies.kept
-    p, work, zeros, nodes = np.empty(size), np.empty(size), np.empty(size), np.empty(9)
-    factors, sums, quiet = np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes)
-    sampled = 0
-    for i in range(steps):
-        tc = tcs[i]
-        _factors(times[i], times[i + 1], factors)
-        _bound(tc, events, factors, known, sums)
-        _silence(events, known, quiet)
-        for lane in range(lanes):
-            t, end = times[i, lane], times[i + 1, lane]
-            h, tally = end - t, tallies.lane[lane]
-            if not h > 0 or tally.status != RUNNING or i <= tally.step:
-                continue
-            upto = 1.0
-            if not quiet[lane] >= 0:
-                for e in range(len(events)):  # the first ending is the end of the step for all events
-                    event = events[e]
-                    if event.ends != 0 and not _keeps_sign(e, known, lane):
-                        _polynomial(tc, event, lane, factors, p)
-                        count, _ = crossings(p, known[SIGN, e, lane] > 0, zeros, work, known[STEADY, e, lane] > 0)
-                        upto = _ending(e, event, t, h, zeros, count, upto, tally, known, lane)
-                for e in range(len(events)):
-                    event, keeps = events[e], _keeps_sign(e, known, lane)
-                    if keeps and (not event.extremes or _inside(e, known, lane)):
-                        continue
-                    _polynomial(tc, event, lane, factors, p)
-                    if not keeps:
-                        count, _ = crossings(p, known[SIGN, e, lane] > 0, zeros, work, known[STEADY, e, lane] > 0)
-                        for k in range(count):
-                            if zeros[k] > upto:
-                                break
-                            _passage(tc, e, event, t, h, zeros[k], numbers, axis, rules, tally, known, kept, lane)
-                    if event.extremes:
-                        _extremes(e, p, upto, known, lane, nodes)
-            beyond = rules.lasting >= 0 and rules.way * known[SIGN, rules.lasting, lane] > 0
-            _step_made(tally, i, t, end, upto, beyond, rules)
-            if upto == 1.0 and tally.steps % EVERY == 0:
-                samples[0, sampled], samples[1, sampled] = i, lane
-                sampled += 1
-    return sampled
+    for i in range(len(tcs)):
+        take_step(i, tcs[i], times[i], times[i + 1], rows, rules, tallies, log, scratch)
+
+
+@kernel
+def take_step(i, tc, start, stop, rows, rules, tallies, log, scratch):
+    """Takes in a step of every lane, from `start` to `stop` (lanes,): the i-th of a slice."""
+    events, known = rows.events, tallies.functions
+    _factors(start, stop, scratch.factors)
+    _bound(tc, events, scratch.factors, known, scratch.sums)
+    _silence(events, known, scratch.quiet)
+    for lane in range(len(start)):
+        tally = tallies.lane[lane]
+        if not stop[lane] > start[lane] or tally.status != RUNNING:
+            continue
+        upto = 1.0
+        if not scratch.quiet[lane] >= 0:
+            upto = _events(i, tc, start[lane], stop[lane], lane, rows, rules, tallies, log, scratch)
+        beyond = rules.lasting >= 0 and rules.way * known[SIGN, rules.lasting, lane] > 0
+        _step_made(tally, i, start[lane], stop[lane], upto, beyond, rules)
+
+
+@kernel
+def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
+    """The events of a lane in a step; gives how far the step goes, 1 unless an event ends the run."""
+    events, known, tally = rows.events, tallies.functions, tallies.lane[lane]
+    h, upto = end - t, 1.0
+    p, zeros, work = scratch.polynomial, scratch.zeros, scratch.work
+    for e in range(len(events)):  # the first ending is the end of the step for all events
+        event = events[e]
+        if event.ends != 0 and not _keeps_sign(e, known, lane):
+            _polynomial(tc, event, lane, scratch.factors, p)
+            count, _ = crossings(p, known[SIGN, e, lane] > 0, zeros, work, known[STEADY, e, lane] > 0)
+            upto = _ending(e, event, t, h, zeros, count, upto, tally, known, lane)
+    for e in range(len(events)):
+        event = events[e]
+        keeps = not event.watched or _keeps_sign(e, known, lane)
+        if keeps and (not event.extremes or _inside(e, known, lane)):
+            continue
+        _polynomial(tc, event, lane, scratch.factors, p)
+        if not keeps:
+            count, _ = crossings(p, known[SIGN, e, lane] > 0, zeros, work, known[STEADY, e, lane] > 0)
+            for k in range(count):
+                if zeros[k] > upto:
+                    break
+                _passage(i, tc, e, event, t, h, zeros[k], lane, rows, rules, tallies, log)
+        if event.extremes:
+            _extremes(e, p, t, h, upto, known, lane, scratch.nodes)
+    return upto
 
 
 # --- over all lanes ---------------------------------------------------------------------------------------------------
@@ -85,7 +90,7 @@ def _factors(start, end, factors):
             factors[1, k, lane] = (k + 1) * factors[0, k, lane]
 
 
-@inlined
+@kernel
 def _bound(tc, events, factors, known, sums):
     """Bounds of every event function over a step, by sums of its coefficients, or by its rate."""
     for e in range(len(events)):
@@ -99,7 +104,7 @@ def _bound(tc, events, factors, known, sums):
             _led(tc[event.row, 0], event.offset, factors[0, 1], known, e, event.leader)
 
 
-@inlined
+@kernel
 def _led(start, offset, h, known, e, rate):
     """Bounds of a variable plus `offset` by those of its rate."""
     for lane in range(len(start)):
@@ -116,8 +121,9 @@ def _silence(events, known, quiet):
     for lane in range(lanes):
         quiet[lane] = 1.0
     for e in range(len(events)):
-        for lane in range(lanes):
-            quiet[lane] = quiet[lane] if _keeps_sign(e, known, lane) else -1.0
+        if events[e].watched:
+            for lane in range(lanes):
+                quiet[lane] = quiet[lane] if _keeps_sign(e, known, lane) else -1.0
         if events[e].extremes:
             for lane in range(lanes):
                 quiet[lane] = quiet[lane] if _inside(e, known, lane) else -1.0
@@ -138,7 +144,7 @@ def _inside(e, known, lane):
 # --- one lane ---------------------------------------------------------------------------------------------------------
 
 
-@inlined
+@kernel
 def _polynomial(tc, event, lane, factors, p):
     """The coefficients of an event function over a step, in time over h, into p."""
     size, row, shift = len(p), event.row, event.shift
@@ -148,13 +154,13 @@ def _polynomial(tc, event, lane, factors, p):
     p[0] += event.offset
 
 
-@inlined
+@kernel
 def _of_start(e, event, when, known, lane):
     """Whether a zero is that of the start; a function that must not fall below zero is let through there too."""
     return known[ON_ZERO, e, lane] > 0 and when <= ON_ZERO_FOR and not event.extremes
 
 
-@inlined
+@kernel
 def _ending(e, event, t, h, zeros, count, upto, tally, known, lane):
     """Where the step ends, `upto` or before: at the first of the zeros by which this event ends the top."""
     sign = known[SIGN, e, lane]
@@ -168,17 +174,20 @@ def _ending(e, event, t, h, zeros, count, upto, tally, known, lane):
     return upto
 
 
-@inlined
-def _passage(tc, e, event, t, h, x, numbers, axis, rules, tally, known, kept, lane):
-    """A zero at x of a step: what the event keeps of it."""
+@kernel
+def _passage(i, tc, e, event, t, h, x, lane, rows, rules, tallies, log):
+    """A zero at x of a step: what the event keeps of it, and its line in the log."""
+    numbers, axis, known, kept, tally = rows.numbers, rows.axis, tallies.functions, tallies.kept, tallies.lane[lane]
     when = t + x * h
     known[SIGN, e, lane] = sign = -known[SIGN, e, lane]
     if _of_start(e, event, when, known, lane):
         return
     if e == rules.lasting and rules.way * sign > 0:
         tally.lasts_since = when
-    if event.sense != 0:
-        turns = 0 if _passes_pole(tc, x * h, lane, axis) else int(event.sense * sign)  # 0: it ends a swing, no more
+    at_pole = False
+    if event.sense != 0 and len(axis) > 0:
+        at_pole = _passes_pole(tc, x * h, lane, axis)
+        turns = 0 if at_pole else int(event.sense * sign)  # 0: it ends a swing, no more
         take_turning(tally, turns, _theta(tc, x * h, lane, axis))
     for m in range(event.first, event.last):
         number = numbers[m]
@@ -188,19 +197,27 @@ def _passage(tc, e, event, t, h, x, numbers, axis, rules, tally, known, kept, la
             kept[m, lane] += 1
         elif number.what == LAST or np.isnan(kept[m, lane]):
             kept[m, lane] = when
+    if log.count[0] < len(log.time) and event.direction * sign >= 0:
+        at = log.count[0]
+        log.time[at], log.event[at], log.sign[at], log.at_pole[at], log.step[at] = when, e, sign, at_pole, i
+        log.count[0] += 1
 
 
-@inlined
-def _extremes(e, p, upto, known, lane, nodes):
-    """Least and greatest value of a function, up to where the top ends. Changes p."""
+@kernel
+def _extremes(e, p, t, h, upto, known, lane, nodes):
+    """Least and greatest value of a function and when, up to where the run ends. Changes p."""
     if upto < 1.0:
         power = 1.0
         for k in range(len(p)):
             p[k] *= power
             power *= upto
-    known[LEAST, e, lane], known[MOST, e, lane] = extremes(
+    known[LEAST, e, lane], known[MOST, e, lane], at_least, at_most = extremes(
         p, known[LEAST, e, lane], known[MOST, e, lane], nodes, known[STEADY, e, lane] > 0
     )
+    if at_least >= 0:
+        known[T_LEAST, e, lane] = t + at_least * upto * h
+    if at_most >= 0:
+        known[T_MOST, e, lane] = t + at_most * upto * h
 
 
 @kernel
@@ -239,7 +256,7 @@ def _passes_pole(tc, x, lane, axis):
     return a * a + b * b < AT_POLE * AT_POLE * (a_rate * a_rate + b_rate * b_rate)
 
 
-@inlined
+@kernel
 def _step_made(tally, i, t, end, upto, beyond, rules):
     """Counts a step, and ends a top that leads nowhere, or has settled: `beyond` the zero of its lasting event."""
     h = end - t

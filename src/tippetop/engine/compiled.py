@@ -1,0 +1,158 @@
+"""A system becomes an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
+
+import re
+import threading
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from tippetop_kernels.compiled_step import Machine, first_step, load
+
+from ..mechanics.system import System
+from ..mechanics.variables import INTEGRAL_SCALE, Variables
+from ..problem import PRECISIONS
+from .expressions import equations_of_motion
+from .tallies import EventRows, event_rows
+
+
+class Compiled(NamedTuple):
+    """An integrator and what is read of its Taylor coefficients.
+
+    Parameters
+    ----------
+    integrator
+        heyoka's, to be copied: state, parameters and time are zero. It detects no events.
+    rows
+        Where the event functions stand among the variables.
+    machine
+        Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
+    """
+
+    integrator: Any
+    rows: EventRows
+    machine: Machine | None
+
+
+@lru_cache(maxsize=32)  # 0.1 to 4 MB each, measured; the one that was used least lately goes
+def compiled(
+    system: System,
+    form_name: str,
+    friction: Any,
+    precision: str,
+    tolerance: float,
+    lanes: int,
+    compact: bool,
+    orientation: bool,
+) -> Compiled:
+    """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
+    heyoka).
+
+    Parameters
+    ----------
+    system, form_name, friction
+        What moves: friction is the type of the record of the law.
+    precision, tolerance
+        Of the integrator.
+    lanes
+        How many runs it advances at a time; 0 is one run, with heyoka's integrator for one.
+    compact
+        Whether heyoka's compact code is made: it compiles at once, and runs a third slower.
+    orientation
+        Whether the orientation of the body is integrated too.
+
+    Returns
+    -------
+    Compiled
+
+    Notes
+    -----
+    Taylor coefficients of an event function are those of a variable, or of a rate; if it is neither, its integral is
+    integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
+    """
+    form, number = system.forms[form_name], PRECISIONS[precision]
+    variables = Variables(form, orientation)
+    q, _, body, equations = equations_of_motion(system, variables, friction)
+    scalars = form.scalars(q, body)
+    sources = []
+    for event in system.events:
+        function = hy.expression(0.0) + event.formula(scalars, body)
+        source = _source(function, equations)
+        sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
+        if not source:
+            equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
+    axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
+    options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact}
+    if lanes:
+        integrator = hy.taylor_adaptive_batch(equations, np.zeros((len(equations), lanes)), tol=tolerance, **options)
+    else:
+        kind = float if number is np.float64 else number
+        options |= {"tol": kind(tolerance), "fp_type": kind}
+        integrator = hy.taylor_adaptive(equations, np.zeros(len(equations), dtype=number), **options)
+    machine = _machine(integrator) if precision == "double" and not compact else None
+    return Compiled(integrator, event_rows(system.events, sources, axis), machine)
+
+
+def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, float] | None:
+    """Index of the variable that an expression is, give or take a number (shift 0), or is the rate of (shift 1); its
+    scale, and that number."""
+    for index, (variable, rate) in enumerate(equations):
+        alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
+        if alone and hy.diff(function, variable) == hy.expression(1.0):
+            return index, 0, 1.0, float(hy.cfunc([function], vars=[variable])([0.0])[0])
+        for scale in (1.0, INTEGRAL_SCALE):
+            if hy.expression(scale) * function == rate:
+                return index, 1, scale, 0.0
+    return None
+
+
+def _machine(integrator: Any) -> Machine | None:
+    """The machine code of a step; None where it cannot be loaded."""
+    try:
+        return load(integrator.llvm_state.object_code, _libraries())
+    except (ValueError, OSError, RuntimeError, AttributeError, TypeError):
+        return None
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> tuple[str, ...]:
+    """The shared libraries of this process whose functions heyoka's code calls."""
+    mapped = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
+    return tuple(sorted(set(re.findall(r"\S*/lib(?:heyoka|sleef)[^/\s]*\.so\S*", mapped))))
+
+
+_same: dict[int, bool] = {}  # by address: what a comparison has shown
+_comparing = threading.Lock()
+
+
+def is_same_step(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
+    """Whether the loaded code makes the step that heyoka makes, bit by bit: one step of each from this state, once.
+
+    Parameters
+    ----------
+    made
+        With machine code.
+    state, pars
+        (variables,) or (variables, lanes); (parameters,) or (parameters, lanes).
+    """
+    assert made.machine is not None
+    with _comparing:
+        if made.machine.step not in _same:
+            _same[made.machine.step] = _compare(made, state, pars)
+    return _same[made.machine.step]
+
+
+def _compare(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
+    theirs, lanes = made.integrator, state.shape[1:]
+    zero, longest = np.zeros(lanes or (1,)), np.ones(lanes or (1,))
+    mine, tc, h = state.copy(), np.zeros((*state.shape[:1], theirs.order + 1, *lanes)), longest.copy()
+    first_step(made.machine.step, mine, pars.copy(), zero.copy(), h, tc)
+    theirs.state[:], theirs.pars[:] = state, pars
+    theirs.set_dtime(zero, zero) if lanes else setattr(theirs, "time", 0.0)
+    outcome = theirs.step(longest, write_tc=True) if lanes else theirs.step(1.0, write_tc=True)
+    steps = np.array([r[1] for r in theirs.step_res]) if lanes else np.array([outcome[1]])
+    return all(
+        np.array_equal(a, b, equal_nan=True) for a, b in ((mine, theirs.state), (tc, theirs.tc), (h, steps))
+    )

@@ -1,0 +1,203 @@
+"""The loop of a run: a compiled step, the time in double length, the observer, samples, rows. For one run or many lanes.
+
+No Python is called inside and the lock of Python is released; each number of a lane depends on its own steps alone.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tippetop_kernels.compiled_step import call_dense, call_step
+from tippetop_kernels.jit import inlined, kernel
+
+from .observer import take_step
+from .status import Status
+from .tallies import PassageLog, Samples
+
+
+RUNNING, FINISHED, NON_FINITE = Status.RUNNING.code, Status.FINISHED.code, Status.NON_FINITE.code
+
+
+class Motion(NamedTuple):
+    """The lanes of an integrator: internal units, time in double length."""
+
+    state: np.ndarray  # (variables, lanes)
+    before: np.ndarray  # (variables, lanes) where the present step began
+    pars: np.ndarray  # (parameters, lanes)
+    tc: np.ndarray  # (variables, order + 1, lanes) Taylor coefficients of the present step
+    high: np.ndarray  # (lanes,) time
+    low: np.ndarray
+    start_high: np.ndarray  # (lanes,) time where the present step began
+    start_low: np.ndarray
+    end: np.ndarray  # (lanes,) of the run
+    limit: np.ndarray  # (lanes,) the longest step that is allowed
+    h: np.ndarray  # (lanes,) the step that was made
+
+
+class Rows(NamedTuple):
+    """States that are asked for of the first lane: at given times, or at the ends of its steps."""
+
+    times: np.ndarray  # (n,) internal, ascending; those of steps are written here
+    states: np.ndarray  # (n, variables)
+    filled: np.ndarray  # (1,) how many of them there are
+    steps: bool  # at the ends of steps
+    out: np.ndarray  # (variables,) room for a state
+
+
+def new_motion(integrator: Any, lanes: int) -> Motion:
+    """Lanes of an integrator that have nothing in them."""
+    n, order = len(integrator.state), integrator.order
+    state = np.zeros((n, lanes))
+    line = [np.zeros(lanes) for _ in range(7)]
+    return Motion(
+        state, state.copy(), np.zeros((len(integrator.pars), lanes)), np.zeros((n, order + 1, lanes)), *line
+    )
+
+
+def no_rows(variables: int) -> Rows:
+    """Nothing is asked for."""
+    return Rows(np.zeros(0), np.zeros((0, variables)), np.zeros(1, np.int64), False, np.zeros(variables))
+
+
+@kernel
+def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scratch, most):
+    """Makes at most so many steps; stops where a lane ends, and where there is no more room for what is asked for.
+
+    Parameters
+    ----------
+    step, dense
+        Addresses of machine code: one step of all lanes, and the state within it.
+    motion, tallies, log, samples, rows
+        What the steps change. Rows and log are those of the first lane.
+    events, rules
+        What is looked for, and what ends a run.
+    scratch
+        Room.
+    most
+        Steps.
+
+    Returns
+    -------
+    int
+        Steps made.
+    """
+    made, ended = 0, False
+    room = len(events.events) * len(scratch.zeros)
+    while True:
+        full = _rows(dense, motion, tallies, rows, made)
+        full = full or (len(log.time) > 0 and log.count[0] + room > len(log.time))
+        if made == most or ended or full or samples.count[0] + len(motion.h) > len(samples.lane):
+            return made
+        begin_step(motion, tallies)
+        call_step(step, motion.state, motion.pars, motion.start_high, motion.h, motion.tc)
+        known = log.count[0]
+        ended = end_step(motion, events, rules, tallies, log, samples, scratch)
+        made += 1
+        for k in range(known, log.count[0]):
+            motion.limit[0] = (log.time[k] - motion.start_high[0]) - motion.start_low[0]
+            call_dense(dense, rows.out, motion.tc, motion.limit)
+            _copy(rows.out, log.states, k)
+
+
+@kernel
+def begin_step(motion, tallies):
+    """Says how long the next step may be: up to the end of a run, 0 in a lane that has ended."""
+    for i in range(len(motion.state)):
+        for lane in range(len(motion.h)):
+            motion.before[i, lane] = motion.state[i, lane]
+    for lane in range(len(motion.h)):
+        motion.start_high[lane], motion.start_low[lane] = motion.high[lane], motion.low[lane]
+        running = tallies.lane[lane].status == RUNNING
+        motion.limit[lane] = (motion.end[lane] - motion.high[lane]) - motion.low[lane] if running else 0.0
+        motion.h[lane] = motion.limit[lane]
+
+
+@kernel
+def end_step(motion, events, rules, tallies, log, samples, scratch):
+    """Takes in the step that was made; gives whether a run has ended."""
+    ended = False
+    for lane in range(len(motion.h)):
+        if tallies.lane[lane].status == RUNNING:
+            _add(motion, lane)
+            if not _is_finite(motion, lane):
+                tallies.lane[lane].status = NON_FINITE
+                for i in range(len(motion.state)):
+                    motion.state[i, lane] = motion.before[i, lane]
+                motion.high[lane], motion.low[lane] = motion.start_high[lane], motion.start_low[lane]
+    take_step(0, motion.tc, motion.start_high, motion.high, events, rules, tallies, log, scratch)
+    for lane in range(len(motion.h)):
+        tally = tallies.lane[lane]
+        if not motion.limit[lane] > 0:
+            continue
+        if tally.status == RUNNING and motion.h[lane] == motion.limit[lane]:
+            tally.status = FINISHED
+        ended = ended or tally.status != RUNNING
+        if tally.steps % rules.every == 0 and tally.upto == 1.0 and len(samples.lane) > 0:
+            at = samples.count[0]
+            samples.lane[at] = lane
+            for i in range(len(motion.state)):
+                samples.states[at, i] = motion.state[i, lane]
+            samples.count[0] = at + 1
+    return ended
+
+
+@kernel
+def _add(motion, lane):
+    """Adds the step to the time, in double length."""
+    a, b = motion.high[lane], motion.h[lane]
+    total = a + b
+    part = total - a
+    low = motion.low[lane] + ((a - (total - part)) + (b - part))
+    motion.high[lane] = total + low
+    motion.low[lane] = low - (motion.high[lane] - total)
+
+
+@kernel
+def _is_finite(motion, lane):
+    """Whether time and state of a lane are finite."""
+    total = 0.0 * motion.high[lane]
+    for i in range(len(motion.state)):
+        total += 0.0 * motion.state[i, lane]
+    return total == 0.0
+
+
+@kernel
+def _rows(dense, motion, tallies, rows, made):
+    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `made` are the
+    steps of this call: the end of one that was made before it has its row."""
+    n = len(rows.times)
+    if n == 0:
+        return False
+    tally, at = tallies.lane[0], rows.filled[0]
+    if rows.steps:
+        if made > 0 and tally.upto == 1.0 and tally.status != NON_FINITE:
+            rows.times[at] = motion.high[0]
+            for i in range(len(motion.state)):
+                rows.states[at, i] = motion.state[i, 0]
+            rows.filled[0] = at + 1
+        return rows.filled[0] == n
+    ended = tally.status != RUNNING
+    if tally.status == NON_FINITE or tally.steps == 0:
+        return False
+    while at < n and (rows.times[at] < tally.t or (ended and rows.times[at] <= tally.t)):
+        motion.limit[0] = (rows.times[at] - motion.start_high[0]) - motion.start_low[0]
+        call_dense(dense, rows.out, motion.tc, motion.limit)
+        _copy(rows.out, rows.states, at)
+        at += 1
+    rows.filled[0] = at
+    return at == n
+
+
+@kernel
+def _copy(values, table, row):
+    """Puts values into a row; as a loop, for numba compiles an assignment of arrays with all its error messages."""
+    for i in range(len(values)):
+        table[row, i] = values[i]
+
+
+@kernel
+def dense_state(dense, motion, when, out):
+    """The states at the times `when` (lanes,) of the present step, into out (variables, lanes)."""
+    for lane in range(len(when)):
+        motion.limit[lane] = (when[lane] - motion.start_high[lane]) - motion.start_low[lane]
+    call_dense(dense, out, motion.tc, motion.limit)

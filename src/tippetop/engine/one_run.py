@@ -1,0 +1,85 @@
+"""One run in doubles, driven by the compiled step."""
+
+import numpy as np
+
+from ..mechanics.operand import leaves
+from ..problem import Problem
+from .compiled import Compiled
+from .driver import Rows, drive, new_motion, no_rows
+from .slices import STATUSES, Driver, Passages, Request, Slice
+from .status import Status
+
+
+class CompiledDriver(Driver):
+    """Drives a run by the machine code of its step."""
+
+    def __init__(self, problem: Problem, compiled: Compiled):
+        super().__init__(problem, compiled)
+        assert compiled.machine is not None
+        self.motion = new_motion(compiled.integrator, 1)
+        pars = [float(leaf) for leaf in leaves(problem.internal_body)][: len(self.motion.pars)]
+        self.motion.pars[:, 0] = pars  # it reads none beyond
+        self.motion.state[: self.variables, 0] = problem.start()
+        self.motion.end[0] = float(self.end)
+        self.nothing = no_rows(len(self.motion.state))
+        self.times = np.zeros(0)  # of rows that are wanted and not yet made
+
+    def advance(self, request: Request, most: int) -> Slice:
+        """Makes at most so many steps."""
+        machine, log, samples = self.compiled.machine, self.log, self.samples
+        assert machine is not None
+        log.count[0] = samples.count[0] = 0
+        made, before = 0, int(self.tally["steps"])
+        while True:
+            rows = self._asked(request)
+            made += drive(
+                machine.step, machine.dense, self.motion, self.rows, self.rules, self.tallies, log, samples, rows,
+                self.scratch, most - made if self.tally["status"] == Status.RUNNING.code else 0,
+            )  # fmt: skip
+            filled = int(rows.filled[0])
+            if filled:
+                request.take(rows.times[:filled], rows.states[:filled, : self.variables])
+            self.times = self.times[filled:]
+            if not filled or filled < len(rows.times):
+                break
+        status = STATUSES[int(self.tally["status"])]
+        order = np.argsort(log.time[: log.count[0]], kind="stable")
+        last, when = self.motion.state[None, :, 0].copy(), float(self.tally["t"])
+        if self.tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
+            last = log.states[order[-1:]]
+        return Slice(
+            int(self.tally["steps"]) - before,
+            when,
+            last[:, : self.variables],
+            samples.states[: samples.count[0], : self.variables].copy(),
+            Passages(
+                log.time[order], log.event[order], log.sign[order], log.at_pole[order],
+                log.states[order, : self.variables],
+            ),  # fmt: skip
+            None if status is Status.RUNNING else status,
+        )
+
+    def _asked(self, request: Request) -> Rows:
+        if request.steps:
+            self.times = request.wanted()
+        elif not len(self.times):
+            self.times = request.wanted()
+        if not len(self.times):
+            return self.nothing
+        states = np.empty((len(self.times), len(self.motion.state)))
+        return Rows(self.times, states, np.zeros(1, np.int64), request.steps, self.nothing.out)
+
+    @property
+    def clock(self) -> tuple[float, float]:
+        """Internal time, in double length."""
+        return float(self.motion.high[0]), float(self.motion.low[0])
+
+    @property
+    def state(self) -> np.ndarray:
+        """All that is integrated."""
+        return self.motion.state[:, 0]
+
+    def put(self, state: np.ndarray, clock: tuple[float, float]) -> None:
+        """Puts state and time in place."""
+        self.motion.state[:, 0] = state
+        self.motion.high[0], self.motion.low[0] = clock

@@ -1,0 +1,179 @@
+"""What an engine gives of a run, slice by slice, whichever way its steps are made."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..mechanics.events import ON_ZERO
+from ..mechanics.units import SECOND
+from ..problem import Problem, Problems
+from .compiled import Compiled
+from .status import Status
+from .tallies import (
+    LEAST,
+    MOST,
+    SIGN,
+    T_LEAST,
+    T_MOST,
+    EventRows,
+    StopRules,
+    Tallies,
+    new_log,
+    new_samples,
+    new_scratch,
+    new_tallies,
+    reset,
+)
+
+
+STEPS_PER_SLICE = 8192  # about 20 ms of work
+EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the steps
+ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
+STATUSES = {status.code: status for status in Status}
+
+
+class Extremes(NamedTuple):
+    """Smallest and largest value of a quantity and when, in internal units."""
+
+    least: float = np.inf
+    t_least: float = np.nan
+    most: float = -np.inf
+    t_most: float = np.nan
+
+
+class Passages(NamedTuple):
+    """Zeros of event functions, ascending in time."""
+
+    times: np.ndarray  # (k,) internal, in the working precision
+    events: np.ndarray  # (k,) numbers of the events of the system
+    signs: np.ndarray  # (k,) of the crossings, +1 rising
+    at_pole: np.ndarray  # (k,) whether the axis passes a pole there
+    states: np.ndarray  # (k, variables) internal
+
+
+@dataclass
+class Slice:
+    """A run of accepted steps."""
+
+    steps: int
+    time: Any  # reached, internal, in the working precision
+    last: np.ndarray  # (1, variables) the last good state
+    samples: np.ndarray  # (k, variables) states on the way
+    passages: Passages
+    status: Status | None  # None: to be continued
+
+
+class Request(Protocol):
+    """The rows that somebody wants of a run."""
+
+    steps: bool  # at the ends of steps, rather than at given times
+
+    def wanted(self) -> np.ndarray:
+        """Internal times of the rows that are wanted next, (k,) doubles; of steps, room for so many. None are left
+        where k = 0."""
+
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Takes rows: internal times (k,), states (k, variables)."""
+
+
+class Driver(ABC):
+    """Makes the steps of one run, and knows what the observer found in them.
+
+    Parameters
+    ----------
+    problem
+        The run.
+    compiled
+        Its integrator.
+    """
+
+    def __init__(self, problem: Problem, compiled: Compiled):
+        self.problem, self.compiled = problem, compiled
+        self.variables = len(problem.variables.names)  # the others are integrals of event functions
+        self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
+        self.rows = watched(compiled.rows, problem)
+        self.rules = StopRules(-1, 0, 0.0, ENDLESS, EVERY)
+        n, order = len(compiled.integrator.state), compiled.integrator.order
+        self.tallies = new_tallies(self.rows, 1)
+        functions = event_functions(problem.alone)[0]
+        reset(self.tallies, self.rows, 0, *signs_of(functions))
+        self.log = new_log(1024 + len(self.rows.events) * (order + 1), n)
+        self.samples = new_samples(STEPS_PER_SLICE // EVERY + 2, n)
+        self.scratch = new_scratch(order + 1, 1)
+
+    @property
+    def tally(self) -> Any:
+        """What the observer knows of the run."""
+        return self.tallies.lane[0]
+
+    @abstractmethod
+    def advance(self, request: Request, most: int) -> Slice:
+        """Makes at most so many steps; rows go to the request as they come."""
+
+    @property
+    @abstractmethod
+    def clock(self) -> tuple[Any, Any]:
+        """Internal time, in double length."""
+
+    @property
+    @abstractmethod
+    def state(self) -> np.ndarray:
+        """All that is integrated, (all variables,), in the working precision."""
+
+    @abstractmethod
+    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+        """Puts state and time in place."""
+
+    def extremes(self) -> Extremes:
+        """Of the normal force so far, internal units; empty where none is known."""
+        for e, event in enumerate(self.problem.system.events):
+            if event.extremes:
+                known, scale = self.tallies.functions[:, e, 0], self.rows.events["scale"][e]
+                values = known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST]
+                return Extremes(*map(float, values))
+        return Extremes()
+
+    def snapshot(self) -> dict[str, Any]:
+        """What a run needs to continue bit by bit."""
+        return {
+            "state": self.state,
+            "time": list(self.clock),
+            "tally": [self.tally[name].item() for name in self.tallies.lane.dtype.names],
+            "functions": self.tallies.functions[:, :, 0].tolist(),
+            "kept": self.tallies.kept[:, 0].tolist(),
+        }
+
+    def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
+        """Continues from a snapshot, of which state and time come in the working precision. Raises ValueError if it is
+        of another run."""
+        self.put(state, clock)
+        self.tallies.lane[0] = tuple(kept["tally"])
+        self.tallies.functions[:, :, 0] = kept["functions"]
+        self.tallies.kept[:, 0] = kept["kept"]
+
+
+def watched(rows: EventRows, problem: Problem) -> EventRows:
+    """The events that a problem asks for: turnings are many, and nothing else needs them; they are found if logged."""
+    records = rows.events.copy()
+    for record, event in zip(records, problem.system.events, strict=True):
+        record["watched"] = not event.sense or event.name in problem.events
+        if problem.on_liftoff != "stop":  # then no event ends a run
+            record["ends"] = 0
+    return rows._replace(events=records)
+
+
+def event_functions(problems: Problems) -> np.ndarray:
+    """The event functions of every run at its start, (n, events), internal units."""
+    record, body = problems.record(problems.start), problems.internal_body
+    scalars = problems.base.form.scalars(record, body)
+    functions = np.empty((problems.n, len(problems.base.system.events)))
+    for e, event in enumerate(problems.base.system.events):
+        functions[:, e] = np.asarray(event.formula(scalars, body), float)
+    return functions
+
+
+def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Signs of event functions at a start, and which of them are on their zero."""
+    return np.where(functions > 0, 1.0, -1.0), np.abs(functions) < ON_ZERO

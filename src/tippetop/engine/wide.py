@@ -1,0 +1,162 @@
+"""One run in any precision: heyoka makes the steps, a slice at a time, and the observer follows their coefficients.
+
+Events are found in doubles, from the same polynomials as those of a compiled step, and their times then refined in the
+working precision.
+"""
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from ..mechanics.operand import leaves
+from ..problem import Problem
+from .compiled import Compiled
+from .observer import follow
+from .slices import STATUSES, Driver, Passages, Request, Slice
+from .status import Status
+from .tallies import new_log
+
+
+REFINEMENTS = 3  # of a zero: each squares its error, from 1e-16
+NEAR = 1e-6  # of a step: a zero that moves further is rounding's, and stays where it was
+
+
+class SliceDriver(Driver):
+    """Drives a run by heyoka's own loop."""
+
+    def __init__(self, problem: Problem, compiled: Compiled):
+        super().__init__(problem, compiled)
+        self.integrator = copy.deepcopy(compiled.integrator)
+        pars = leaves(problem.internal_body)[: len(self.integrator.pars)]  # it has none beyond the last that it reads
+        self.integrator.pars[:] = [problem.number(leaf) for leaf in pars]
+        self.integrator.state[: self.variables] = problem.start()
+        self.times = np.zeros(0)
+
+    def advance(self, request: Request, most: int) -> Slice:
+        """Makes at most so many steps."""
+        integrator, number = self.integrator, self.problem.number
+        before, state = int(self.tally["steps"]), self.state.copy()
+        outcome, *_, output, _ = integrator.propagate_until(self.end, max_steps=most, c_output=True)
+        if output is None:  # not one step was possible
+            status = Status.NON_FINITE if outcome == hy.taylor_outcome.err_nf_state else Status.FINISHED
+            nothing = np.zeros((0, len(state)), state.dtype)
+            return self._slice(0, integrator.time, state[None, :], nothing, self._passages(output, nothing), status)
+        times, coefficients = output.times, output.tcs
+        ends = np.concatenate([coefficients[1:, :, 0], self._end(output, outcome)])
+        steps = len(times) - 1
+        while steps and not np.all(np.isfinite(ends[steps - 1].astype(float))):  # never let a bad state in
+            steps -= 1
+        self.log = new_log(steps * len(self.rows.events) * 4 + 64, 0)
+        follow(
+            times[: steps + 1].astype(float)[:, None],
+            np.ascontiguousarray(coefficients[:steps].astype(float)[..., None]),
+            self.rows, self.rules, self.tallies, self.log, self.scratch,
+        )  # fmt: skip
+        status, reached, last = self._status(outcome), times[steps], ends[steps - 1 : steps] if steps else state[None, :]
+        passages = self._passages(output, coefficients)
+        if self.tally["upto"] < 1.0:
+            reached, last = passages.times[-1], passages.states[-1:]
+        if status is None and self.tally["tiny"] >= steps:
+            status = None
+        self._rows(output, request, float(reached), status is not None)
+        counts = np.arange(before + 1, before + 1 + int(self.tally["steps"]) - before)
+        sampled = ends[: len(counts)][counts % self.rules.every == 0]
+        return self._slice(len(counts), reached, last, sampled, passages, status)
+
+    def _slice(self, steps: int, time: Any, last: Any, samples: Any, passages: Passages, status: Status | None) -> Slice:
+        n = self.variables
+        passages = passages._replace(states=passages.states[:, :n])
+        return Slice(steps, time, last[:, :n].copy(), samples[:, :n].copy(), passages, status)
+
+    def _end(self, output: Any, outcome: Any) -> np.ndarray:
+        """The state at the end of the last step, (1, variables)."""
+        broken = outcome == hy.taylor_outcome.err_nf_state
+        return (np.array(output(output.times[-1])) if broken else self.integrator.state.copy())[None, :]
+
+    def _status(self, outcome: Any) -> Status | None:
+        """How the run ended: by what the observer found before the integrator came to its end."""
+        found = STATUSES[int(self.tally["status"])]
+        if found is not Status.RUNNING:
+            return found
+        known = {hy.taylor_outcome.time_limit: Status.FINISHED, hy.taylor_outcome.err_nf_state: Status.NON_FINITE}
+        return known.get(outcome)
+
+    def _passages(self, output: Any, coefficients: np.ndarray) -> Passages:
+        """What the log holds, in the working precision."""
+        log, number = self.log, self.problem.number
+        found = np.argsort(log.time[: log.count[0]], kind="stable")
+        events, step = log.event[found], log.step[found]
+        if not len(found):
+            none = np.zeros(0, int)
+            return Passages(np.zeros(0, number), none, none, none > 0, np.zeros((0, coefficients.shape[1]), number))
+        start = output.times[step]
+        record = self.rows.events[events]
+        inside = log.time[found].astype(number) - start
+        refined = start + _refined(coefficients[step], record, inside, np.diff(output.times)[step])
+        states = np.array(output(refined), copy=True)
+        return Passages(refined, events, log.sign[found], log.at_pole[found], states)
+
+    def _rows(self, output: Callable, request: Request, reached: float, ended: bool) -> None:
+        """Gives the request its rows up to the time reached, and those at it if the run has ended."""
+        if request.steps:
+            ends = output.times[1:][output.times[1:] < reached] if ended else output.times[1:]  # type: ignore
+            self._give(request, np.asarray(ends), output)
+            return
+        while True:
+            self.times = self.times if len(self.times) else request.wanted()
+            count = int(np.searchsorted(self.times, reached, side="right" if ended else "left"))
+            if count:
+                self._give(request, self.times[:count], output)
+            self.times = self.times[count:]
+            if len(self.times) or not count:
+                return
+
+    def _give(self, request: Request, times: np.ndarray, output: Callable) -> None:
+        states = np.array(output(times.astype(self.problem.number)), copy=True)[:, : self.variables]
+        request.take(times.astype(float), states)
+
+    @property
+    def clock(self) -> tuple[Any, Any]:
+        """Internal time, in double length."""
+        return self.integrator.dtime
+
+    @property
+    def state(self) -> np.ndarray:
+        """All that is integrated."""
+        return self.integrator.state
+
+    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+        """Puts state and time in place."""
+        self.integrator.state[:] = state
+        self.integrator.dtime = clock
+
+
+def _refined(coefficients: np.ndarray, events: np.ndarray, inside: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Zeros (k,) of event functions in the time since the start of their steps, by Newton's rule in the precision of the
+    coefficients, (k, variables, order + 1)."""
+    k, size = np.arange(len(inside)), coefficients.shape[2]
+    number = coefficients.dtype.type
+    whole = coefficients[k, events["row"]]
+    powers = np.arange(1, size).astype(number)
+    function = np.where((events["shift"] == 1)[:, None], _shifted(whole, powers), whole)
+    function[:, 0] = function[:, 0] + events["offset"].astype(number)
+    x = inside
+    for _ in range(REFINEMENTS):
+        value, slope = function[:, -1] * number(0), function[:, -1] * number(0)
+        for j in range(size - 1, -1, -1):
+            slope = slope * x + value
+            value = value * x + function[:, j]
+        steep = np.abs(slope) > 0
+        change = np.where(steep, value / np.where(steep, slope, slope + number(1)), value * number(0))
+        small = np.abs(change).astype(float) <= NEAR * length.astype(float)
+        x = np.where(small, x - change, x)
+    return x
+
+
+def _shifted(whole: np.ndarray, powers: np.ndarray) -> np.ndarray:
+    """Coefficients of the rate of a variable, from those of the variable, (k, order + 1)."""
+    rate = whole[:, 1:] * powers
+    return np.concatenate([rate, whole[:, :1] * powers.dtype.type(0)], axis=1)
