@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from .jit import kernel
+from .jit import entry, kernel
 from .level_crossings import Level, band_of, crossings, swing
 from .minimise import AT_REST, MOST_EXTREMES, NEARLY, Status, clipped, extremes, factor, lowest, minimise, settled
 from .staging import BLOCK, first, get, put, second, third, width
@@ -148,7 +148,7 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
         status[0] = Status.LOWER_OF_TWO if count > 1 else Status.ATTAINED
 
 
-@kernel
+@entry
 def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status):
     """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
     guessed = (ys, ys, 0.0)
@@ -156,7 +156,7 @@ def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status
         row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST, guessed)
 
 
-@kernel
+@entry
 def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
     """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits.
 
@@ -202,7 +202,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
             helper.result()
 
 
-@kernel
+@entry
 def gradients(prepare, gradient, xs, ys, r, q, by_x, by_y):
     """gradient(q, p, r) at every (x, y): fills by_x and by_y, each (xs.size, ys.size)."""
     for i in range(xs.size):
@@ -210,7 +210,7 @@ def gradients(prepare, gradient, xs, ys, r, q, by_x, by_y):
             by_x[i, j], by_y[i, j] = gradient(q[i, j], prepare(xs[i], ys[j], r), r)
 
 
-@kernel
+@entry
 def potentials(prepare, slopes, value, zs, xs, ys, r, V, V_z, V_zz):
     """value and, times a constant, its first and second derivative by z, q = (1 - z)/(1 + z), over zs x xs x ys.
 
@@ -228,7 +228,7 @@ def potentials(prepare, slopes, value, zs, xs, ys, r, V, V_z, V_zz):
                 V_zz[i, j, k] = 4 * (g2 - z * g1) / (q * w * w)
 
 
-@kernel
+@entry
 def turnings(
     prepare,
     guess,
@@ -260,7 +260,7 @@ def turnings(
         bends[i] = bend(q[i], p, r)
 
 
-@kernel
+@entry
 def wells(
     prepare, slopes, value, excess, bend, allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status
 ):
@@ -305,7 +305,7 @@ def _lowest(value, turns, first, last, p, r):
     return best
 
 
-@kernel
+@entry
 def periods(prepare, excess, inertia, low, high, xs, ys, levels, r, b, period):
     """The period of the swing between low and high at each point; fills period (n,)."""
     for i in range(xs.size):

@@ -1,14 +1,29 @@
 """The decorators that compile with numba: every flag is set here, once.
 
 error_model="numpy": a division does not test for zero; 3.1 ns per potential instead of 5.7. No fastmath: it gained
-nothing, and the compensated sums of the potential would not survive it. No cache: numba's is stale when a formula in
-another file changes (numba#1833).
+nothing, and the compensated sums of the potential would not survive it. numba's own cache is off: it is stale when a
+formula in another file changes (numba#1833).
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from numba import njit
+
+from .disk import DiskCache
 
 
 kernel = njit(error_model="numpy", nogil=True)
 inlined = njit(
     error_model="numpy", nogil=True, forceinline=True
 )  # for a formula inside a loop that is to be vectorised
+
+
+def entry(function: Callable) -> Any:
+    """A kernel that Python calls: its machine code, with all that is compiled into it, is kept on disk.
+
+    Not for kernels that kernels call: those are in the code of their callers.
+    """
+    dispatcher: Any = kernel(function)
+    dispatcher._cache = DiskCache(dispatcher)
+    return dispatcher

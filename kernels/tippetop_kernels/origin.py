@@ -1,0 +1,226 @@
+"""What the machine code of a kernel is made from, as one digest: two that agree stand for the same code.
+
+In it are every source file of our packages, none of them edited since this process began; the functions and constants
+that are loaded of the modules that the kernel and its formulas come from (byte code may be older than its file, and
+names may be bound anew); the types of the arguments; numba, LLVM, numpy, Python and their settings; the processor.
+What comes from elsewhere has no digest: `Foreign` is raised.
+"""
+
+import enum
+import functools
+import hashlib
+import importlib.metadata
+import importlib.util
+import math
+import os
+import platform
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core import config, entrypoints, types
+from numba.core.dispatcher import Dispatcher
+
+
+PACKAGES = ("tippetop", "tippetop_kernels")  # whose sources are in every digest
+TRUSTED = {"heyoka", "llvmlite", "numba", "numpy"}  # whose versions, and the standard library's, stand for their code
+IDLE = {"CACHE_DIR", "CACHE_LOCATOR_CLASSES", "NUMBA_DEFAULT_NUM_THREADS", "NUMBA_NUM_THREADS"}  # no bit depends on it
+
+
+EDIT_MARGIN = 0.05  # [s] by which the clocks of files and processes may differ
+
+
+class Foreign(Exception):
+    """A function or a class whose sources are not in the digest, or not for certain."""
+
+
+def _began() -> float:
+    """When this process began, in seconds since 1970; Linux only, elsewhere nothing is certain."""
+    try:
+        ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
+        return time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks / os.sysconf("SC_CLK_TCK")
+    except (OSError, AttributeError):
+        return -math.inf
+
+
+BEGAN = _began()  # kept: a fork has the modules of its parent
+
+
+def digest(dispatcher: Dispatcher, arguments: Iterable[Any], codegen: Any) -> bytes:
+    """The digest of a kernel for the numba types of its arguments.
+
+    Parameters
+    ----------
+    dispatcher
+        The kernel.
+    arguments
+        numba types.
+    codegen
+        numba's code generator: it names the processor.
+
+    Raises
+    ------
+    Foreign
+        If a formula or a record among the arguments is not a public name of our packages.
+    """
+    entrypoints.init_all()  # so that what numba is taught is always the same
+    modules: set[str] = set()
+    parts = [_described(types.Dispatcher(dispatcher), modules), *(_described(kind, modules) for kind in arguments)]
+    parts += [*_software(), repr(codegen.magic_tuple()), files().hex(), *loaded(modules)]
+    return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).digest()
+
+
+def dispatchers(kinds: Iterable[Any]) -> list[Dispatcher]:
+    """The functions among numba types of arguments, in order."""
+    return [kind.dispatcher for kind in kinds if isinstance(kind, types.Dispatcher)]
+
+
+# --- what a kernel is given -------------------------------------------------------------------------------------------
+
+
+def _described(kind: Any, modules: set[str]) -> str:
+    """A numba type in words that mean the same in every process; adds the modules that it comes from."""
+    if isinstance(kind, types.Dispatcher):
+        function = kind.dispatcher
+        stages = (_described(types.Dispatcher(stage), modules) for stage in getattr(function, "stages", ()))
+        return f"{_public(function.py_func, modules)} {sorted(function.targetoptions.items())} [{', '.join(stages)}]"
+    if isinstance(kind, types.BaseTuple):
+        fields: Any = kind
+        record = _public(fields.instance_class, modules) if isinstance(kind, types.BaseNamedTuple) else ""
+        return f"{record}({', '.join(_described(field, modules) for field in fields)})"
+    if isinstance(kind, types.Array):
+        return f"{kind} of {_described(kind.dtype, modules)}"
+    if isinstance(kind, types.Number | types.Boolean | types.Literal | types.Record | types.NoneType):
+        return str(kind)
+    raise Foreign(str(kind))
+
+
+def _public(thing: Any, modules: set[str]) -> str:
+    """The name by which a function or class of our packages is found; adds its module."""
+    module, name = thing.__module__, thing.__qualname__
+    owner: Any = sys.modules.get(module) if module.partition(".")[0] in PACKAGES else None
+    for part in name.split("."):
+        owner = getattr(owner, part, None)
+    if getattr(owner, "py_func", owner) is not thing:
+        raise Foreign(f"{module}.{name}")
+    modules.add(module)
+    return f"{module}.{name}"
+
+
+# --- sources and versions ---------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def files() -> bytes:
+    """The digest of every source file of our packages. Raises Foreign if one was changed since this process began."""
+    total, latest = hashlib.sha256(), BEGAN - EDIT_MARGIN
+    for package in PACKAGES:
+        spec = importlib.util.find_spec(package)
+        roots = [Path(root) for root in (spec.submodule_search_locations or ())] if spec else []
+        paths = sorted((path.relative_to(root).as_posix(), path) for root in roots for path in root.rglob("*.py"))
+        if not paths:
+            raise Foreign(package)
+        for name, path in paths:
+            if path.stat().st_ctime > latest:
+                raise Foreign(f"{path}, changed since this process began")
+            text = path.read_bytes()
+            total.update(f"\0{package}/{name} {len(text)}\0".encode() + text)
+    return total.digest()
+
+
+@functools.cache
+def _software() -> tuple[str, ...]:
+    """Versions and settings."""
+    settings = {name: repr(getattr(config, name)) for name in dir(config) if name.isupper() and name not in IDLE}
+    extensions = sorted(
+        f"{e.value} {e.dist and e.dist.name} {e.dist and e.dist.version}"
+        for e in importlib.metadata.entry_points(group="numba_extensions")
+    )
+    versions = (numba.__version__, llvmlite.__version__, np.__version__, sys.version, platform.platform())
+    return (*versions, repr(sorted(settings.items())), repr(extensions))
+
+
+# --- what is loaded ---------------------------------------------------------------------------------------------------
+
+
+def loaded(modules: Iterable[str]) -> Iterator[str]:
+    """The functions and constants of modules, and of those of our packages that they know, as they are in memory."""
+    todo, known = sorted(modules), {*modules, __name__, f"{__package__}.disk"}  # what keeps code is not in it
+    while todo:
+        name = todo.pop(0)
+        others: set[str] = set()
+        yield name
+        for key, value in sorted(vars(sys.modules[name]).items()):
+            if not (key.startswith("__") and key.endswith("__")):
+                yield f"{key} = {_in_memory(value, others)}"
+        todo += sorted(others - known)
+        known |= others
+
+
+def _in_memory(value: Any, modules: set[str]) -> str:
+    """A value of a module; adds the modules of our packages that it comes from."""
+    if isinstance(value, ModuleType):
+        if _ours(value.__name__) and not hasattr(value, "__path__"):
+            modules.add(value.__name__)
+        return value.__name__
+    if isinstance(value, Dispatcher):
+        return f"{_in_memory(value.py_func, modules)} {sorted(value.targetoptions.items())}"
+    for inner in ("_defn", "__wrapped__"):  # intrinsics; what functools wraps
+        if isinstance(function := getattr(value, inner, None), FunctionType):
+            return _in_memory(function, modules)
+    if isinstance(value, FunctionType):
+        cells = [cell.cell_contents for cell in value.__closure__ or ()]
+        defaults = (value.__defaults__, value.__kwdefaults__, cells)
+        return f"{_origin(value, modules)} {_code(value.__code__)} {[_plain(given) for given in defaults]}"
+    if isinstance(value, type) and _ours(value.__module__):
+        inside = [f"{key} = {_plain(v) or _in_memory_of_class(v, modules)}" for key, v in sorted(vars(value).items())]
+        return f"{_origin(value, modules)} {{{', '.join(inside)}}}"
+    return _plain(value)
+
+
+def _in_memory_of_class(value: Any, modules: set[str]) -> str:
+    return _in_memory(value, modules) if isinstance(value, FunctionType) else ""
+
+
+def _origin(thing: Any, modules: set[str]) -> str:
+    """The name of a function or class; adds its module if it is ours, refuses it if nothing stands for its code."""
+    module = thing.__module__ or ""
+    if _ours(module):
+        modules.add(module)
+    elif (root := module.partition(".")[0]) not in TRUSTED and root not in sys.stdlib_module_names:
+        raise Foreign(f"{module}.{thing.__qualname__}")
+    return f"{module}.{thing.__qualname__}"
+
+
+def _ours(module: str) -> bool:
+    return module.partition(".")[0] in PACKAGES and module in sys.modules
+
+
+def _code(code: CodeType) -> str:
+    """Byte code, names and constants, those of inner functions too; no places in files."""
+    constants = [_code(c) if isinstance(c, CodeType) else _plain(c) for c in code.co_consts]
+    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, code.co_flags)
+    return f"{code.co_name} {code.co_code.hex()} {names} [{', '.join(constants)}]"
+
+
+def _plain(value: Any) -> str:
+    """Numbers, texts and collections of them; of anything else its type."""
+    if isinstance(value, enum.Enum):
+        return f"{value!r} {value.value!r}"
+    if isinstance(value, int | float | complex | str | bytes | np.generic | None):
+        return repr(value)
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {value.tobytes().hex()}" if value.dtype != object else "objects"
+    if isinstance(value, tuple | list):
+        return f"{type(value).__name__} {[_plain(v) for v in value]}"
+    if isinstance(value, dict):
+        return f"{sorted((_plain(k), _plain(v)) for k, v in value.items())}"
+    if isinstance(value, set | frozenset):
+        return f"{sorted(_plain(v) for v in value)}"
+    return type(value).__name__
