@@ -12,7 +12,7 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 from numba import types
 
-from .jit import kernel
+from .jit import entry
 from .staging import intrinsic
 
 
@@ -122,7 +122,7 @@ def call_dense(typing, address, out, tc, h):
     return types.void(address, out, tc, h), _calling
 
 
-@kernel
+@entry
 def first_step(step, state, pars, time, h, tc):
     """One step, called from Python."""
     call_step(step, state, pars, time, h, tc)

@@ -145,14 +145,20 @@ def is_same_step(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
 
 
 def _compare(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
+    assert made.machine is not None
     theirs, lanes = made.integrator, state.shape[1:]
     zero, longest = np.zeros(lanes or (1,)), np.ones(lanes or (1,))
     mine, tc, h = state.copy(), np.zeros((*state.shape[:1], theirs.order + 1, *lanes)), longest.copy()
     first_step(made.machine.step, mine, pars.copy(), zero.copy(), h, tc)
     theirs.state[:], theirs.pars[:] = state, pars
-    theirs.set_dtime(zero, zero) if lanes else setattr(theirs, "time", 0.0)
-    outcome = theirs.step(longest, write_tc=True) if lanes else theirs.step(1.0, write_tc=True)
-    steps = np.array([r[1] for r in theirs.step_res]) if lanes else np.array([outcome[1]])
-    return all(
-        np.array_equal(a, b, equal_nan=True) for a, b in ((mine, theirs.state), (tc, theirs.tc), (h, steps))
-    )
+    if lanes:
+        theirs.step(longest.tolist(), write_tc=True)
+        steps = [made_by for _, made_by in theirs.step_res]
+        theirs.set_dtime(zero, zero)
+    else:
+        steps = [theirs.step(1.0, write_tc=True)[1]]
+        theirs.time = 0.0
+    same = (mine, theirs.state), (tc, theirs.tc), (h, np.array(steps))
+    result = all(np.array_equal(a, b, equal_nan=True) for a, b in same)
+    theirs.state[:], theirs.pars[:] = 0.0, 0.0
+    return result

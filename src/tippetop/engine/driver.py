@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tippetop_kernels.compiled_step import call_dense, call_step
-from tippetop_kernels.jit import inlined, kernel
+from tippetop_kernels.jit import entry, inlined, kernel
 
 from .observer import take_step
 from .status import Status
@@ -59,7 +59,7 @@ def no_rows(variables: int) -> Rows:
     return Rows(np.zeros(0), np.zeros((0, variables)), np.zeros(1, np.int64), False, np.zeros(variables))
 
 
-@kernel
+@entry
 def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scratch, most):
     """Makes at most so many steps; stops where a lane ends, and where there is no more room for what is asked for.
 
@@ -195,7 +195,7 @@ def _copy(values, table, row):
         table[row, i] = values[i]
 
 
-@kernel
+@entry
 def dense_state(dense, motion, when, out):
     """The states at the times `when` (lanes,) of the present step, into out (variables, lanes)."""
     for lane in range(len(when)):

@@ -6,10 +6,10 @@ is data (`EventRows`): nothing here knows one kind from another.
 
 import numpy as np
 
-from tippetop_kernels.jit import inlined, kernel
+from tippetop_kernels.jit import entry, inlined, kernel
 from tippetop_kernels.polynomials import crossings, extremes, ranges
 
-from ..mechanics.events import AT_POLE, ON_ZERO_FOR, hysteresis
+from ..mechanics.events import AT_POLE, NEAR_POLE, ON_ZERO_FOR, hysteresis
 from .status import Status
 from .tallies import COUNT, HIGH, LAST, LEAST, LOW, MOST, ON_ZERO, SIGN, STEADY, T_LEAST, T_MOST
 
@@ -19,7 +19,7 @@ TINY = 1e-10  # internal time: a step that leads nowhere
 PATIENCE = 64  # tiny steps in a row that are a stall
 
 
-@kernel
+@entry
 def follow(times, tcs, rows, rules, tallies, log, scratch):
     """Takes in a slice of steps: times (n + 1, lanes), Taylor coefficients tcs (n, variables, order + 1, lanes).
 
@@ -253,7 +253,9 @@ def _passes_pole(tc, x, lane, axis):
         a_rate, b_rate = a_rate * x + a, b_rate * x + b
         a = a * x + tc[axis[0], k, lane]
         b = b * x + tc[axis[1], k, lane]
-    return a * a + b * b < AT_POLE * AT_POLE * (a_rate * a_rate + b_rate * b_rate)
+    speed = a_rate * a_rate + b_rate * b_rate
+    across = abs(a * b_rate - b * a_rate)  # closest approach times speed: it does not depend on how well x is known
+    return across < AT_POLE * speed and a * a + b * b < NEAR_POLE * NEAR_POLE * speed
 
 
 @kernel

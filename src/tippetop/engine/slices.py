@@ -166,8 +166,8 @@ def watched(rows: EventRows, problem: Problem) -> EventRows:
 
 def event_functions(problems: Problems) -> np.ndarray:
     """The event functions of every run at its start, (n, events), internal units."""
-    record, body = problems.record(problems.start), problems.internal_body
-    scalars = problems.base.form.scalars(record, body)
+    start, body = problems.start.astype(float), problems.body_of_pars(problems.pars.astype(float))
+    scalars = problems.base.form.scalars(problems.record(start), body)
     functions = np.empty((problems.n, len(problems.base.system.events)))
     for e, event in enumerate(problems.base.system.events):
         functions[:, e] = np.asarray(event.formula(scalars, body), float)
