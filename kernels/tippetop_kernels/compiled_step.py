@@ -12,8 +12,7 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 from numba import types
 
-from .jit import entry
-from .staging import intrinsic
+from .jit import entry, intrinsic
 
 
 class Machine(NamedTuple):

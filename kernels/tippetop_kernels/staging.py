@@ -15,11 +15,9 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic as _intrinsic
 from numba.extending import overload
 
-
-intrinsic: Any = _intrinsic
+from .jit import intrinsic
 
 
 BLOCK = 256  # points: ten columns of it and their neighbours stay in the first cache

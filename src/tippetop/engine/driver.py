@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tippetop_kernels.compiled_step import call_dense, call_step
-from tippetop_kernels.jit import entry, inlined, kernel
+from tippetop_kernels.jit import entry, inlined, lent
 
 from .observer import take_step
 from .status import Status
@@ -81,6 +81,8 @@ def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scrat
     int
         Steps made.
     """
+    motion, events, tallies, log = lent(motion), lent(events), lent(tallies), lent(log)
+    samples, rows, scratch = lent(samples), lent(rows), lent(scratch)
     made, ended = 0, False
     room = len(events.events) * len(scratch.zeros)
     while True:
@@ -99,7 +101,7 @@ def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scrat
             _copy(rows.out, log.states, k)
 
 
-@kernel
+@inlined
 def begin_step(motion, tallies):
     """Says how long the next step may be: up to the end of a run, 0 in a lane that has ended."""
     for i in range(len(motion.state)):
@@ -112,7 +114,7 @@ def begin_step(motion, tallies):
         motion.h[lane] = motion.limit[lane]
 
 
-@kernel
+@inlined
 def end_step(motion, events, rules, tallies, log, samples, scratch):
     """Takes in the step that was made; gives whether a run has ended."""
     ended = False
@@ -141,7 +143,7 @@ def end_step(motion, events, rules, tallies, log, samples, scratch):
     return ended
 
 
-@kernel
+@inlined
 def _add(motion, lane):
     """Adds the step to the time, in double length."""
     a, b = motion.high[lane], motion.h[lane]
@@ -152,7 +154,7 @@ def _add(motion, lane):
     motion.low[lane] = low - (motion.high[lane] - total)
 
 
-@kernel
+@inlined
 def _is_finite(motion, lane):
     """Whether time and state of a lane are finite."""
     total = 0.0 * motion.high[lane]
@@ -161,7 +163,7 @@ def _is_finite(motion, lane):
     return total == 0.0
 
 
-@kernel
+@inlined
 def _rows(dense, motion, tallies, rows, made):
     """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `made` are the
     steps of this call: the end of one that was made before it has its row."""
@@ -188,7 +190,7 @@ def _rows(dense, motion, tallies, rows, made):
     return at == n
 
 
-@kernel
+@inlined
 def _copy(values, table, row):
     """Puts values into a row; as a loop, for numba compiles an assignment of arrays with all its error messages."""
     for i in range(len(values)):

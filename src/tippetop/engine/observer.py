@@ -6,7 +6,7 @@ is data (`EventRows`): nothing here knows one kind from another.
 
 import numpy as np
 
-from tippetop_kernels.jit import entry, inlined, kernel
+from tippetop_kernels.jit import entry, inlined, kernel, lent
 from tippetop_kernels.polynomials import crossings, extremes, ranges
 
 from ..mechanics.events import AT_POLE, NEAR_POLE, ON_ZERO_FOR, hysteresis
@@ -25,11 +25,12 @@ def follow(times, tcs, rows, rules, tallies, log, scratch):
 
     The tally of a run that ended says in which step and where in it: later ones are not looked at.
     """
+    rows, tallies, log, scratch = lent(rows), lent(tallies), lent(log), lent(scratch)
     for i in range(len(tcs)):
         take_step(i, tcs[i], times[i], times[i + 1], rows, rules, tallies, log, scratch)
 
 
-@kernel
+@inlined
 def take_step(i, tc, start, stop, rows, rules, tallies, log, scratch):
     """Takes in a step of every lane, from `start` to `stop` (lanes,): the i-th of a slice."""
     events, known = rows.events, tallies.functions
@@ -79,7 +80,7 @@ def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
 # --- over all lanes ---------------------------------------------------------------------------------------------------
 
 
-@kernel
+@inlined
 def _factors(start, end, factors):
     """What turns Taylor coefficients in time into those in time over h: of variables, and of rates."""
     for lane in range(len(start)):
@@ -90,7 +91,7 @@ def _factors(start, end, factors):
             factors[1, k, lane] = (k + 1) * factors[0, k, lane]
 
 
-@kernel
+@inlined
 def _bound(tc, events, factors, known, sums):
     """Bounds of every event function over a step, by sums of its coefficients, or by its rate."""
     for e in range(len(events)):
@@ -104,7 +105,7 @@ def _bound(tc, events, factors, known, sums):
             _led(tc[event.row, 0], event.offset, factors[0, 1], known, e, event.leader)
 
 
-@kernel
+@inlined
 def _led(start, offset, h, known, e, rate):
     """Bounds of a variable plus `offset` by those of its rate."""
     for lane in range(len(start)):
@@ -114,7 +115,7 @@ def _led(start, offset, h, known, e, rate):
         known[STEADY, e, lane] = 1.0 if low > 0 or high < 0 else 0.0
 
 
-@kernel
+@inlined
 def _silence(events, known, quiet):
     """Not negative for lanes in whose step no function says anything new."""
     lanes = len(quiet)
@@ -258,7 +259,7 @@ def _passes_pole(tc, x, lane, axis):
     return across < AT_POLE * speed and a * a + b * b < NEAR_POLE * NEAR_POLE * speed
 
 
-@kernel
+@inlined
 def _step_made(tally, i, t, end, upto, beyond, rules):
     """Counts a step, and ends a top that leads nowhere, or has settled: `beyond` the zero of its lasting event."""
     h = end - t

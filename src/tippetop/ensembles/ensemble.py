@@ -12,16 +12,16 @@ import numpy as np
 
 from ..engine.invariants import invariants, size
 from ..engine.observables import values_of
+from ..engine.observer import take_turning
+from ..engine.slices import event_functions, signs_of
 from ..engine.status import Status
+from ..engine.tallies import LEAST, MOST, SIGN
 from ..errors import InputError
-from ..mechanics.events import ON_ZERO
 from ..problem import Problem, Problems, variation_faults
 from ..progress import reporting
 from ..scenario import build
 from .lanes import LANES, Lanes
-from ..engine.observer import take_turning
 from .outcomes import Outcomes, _conclude, dataset
-from .tallies import LEAST, MOST, SIGN
 
 
 if TYPE_CHECKING:
@@ -63,8 +63,7 @@ class _Worker:
 
     def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
         """Signs of the event functions of a top at its start, and which of them are on their zero."""
-        at_start = self.functions[top]
-        return np.where(at_start > 0, 1.0, -1.0), np.abs(at_start) < ON_ZERO
+        return signs_of(self.functions[top])
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         """Compares invariants with the start."""
@@ -79,11 +78,11 @@ class _Worker:
         lanes, outcomes, columns = self.lanes, self.outcomes, self.outcomes.columns
         rows, tallies, top = lanes.rows, lanes.tallies, lanes.top[lane]
         tally, functions, final = tallies.lane[lane], tallies.functions[:, :, lane], lanes.final[lane]
-        x, y, z = final[lanes.batch.variables[rows.axis]]
+        x, y, z = final[rows.axis]
         take_turning(tally, 0, float(np.arctan2(np.sqrt(x * x + y * y), z)))
         outcomes.status[top] = status.code
         outcomes.final[:, top] = final[: self.variables]
-        columns["t_end"][top] = lanes.end[lane] if status is Status.FINISHED else tally["t"]
+        columns["t_end"][top] = lanes.motion.end[lane] if status is Status.FINISHED else tally["t"]
         for name in ("turnings", "theta_min", "theta_max", "steps"):
             columns[name][top] = tally[name]
         lasts = [not event.lasting or event.direction * functions[SIGN, e] > 0 for e, event in enumerate(self.events)]
@@ -139,7 +138,7 @@ def measure(
     with np.errstate(all="ignore"):
         at_start = values_of(tops, tops.start, everything)
         starts = invariants(tops.base, at_start)
-        functions = _event_functions(tops)
+        functions = event_functions(tops)
     measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
@@ -198,16 +197,6 @@ def _run(
     measured.processor = sum(worker.processor for worker in workers)
     measured.steps_made = sum(worker.lanes.steps_made for worker in workers)
     measured.steps_possible = sum(worker.lanes.steps_possible for worker in workers)
-
-
-def _event_functions(tops: Problems) -> np.ndarray:
-    """The event functions of every top at its start, (n, events), internal units."""
-    record, body = tops.record(tops.start), tops.internal_body
-    scalars = tops.base.form.scalars(record, body)
-    functions = np.empty((tops.n, len(tops.base.system.events)))
-    for e, event in enumerate(tops.base.system.events):
-        functions[:, e] = event.formula(scalars, body)
-    return functions
 
 
 def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> Problems:
