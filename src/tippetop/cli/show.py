@@ -71,7 +71,7 @@ def check(
     try_: Annotated[bool, Parameter(name="--try", negative=())] = False,
     as_json: Json = False,
 ) -> int:
-    """Validate a scenario without running it: invariants at the start, thresholds, expected fate and cost.
+    """Validate a scenario: invariants at the start, thresholds, expected fate; cost, by the first steps of the run.
 
     The plan of a sweep is validated too: its axes, its size, its cost.
 
@@ -89,6 +89,7 @@ def check(
     from rich.table import Table
 
     from ..runs import forecast
+    from ..runs.measuring import measured
     from ..runs.summary import regularisation
     from ..scenario import build, reading
     from ..scenario.suspicions import suspicions
@@ -103,6 +104,8 @@ def check(
     problem = build.problem(tables)
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
     facts["warnings"] = warn(suspicions(problem))
+    if try_ or problem.precision == "double":  # wider numbers compile for a minute
+        facts["expected"] |= measured(problem, facts["expected"]["steps"])
     if try_:
         facts["tried"] = forecast.tried(problem)
     if as_json:

@@ -1,0 +1,60 @@
+"""What a run takes is inferred from its beginning, by the clock of the computer at hand."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tippetop.engine.status import Status
+from tippetop.problem import Problem
+from tippetop.runs import measuring
+from tippetop.scenario import build
+
+
+class Computer:
+    """A clock, and runs that take 3 s to compile, 0.01 s to begin and 1 ms a step, of 100 steps a second."""
+
+    def __init__(self, ends_at: float = 1e9):
+        self.now, self.compiled, self.ends_at, self.longest = 0.0, False, ends_at, 0.0
+
+    def clock(self) -> float:
+        return self.now
+
+    def solve(self, problem: Problem, watch: Any) -> Any:
+        self.now += 0.01 + (0 if self.compiled else 3.0)
+        self.compiled = True
+        end = min(problem.until, self.ends_at)
+        self.longest = max(self.longest, end)
+        for _ in range(10):
+            watch(None)
+            self.now += 10 * end * 1e-3
+        status = Status.LIFTOFF if self.ends_at < problem.until else Status.FINISHED
+        return SimpleNamespace(status=status, report={"steps": 100 * end}, columns=dict)
+
+
+@pytest.mark.parametrize("guess", [1.0, 1e3, 1e6])
+@pytest.mark.parametrize("until", [0.5, 100.0, 1e6])
+def test_seconds_are_those_of_the_whole_run(monkeypatch: pytest.MonkeyPatch, until: float, guess: float) -> None:
+    """Whatever was thought of it before; and little of a long one is made."""
+    computer = Computer()
+    monkeypatch.setattr(measuring, "solve", computer.solve)
+    expected = measuring.measured(build.load("inverting", until=until), guess, computer.clock)
+    if expected or guess > 1:
+        assert expected["steps"] == pytest.approx(100 * until, rel=0.01)
+        assert expected["seconds"] == pytest.approx(0.01 + 0.1 * until, rel=0.05)
+        assert expected["compiling"] == pytest.approx(3.0, abs=0.1)
+    assert computer.now < 10
+
+
+def test_a_run_that_ends_early_is_not_taken_for_longer(monkeypatch: pytest.MonkeyPatch) -> None:
+    computer = Computer(ends_at=1.5)
+    monkeypatch.setattr(measuring, "solve", computer.solve)
+    expected = measuring.measured(build.load("inverting", until=1e4), 1e6, computer.clock)
+    assert expected["steps"] == 150
+    assert expected["seconds"] == pytest.approx(0.16, rel=0.05)
+
+
+def test_real_steps() -> None:
+    """By the counter of the integrator, of a run so short that it is made whole."""
+    problem = build.load("rolling", until=2.0)
+    assert measuring.measured(problem, 100.0)["steps"] == measuring.solve(problem).report["steps"]
