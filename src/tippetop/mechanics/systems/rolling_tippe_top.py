@@ -42,6 +42,7 @@ ROLLING_TIPPE_TOP = of_one_phase(
     momenta=("routh", "jellett"),
     landscape=tippe_top.LANDSCAPE,
     outlook=outlook.rolling_tippe_top,
+    away_from_poles="reduced",
     long_form="reduced",
     classes=tippe_top.TIPPE_TOP.classes,
 )
