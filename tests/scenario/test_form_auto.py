@@ -35,10 +35,10 @@ def test_where_a_pole_may_come_near_or_nothing_is_cheaper_the_first_form_serves(
     assert made.form is next(iter(made.system.forms.values()))
 
 
-def test_a_top_that_comes_near_a_pole_is_integrated_in_vector_form() -> None:
+def test_a_top_that_comes_near_a_pole_is_integrated_in_a_regular_form() -> None:
     """Seen before the run; theta of the run then does as was said."""
     problem = build.load("rolling", NEAR, 2.0)
-    assert problem.form.name == "vector"
+    assert problem.form.name == "contact"
     theta = solve(problem).events.of("turning").theta
     said = float(problem.choice.because.split()[-4])
     assert said == pytest.approx(theta.min(), rel=2e-3)
@@ -58,7 +58,7 @@ def test_what_auto_keeps_away_from_the_poles_stays_away(rng: np.random.Generator
             theta = solve(build.load("rolling", [*sets, "form=vector"], 1.0)).events.of("turning").theta
             assert theta.min() >= CLEARANCE
             assert theta.max() <= math.pi - CLEARANCE
-    assert {"reduced", "vector"} == set(chosen)
+    assert {"reduced", "contact"} == set(chosen)
 
 
 def test_the_store_names_the_form_and_says_why(tmp_path: Path) -> None:
@@ -72,15 +72,15 @@ def test_the_store_names_the_form_and_says_why(tmp_path: Path) -> None:
         assert again.form.name == attrs[name]["form"]
         assert not again.auto
         assert again.choice.because == attrs[name]["auto_form"]["because"]
-    assert [attrs[name]["form"] for name in attrs] == ["reduced", "vector", "vector"]
-    assert [attrs[name]["auto_form"]["form"] for name in attrs] == ["reduced", "reduced", "vector"]
+    assert [attrs[name]["form"] for name in attrs] == ["reduced", "vector", "contact"]
+    assert [attrs[name]["auto_form"]["form"] for name in attrs] == ["reduced", "reduced", "contact"]
     assert "0.512 rad" in attrs["auto"]["auto_form"]["because"]
 
 
 def test_many_tops_share_the_form_that_serves_them_all() -> None:
     """One of them might come near a pole; a form that is named is not changed."""
-    assert vary(build.load("rolling"), {"initial.theta": [0.05, 1.0]}).base.form.name == "vector"
+    assert vary(build.load("rolling"), {"initial.theta": [0.05, 1.0]}).base.form.name == "contact"
     plan = {"scenario": "rolling", "axis": [{"of": "initial.theta", "values": [0.05, 1.0]}]}
-    assert Plan.from_tables(plan).base.form.name == "vector"
+    assert Plan.from_tables(plan).base.form.name == "contact"
     with pytest.raises(tt.InputError, match="`form` must be"):
         vary(build.load("rolling", ["form=reduced"]), {"initial.theta": [0.5, 1.0]})

@@ -261,7 +261,7 @@ def base_faults(base: Problem) -> list[str]:
     """
     sentences = []
     if not base.system.events or "ux" not in base.form.units._fields:
-        sentences.append('`form` must be "vector" in an ensemble, of a system that has it.')
+        sentences.append('`form` must be "vector" or "contact" in an ensemble, of a system that has it.')
     if base.precision != "double":
         sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')
     return sentences

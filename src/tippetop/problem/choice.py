@@ -59,4 +59,8 @@ def choice(problem: "Problem") -> Choice:
     if near[pole] >= CLEARANCE:
         cheap = system.forms[system.away_from_poles]
         return Choice(cheap, f"what is conserved keeps theta at least {near[pole]:.3g} rad from the poles 0 and pi")
-    return Choice(regular, f"it is regular at the poles, and theta comes within {near[pole]:.3g} rad of {pole}")
+    return Choice(regular, f"it is regular at the poles, and theta comes {_to(near[pole])} {pole}")
+
+
+def _to(distance: float) -> str:
+    return f"within {distance:.3g} rad of" if distance else "to"
