@@ -103,7 +103,10 @@ class Case:
         b = self.body
         zero = 0 * q[0]
         vertical = np.array([zero, zero, zero + 1])
-        if hasattr(q, "ux"):
+        if hasattr(q, "Mx"):
+            u = np.array([q.ux, q.uy, q.uz])
+            L = momentum_about_centre(u, q, b)
+        elif hasattr(q, "ux"):
             u, L = np.array([q.ux, q.uy, q.uz]), np.array([q.Lx, q.Ly, q.Lz])
             if self.form.name == "contact" or self.system.name == "heavy-top":  # L is about the tip
                 L3 = np.sum(L * u, axis=0)
@@ -133,6 +136,18 @@ class Case:
     def derivative(self) -> Motion:
         """Derivatives of the vectors along the flow."""
         return self.along(self.motion)
+
+
+def momentum_about_centre(u: np.ndarray, q: Any, b: Any) -> np.ndarray:
+    """L of a body that rolls, by M about its contact: a.M = -lambda gives M_z, a linear system omega; D is not read."""
+    arm = b.c * u - b.R * np.array([0 * u[0], 0 * u[0], 0 * u[0] + 1])
+    M = np.array([q.Mx, q.My, -(q.lam + arm[0] * q.Mx + arm[1] * q.My) / arm[2]])
+    one, I1, I3, m = np.eye(3), *(np.asarray(value)[..., None, None] for value in (b.I1, b.I3, b.m))
+    axis, a = u.T[..., None], arm.T[..., None]
+    own = I1 * one + (I3 - I1) * axis * np.swapaxes(axis, -1, -2)
+    about = own + m * (np.sum(a * a, axis=-2, keepdims=True) * one - a * np.swapaxes(a, -1, -2))
+    omega = np.linalg.solve(about, np.broadcast_to(M.T[..., None], a.shape))
+    return (own @ omega)[..., 0].T
 
 
 class Angles(NamedTuple):
@@ -429,7 +444,7 @@ def mirror(case: Case) -> Pairs:
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
     else:
-        signs = dict.fromkeys(("uy", "Lx", "Lz", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1)
+        signs = dict.fromkeys(("uy", "Lx", "Lz", "Mx", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1)
         mine, theirs = case.rates(case.state), case.rates(q)
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)

@@ -52,7 +52,7 @@ def sentences(*assignments: str) -> str:
         ("run.output_times=[1.0]", "`run.output_step` must stand alone"),
         ("run.precision=half", "`run.precision` must be 'double', 'longdouble' or 'quad', but is 'half'."),
         ("system=pendulum", "`system` must be one of tippe-top"),
-        ("form=angle", "`form` must be 'vector' or 'euler', but is 'angle'."),
+        ("form=angle", "`form` must be 'auto', 'vector' or 'euler', but is 'angle'."),
         ("initial.omega3=1e200", "must stay finite together"),
         ("nonsense", "--set must be table.key=value, but is `nonsense`."),
         ("run.until=[", "--set run.until must be given a TOML value"),

@@ -90,7 +90,7 @@ def check(
 
     from ..runs import forecast
     from ..runs.measuring import measured
-    from ..runs.summary import regularisation
+    from ..runs.summary import form_sentence, regularisation
     from ..scenario import build, reading
     from ..scenario.suspicions import suspicions
     from ..sweeps import plan
@@ -118,11 +118,13 @@ def check(
     for name, value in facts.items():
         if name == "regularisation":
             text = regularisation(facts)
+        elif name == "form":
+            text = form_sentence(facts)
         elif isinstance(value, dict):
             text = _entries(value, units)
         else:
             text = _plain(value)
-        if name not in ("inversion_by_eps", "warnings"):  # in `regularisation`; on standard error
+        if name not in ("auto_form", "inversion_by_eps", "warnings"):  # in `regularisation`; on standard error
             table.add_row(name.replace("_", " "), text)
     console().print(table)
     return 0

@@ -71,7 +71,12 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
     values = dict(angles._asdict())
     if system.vectors:
         vector, direct = system.forms["vector"], form.name == "vector"
-        state = q if direct else vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
+        if direct:
+            state = q
+        elif form.vectors:
+            state = form.vectors(q, body)
+        else:
+            state = vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
         values |= {component(name): getattr(state, name) for names in system.vectors.values() for name in names}
         if not direct and integrates_axis(system, form):
             values |= {integrated(name): getattr(q, name) for name in system.vectors["axis"]}

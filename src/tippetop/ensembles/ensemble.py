@@ -226,6 +226,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     InputError
         If the problem cannot run in lanes, or a key or a shape is wrong.
     """
+    base = base.for_many()
     sentences = [*base_faults(base), *variation_faults(base, variations)]
     if orientation and base.form.orientation is None:
         sentences.append("`orientation` must be false, of a form that does not know it.")
@@ -249,7 +250,7 @@ def base_faults(base: Problem) -> list[str]:
     """
     sentences = []
     if not base.system.events or "ux" not in base.form.units._fields:
-        sentences.append('`form` must be "vector" in an ensemble, of a system that has it.')
+        sentences.append('`form` must be "vector" or "contact" in an ensemble, of a system that has it.')
     if base.precision != "double":
         sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')
     return sentences

@@ -70,7 +70,8 @@ def run(
     system : str or System, optional
         Another system than that of the source.
     form : str, optional
-        The form of the equations: vector (the default), euler, reduced, ...
+        The form of the equations: "auto" (the default) takes the cheapest that is regular where this top goes; vector,
+        euler, reduced, ...
     until : float
         End of the run [s]; a preset has one.
     output_step, output_times, output

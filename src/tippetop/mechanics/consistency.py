@@ -15,6 +15,8 @@ def inconsistencies(system: System) -> list[str]:
             for key, form in phase.forms.items()
             if key != form.name
         ]
+        if "auto" in phase.forms:
+            faults.append(f"{where} must not call a form 'auto': that leaves the choice to the system.")
         for form in phase.forms.values():
             turning = form.orientation.integrals if form.orientation else ()
             variables = [*form.units._fields, *(integral.name for integral in (*form.integrals, *turning))]
@@ -33,6 +35,8 @@ def inconsistencies(system: System) -> list[str]:
                 for to in way.to
                 if to not in system.phases
             ]
+    if system.away_from_poles not in ("", *system.forms):
+        faults.append(f"`{system.name}` must have the form {system.away_from_poles!r} of away_from_poles, but has not.")
     quantities = {quantity.name for quantity in system.quantities}
     faults += [
         f"`{system.name}` must have the quantity {n!r}, but has not." for n in system.integrals if n not in quantities

@@ -89,6 +89,7 @@ class Form:
     scalars: Callable  # scalars(q, b) -> what the quantities are written in
     of_angles: Callable  # of_angles(angles, sin_theta, cos_theta, b) -> q
     to_angles: Callable  # to_angles(q, carried, b) -> record of angles
+    vectors: Callable | None = None  # vectors(q, b) -> a record with the vectors of its system; None: by the angles
     integrals: tuple[Integral, ...] = ()  # what is integrated beside the state
     orientation: Orientation | None = None
     domains: tuple[Domain, ...] = ()  # where the form or the model breaks down

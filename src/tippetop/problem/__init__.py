@@ -4,9 +4,21 @@
 of a run is computed there, and a single run is the case n = 1.
 """
 
+from .choice import AUTO, CLEARANCE, Choice
 from .faults import key_faults, variation_faults
 from .many import Problems
 from .one import PRECISIONS, ROUNDING, UNTIL, Problem
 
 
-__all__ = ["PRECISIONS", "ROUNDING", "UNTIL", "Problem", "Problems", "key_faults", "variation_faults"]
+__all__ = [
+    "AUTO",
+    "CLEARANCE",
+    "PRECISIONS",
+    "ROUNDING",
+    "UNTIL",
+    "Choice",
+    "Problem",
+    "Problems",
+    "key_faults",
+    "variation_faults",
+]

@@ -44,6 +44,7 @@ def attributes(problem: Problem, status: "Status", reason: str, final: Any, repo
         **resolved(problem),
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
+        "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},
         "units": {name: parameter.unit.symbol for name, parameter in parameters.items()},
         "final_state": dict(zip(names, values, strict=True)),
         "report": report,
@@ -58,7 +59,7 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
         "reason": attrs["reason"],
         **attrs["report"],
         **tables_of(attrs),
-        **{key: attrs[key] for key in ("certificate", "begun_with") if key in attrs},
+        **{key: attrs[key] for key in ("auto_form", "certificate", "begun_with") if key in attrs},
         **{key: attrs[key] for key in ("tolerance", "precision", "final_state", "versions", "cpu")},
     }
 

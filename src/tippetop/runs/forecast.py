@@ -23,7 +23,8 @@ def assessment(problem: Problem) -> dict[str, Any]:
     start, expected = at_start(problem), cost(problem)
     quantities = {q.name: {"value": start[q.name], "unit": q.unit.symbol} for q in problem.system.quantities}
     predicted = _outlook(problem, start) | _regularisation(problem, expected) | _advice(problem)
-    return {"at_start": quantities, **predicted, "expected": expected}
+    form = {"auto_form": {"form": problem.choice.form.name, "because": problem.choice.because}}
+    return {**form, "at_start": quantities, **predicted, "expected": expected}
 
 
 def at_start(problem: Problem) -> dict[str, float]:

@@ -74,6 +74,8 @@ class Summary(Record):
         under-way.
     system, form, parameters, friction, initial, run
         The scenario as it was understood, in SI units; `friction` only where there is a law.
+    auto_form : Record
+        The `form` that "auto" takes for this run, and `because`.
     certificate : Record
         The comparison with a run in wider numbers, if there was one.
     tolerance, precision
@@ -103,6 +105,7 @@ class Summary(Record):
     friction: Record
     initial: Record
     run: Record
+    auto_form: Record
     certificate: Record
     tolerance: float
     precision: str

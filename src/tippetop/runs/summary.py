@@ -49,9 +49,18 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(("motion", info["motion"]))
     if "regularisation" in info:
         result.append(("regularisation", regularisation(info)))
+    if len(system.forms if system is not None else ()) > 1 and "auto_form" in info:
+        result.append(("form", form_sentence(info)))
     if "certificate" in info:
         result.append(("certificate", _certificate(info["certificate"])))
     return result
+
+
+def form_sentence(info: Mapping[str, Any]) -> str:
+    """The form of a run, and what `form = "auto"` says of it."""
+    auto = info["auto_form"]
+    named = "" if auto["form"] == info["form"] else f"{info['form']}; "
+    return f"{named}auto -> {auto['form']}, because {auto['because']}"
 
 
 def _passages(n: int) -> str:

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from ..mechanics.system import Parameter, System
-from ..problem import UNTIL
+from ..problem import AUTO, UNTIL
 
 
 # --- the shape of a scenario ----------------------------------------------------------------------------------------
@@ -60,7 +60,7 @@ def _model(system: System, laws: tuple[str, ...]) -> type[BaseModel]:
     """The model of a system as long as it has these friction laws: more may be registered."""
     fields: dict[str, Any] = {
         "system": (Literal[system.name], ...),
-        "form": (Literal[tuple(system.forms)], next(iter(system.forms))),
+        "form": (Literal[(AUTO, *system.forms)], AUTO),
         "parameters": (table_model("Parameters", system.parameters, required=True), ...),
         "run": (RunTable, ...),
     }

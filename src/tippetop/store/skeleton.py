@@ -62,7 +62,7 @@ REPORT: dict[str, Any] = {  # of a run; `?`: where the system has it
     "inversion?": {str: (*NUMBER, None)},
     "nutational_band?": {str: (*NUMBER, None)},
 }
-OPTIONAL: dict[str, Any] = {"friction?": {str: (str, *NUMBER)}, "certificate?": dict}
+OPTIONAL: dict[str, Any] = {"friction?": {str: (str, *NUMBER)}, "certificate?": dict, "auto_form?": {str: str}}
 RUN: dict[str, Any] = {
     "until": NUMBER,
     "events": [str],

@@ -7,6 +7,7 @@ from ..contact.rolling import euler as rolling_euler
 from ..system import Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM
 from . import outlook, tippe_top
+from .tippe_top_contact import CONTACT
 from .tippe_top_reduced import REDUCED
 
 
@@ -24,7 +25,7 @@ ROLLING_TIPPE_TOP = of_one_phase(
     alternatives=(gliding.BY_PSI_DOT,),
     start=rolling.start,
     angles=rolling_euler.ANGLES,
-    forms={"vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
+    forms={"contact": CONTACT, "vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
     quantities=(
         gliding.JELLETT_QUANTITY,
         Quantity("routh", "D", ANGULAR_MOMENTUM, "Routh's function", tippe_top.routh),
@@ -42,6 +43,7 @@ ROLLING_TIPPE_TOP = of_one_phase(
     momenta=("routh", "jellett"),
     landscape=tippe_top.LANDSCAPE,
     outlook=outlook.rolling_tippe_top,
+    away_from_poles="reduced",
     long_form="reduced",
     classes=tippe_top.TIPPE_TOP.classes,
 )

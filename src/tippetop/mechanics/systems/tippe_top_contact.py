@@ -1,0 +1,150 @@
+"""The rolling tippe top by its angular momentum about the contact, M = L - m a x s': regular everywhere. No reaction
+enters M' = m g a x zhat - m a' x s', and omega follows from M by division, since lambda = -a.M and D give the rest.
+
+The scalars take 3hat and L, not D and lambda: that D and lambda of these stay constant remains a check.
+"""
+
+from typing import NamedTuple
+
+from ..contact import body as contact
+from ..contact.gliding import vector as gliding_vector
+from ..contact.gliding.vector import axis
+from ..contact.integrals import integral
+from ..contact.orientation import carried_along
+from ..contact.rolling import chart, reaction
+from ..contact.rolling.vector import VectorState
+from ..operand import Operand, Vector, cross, formula, plus, times
+from ..system import Form
+from ..units import ANGULAR_MOMENTUM, JELLETT, ONE
+from . import tippe_top
+from .tippe_top_reduced import spin_momentum
+
+
+class ContactState(NamedTuple):
+    """3hat, M about the contact without M_z, which lambda gives, Routh's function D, Jellett's integral lambda."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Mx: Operand
+    My: Operand
+    D: Operand
+    lam: Operand
+
+
+CONTACT_UNITS = ContactState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, JELLETT))
+
+
+@formula
+def spin(q, b):
+    """omega_3 [rad/s]."""
+    return spin_momentum(q.uz, q.D, b) / b.I3
+
+
+@formula
+def tipping_inertia(q, b):
+    """I1 + m |a|^2 [kg m^2], about a horizontal line through the contact."""
+    return b.I1 + b.m * contact.arm2(q.uz, b)
+
+
+@formula
+def angular_velocity(q, b):
+    """omega, (3,), space frame [rad/s], from M = (I1 + m |a|^2) omega + (I3 - I1) omega_3 3hat - m (a.omega) a."""
+    w3 = spin(q, b)
+    excess = (b.I3 - b.I1) * w3
+    arm_turn = -(q.lam + excess * (b.c - b.R * q.uz)) / b.I1  # a.omega, since a.L = -lambda
+    along, inertia = b.m * b.c * arm_turn - excess, tipping_inertia(q, b)
+    return Vector((q.Mx + along * q.ux) / inertia, (q.My + along * q.uy) / inertia, (b.c * w3 - arm_turn) / b.R)
+
+
+@formula
+def axis_rate(q, b):
+    """3hat' = omega x 3hat [1/s]."""
+    return cross(angular_velocity(q, b), axis(q))
+
+
+@formula
+def momentum(q, b):
+    """L about the centre of mass, (3,), space frame [kg m^2/s]."""
+    return plus(times(b.I1, angular_velocity(q, b)), times((b.I3 - b.I1) * spin(q, b), axis(q)))
+
+
+@formula
+def centre_velocity(q, b):
+    """s' = -(omega x a) without its vertical part, (3,) [m/s]."""
+    w, u_dot = angular_velocity(q, b), axis_rate(q, b)
+    return Vector(b.R * w.y - b.c * u_dot.x, -(b.R * w.x) - b.c * u_dot.y, 0)
+
+
+@formula
+def contact_rates(q, b):
+    """3hat' = omega x 3hat; M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y); D and lambda stay."""
+    w, u_dot = angular_velocity(q, b), axis_rate(q, b)
+    weight, pull = b.m * b.g * b.c, b.m * b.c * b.R
+    return ContactState(
+        u_dot.x,
+        u_dot.y,
+        u_dot.z,
+        weight * q.uy - pull * (u_dot.z * w.x),
+        -(weight * q.ux) - pull * (u_dot.z * w.y),
+        0 * q.D,
+        0 * q.lam,
+    )
+
+
+@formula
+def vertical_force(q, carried, b):
+    """Normal force m (g - c z'') [N], z'' from (I1 + m |a|^2) z' = M_x u_y - M_y u_x."""
+    u_dot, rates = axis_rate(q, b), contact_rates(q, b)
+    turn = rates.Mx * q.uy - rates.My * q.ux + q.Mx * u_dot.y - q.My * u_dot.x
+    z_dot2 = (turn + 2 * (b.m * b.c * b.R) * (u_dot.z * u_dot.z)) / tipping_inertia(q, b)
+    return b.m * (b.g - b.c * z_dot2)
+
+
+@formula
+def contact_scalars(q, b):
+    """The scalars of a state about the contact."""
+    u, L, u_dot = axis(q), momentum(q, b), axis_rate(q, b)
+    s = reaction.kinematics(u, L, u_dot, b)
+    return reaction.completed(s, centre_velocity(q, b), reaction.reaction(u, L, u_dot, s, b))
+
+
+@formula
+def vectors(q, b):
+    """The vector state: 3hat, and L about the centre of mass."""
+    return VectorState(*axis(q), *momentum(q, b))
+
+
+@formula
+def contact_of_angles(e, s, z, b):
+    """The state about the contact of the angles. [section 1]"""
+    v = chart.vector_of_angles(e, s, z, b)
+    u, L = axis(v), gliding_vector.momentum(v)
+    k = reaction.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
+    w = gliding_vector.angular_velocity(u, L, k.L3, b)
+    arm = Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
+    M = plus(L, times(b.m, cross(arm, cross(w, arm))))
+    return ContactState(u.x, u.y, u.z, M.x, M.y, tippe_top.routh(k, b), contact.jellett(k, b))
+
+
+@formula
+def angles_of_contact(q, carried, b):
+    """The angles of a state about the contact; 0/0 exactly at a pole, where phi means nothing."""
+    return chart.angles_of_vector(vectors(q, b), carried, b)
+
+
+CONTACT = Form(
+    "contact",
+    CONTACT_UNITS,
+    contact_rates,
+    contact_scalars,
+    contact_of_angles,
+    angles_of_contact,
+    vectors=vectors,
+    integrals=(
+        integral("x", lambda q, carried, b: centre_velocity(q, b).x),
+        integral("y", lambda q, carried, b: centre_velocity(q, b).y),
+        integral("impulse", vertical_force),
+    ),
+    orientation=carried_along(axis, axis_rate, spin),
+)
