@@ -40,6 +40,7 @@ ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore
 SYSTEMS = "mechanics.systems"
 JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
+    "mechanics.events": ("runs/test_events.py", "-k", "TestSignificance"),
     "mechanics.systems.spinning": ("mechanics/test_spinning.py",),
     "mechanics.systems.tippe_top": ("mechanics/test_spinning.py",),
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
