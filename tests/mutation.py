@@ -3,9 +3,9 @@
 usage: python tests/mutation.py [--results FILE] [--seconds N] [--list] [MODULE ...]
 
 MODULE is the end of a module's name (friction, gliding.euler); without it, all. What the systems are made of is judged
-by the laws of mechanics, in this process; other formulas by test files of their own, in a process for each mutant.
-With --results each verdict is kept in FILE (JSON lines): a run that was stopped, or whose --seconds are over,
-continues there, until a physics file or a judge changes.
+by the laws of mechanics, in this process; what they do not notice, and other formulas, by test files, in a fork of this
+process for each mutant. With --results each verdict is kept in FILE (JSON lines): a run that was stopped, or whose
+--seconds are over, continues there, until a physics file or a judge changes.
 """
 
 import argparse
@@ -14,19 +14,21 @@ import copy
 import hashlib
 import importlib
 import json
+import multiprocessing
 import os
-import shutil
-import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from functools import cache
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import NamedTuple
 
+import mpmath  # noqa: F401  the forks need not import it again
+import numba  # noqa: F401
 import numpy as np
+import pytest
 
 
 TESTS = Path(__file__).parent
@@ -38,13 +40,21 @@ ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore
 SYSTEMS = "mechanics.systems"
 JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
-    "mechanics.systems.spinning": ("landscape/test_landscape.py", "-k", "critical or end_values or boundary or line"),
-    "mechanics.theory.thresholds": ("mechanics/test_theory.py",),
+    "mechanics.events": ("runs/test_events.py", "-k", "TestSignificance"),
+    "mechanics.systems.spinning": ("mechanics/test_spinning.py",),
+    "mechanics.systems.tippe_top": ("mechanics/test_spinning.py",),
+    "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
 }
-"""Formulas that no system is made of, and the arguments of pytest that judge them."""
+"""Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge them."""
+EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 there, and so is its own reciprocal
+    "mechanics.theory.thresholds": ("spin: b.R * z",),
+    "mechanics.systems.spinning": ("slope: b.R * z", "end_slope: b.c * z"),
+}
+"""Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
-LIMIT = 300  # seconds that a judge in a process of its own may take; longer is noticed too
+PLAIN = ("-x", "--assert=plain", "-o", "addopts=", "-p", "no:cacheprovider")
+LIMIT = 300  # seconds that a test file may take; longer is noticed too
 
 
 class Mutant(NamedTuple):
@@ -113,37 +123,45 @@ def order() -> tuple[str, ...]:
 
 
 def modules() -> list[str]:
-    """All that are mutated: those with formulas, judged by the laws first."""
+    """All that are mutated: those with formulas, in the order of the laws, then the others."""
     found = formula_files()
-    return [m for m in order() if m in found and m not in JUDGES] + [m for m in JUDGES if m in found]
+    return [m for m in order() if m in found] + sorted(found - {*order()})
 
 
-def sites(tree: ast.Module) -> list[ast.AST]:
-    """The operators inside formulas (functions under @formula), in order."""
+def sites(tree: ast.Module) -> list[tuple[str, ast.AST]]:
+    """The operators inside formulas (functions under @formula), in order, and the names of the formulas."""
     formulas = [
         node
         for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef) and any(getattr(d, "id", "") == "formula" for d in node.decorator_list)
     ]
     return [
-        node
+        (function.name, node)
         for function in formulas
         for node in ast.walk(function)
-        if (isinstance(node, ast.BinOp) and type(node.op) in FLIPPED)
+        if (isinstance(node, ast.BinOp) and type(node.op) in FLIPPED and not is_zero(node))
         or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub))
     ]
 
 
+def is_zero(node: ast.BinOp) -> bool:
+    """Whether it is 0*x, a zero of the kind of x: 0/x is the same one."""
+    return isinstance(node.op, ast.Mult) and isinstance(node.left, ast.Constant) and node.left.value == 0
+
+
 def mutants(module: str) -> list[Mutant]:
     """Every mutant of a module."""
-    found = enumerate(sites(tree_of(module)))
-    return [Mutant(module, i, node.lineno, ast.unparse(node)) for i, node in found]  # type: ignore[attr-defined]
+    return [
+        Mutant(module, i, node.lineno, ast.unparse(node))  # type: ignore[attr-defined]
+        for i, (name, node) in enumerate(sites(tree_of(module)))
+        if f"{name}: {ast.unparse(node)}" not in EQUAL.get(module, ())
+    ]
 
 
 def mutated(tree: ast.Module, index: int) -> ast.Module:
     """A copy of the module with one operator flipped."""
     changed = copy.deepcopy(tree)
-    node = sites(changed)[index]
+    _, node = sites(changed)[index]
     if isinstance(node, ast.BinOp):
         node.op = FLIPPED[type(node.op)]()
     elif isinstance(node, ast.UnaryOp):
@@ -177,11 +195,19 @@ def loaded(module: str, tree: ast.Module) -> dict:
     return sys.modules[f"tippetop.{SYSTEMS}"].SYSTEMS
 
 
+recent: list[tuple[str, str, str]] = []  # the cases that noticed, the last one first: neighbours are noticed alike
+
+
 def noticed_by_laws(module: str, tree: ast.Module) -> bool:
     """Whether a law is broken, at the same states for every mutant."""
     try:
         with np.errstate(all="ignore"):
-            return laws.first_broken(loaded(module, tree), lambda: np.random.default_rng(20101452)) is not None
+            systems = loaded(module, tree)
+            for case in dict.fromkeys([*recent, *laws.cases(systems)]):
+                if laws.first_broken_of(systems, case, np.random.default_rng(20101452)) is not None:
+                    recent[:] = dict.fromkeys([case, *recent])
+                    return True
+            return False
     except (ArithmeticError, AttributeError, TypeError, ValueError):
         return True
     finally:
@@ -189,45 +215,52 @@ def noticed_by_laws(module: str, tree: ast.Module) -> bool:
 
 
 def noticed_by_tests(module: str, tree: ast.Module) -> bool:
-    """Whether a test file fails on a copy of the package with the mutant in it."""
-    with tempfile.TemporaryDirectory() as folder:
-        package = Path(folder) / "tippetop"
-        shutil.copytree(ROOT, package, ignore=shutil.ignore_patterns("__pycache__"))
-        (package / path_of(module).relative_to(ROOT)).write_text(ast.unparse(tree), encoding="utf-8")
-        file, *options = JUDGES[module]
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider", str(TESTS / file)]
-        kernels = Path(importlib.import_module("tippetop_kernels").__file__).parents[1]  # type: ignore[arg-type]
-        environment = {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{kernels}", "PYTHONDONTWRITEBYTECODE": "1"}
-        process = subprocess.Popen(
-            [*command, *options],
-            cwd=TESTS.parent,
-            env=environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        try:
-            code = process.wait(LIMIT)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-            return True
-        if code not in (0, 1, 2):  # 2: the file cannot even be collected
-            raise RuntimeError(f"pytest exits with {code} for {module}")
-        return code != 0
+    """Whether a test file fails, in a fork of this process that imports the package anew with the mutant in it."""
+    process = multiprocessing.get_context("fork").Process(target=run_tests, args=(module, tree))
+    process.start()
+    process.join(LIMIT)
+    if process.is_alive():
+        process.kill()
+        process.join()
+        return True
+    if process.exitcode not in (0, 1, 2):  # 2: the file cannot even be collected
+        raise RuntimeError(f"pytest exits with {process.exitcode} for {module}")
+    return process.exitcode != 0
+
+
+def run_tests(module: str, tree: ast.Module) -> None:
+    """Ends this process with pytest's exit code, the package read again with one module mutated."""
+    ours = {"tippetop", *(path.stem for path in (TESTS / "helpers").glob("*.py"))}
+    for name in [name for name in sys.modules if name.partition(".")[0] in ours]:
+        del sys.modules[name]
+    as_written = SourceFileLoader.get_code
+
+    def get_code(self: SourceFileLoader, name: str) -> CodeType | None:
+        return compile(tree, self.path, "exec") if name == f"tippetop.{module}" else as_written(self, name)
+
+    SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
+    file, *options = JUDGES[module]
+    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # most of the time goes to plugins that no judge needs
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+        os.dup2(nowhere.fileno(), 2)
+        os._exit(pytest.main([*PLAIN, str(TESTS / file), *options]))
 
 
 def noticed(module: str, tree: ast.Module) -> bool:
-    """Whether the judge of a module notices that it is another one."""
-    return (noticed_by_tests if module in JUDGES else noticed_by_laws)(module, tree)
+    """Whether a judge of a module notices that it is another one."""
+    return (module in order() and noticed_by_laws(module, tree)) or (
+        module in JUDGES and noticed_by_tests(module, tree)
+    )
 
 
 def judged_by(module: str) -> str:
-    """The name of the judge of a module."""
-    return JUDGES[module][0] if module in JUDGES else "laws"
+    """The names of the judges of a module."""
+    return ", ".join(["laws"] * (module in order()) + list(JUDGES.get(module, ())[:1]))
 
 
 def fingerprint(module: str) -> str:
-    """What a verdict depends on: the formulas, and the judge."""
+    """What a verdict depends on: the formulas, and the judges."""
     judge = [TESTS / JUDGES[module][0], TESTS / "helpers" / "landscape_oracle.py"] if module in JUDGES else []
     files = [*judge, TESTS / "helpers" / "laws.py", *(path_of(name) for name in sorted(formula_files()))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]

@@ -4,10 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from stores import wait_until
 
 from tippetop.cli import outcome
 from tippetop.errors import InputError
@@ -74,13 +74,11 @@ def test_a_terminal_without_our_characters_is_written_to_nevertheless() -> None:
         "a = {" + " . ".join(["'a b'"] * 20_000) + " = 1}",
     ],
 )
-def test_deep_nesting_is_refused_at_once(text: str, tmp_path: Path) -> None:
+def test_deep_nesting_is_refused(text: str, tmp_path: Path) -> None:
     file = tmp_path / "deep.toml"
     file.write_text(text)
-    began = time.monotonic()
     with pytest.raises(InputError, match=r"nested too deeply|more than 64 parts"):
         reading.read(str(file))
-    assert time.monotonic() - began < 2.0
 
 
 def test_a_deep_assignment_is_refused_in_a_short_sentence() -> None:
@@ -140,29 +138,49 @@ def test_a_tolerance_somewhat_below_the_rounding_unit_is_allowed(precision: str,
     assert made.tolerance == tolerance
 
 
+MARKED = """
+import tippetop.awaiting as a
+real = a.awaited
+def marked(work, doing, stop=None):
+    def between_marks():
+        open("begun", "x").close()
+        try:
+            return work()
+        finally:
+            open("done", "x").close()
+    return real(between_marks, doing, stop)
+a.awaited = marked
+from tippetop.cli import main
+main()
+"""
+
+
 @pytest.mark.parametrize(
-    ("words", "after"),
+    "words",
     [
-        (["run", "inverting", "--set", "run.precision=longdouble", "--set", "run.until=1e7"], 3.0),
-        (["run", "inverting", "--set", "run.precision=quad", "--set", "run.until=1e7", "--out", "a.zarr"], 3.0),
-        (["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"], 2.5),
-        (["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"], 2.5),
+        ["run", "inverting", "--set", "run.precision=longdouble", "--set", "run.until=1e7"],
+        ["run", "inverting", "--set", "run.precision=quad", "--set", "run.until=1e7", "--out", "a.zarr"],
+        ["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"],
+        ["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"],
     ],
 )
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_while_compiling_is_obeyed_at_once(
-    words: list[str], after: float, number: signal.Signals, tmp_path: Path
-) -> None:
+def test_a_signal_while_compiling_is_obeyed_at_once(words: list[str], number: signal.Signals, tmp_path: Path) -> None:
+    """At once: before the compilation, which takes seconds, is done."""
     cache = {**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache")}
     process = subprocess.Popen(
-        [*MAIN, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=cache
+        [sys.executable, "-c", MARKED, *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env=cache,
     )
-    time.sleep(after)
-    began = time.monotonic()
+    wait_until((tmp_path / "begun").exists, process)
     process.send_signal(number)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate()
     assert process.returncode == 128 + number, errors
-    assert time.monotonic() - began < 3.0
+    assert not (tmp_path / "done").exists()
     assert "Traceback" not in errors
     assert "terminated" in errors or "interrupted" in errors
     assert not list(tmp_path.glob("a.zarr"))

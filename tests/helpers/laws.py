@@ -548,13 +548,12 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
 # --- random bodies and states ---------------------------------------------------------------------------------------
 
 
-def cases(systems: dict[str, Any], only: str | None = None) -> Iterator[tuple[str, str, str]]:
+def cases(systems: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     """Every system x form x friction law, by name."""
     for name, system in systems.items():
         for form in system.forms:
             for law in system.laws or ("none",):
-                if only is None or only == name:
-                    yield name, form, law
+                yield name, form, law
 
 
 def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
@@ -596,13 +595,16 @@ def broken(pairs: Pairs, law: str, made: Case) -> str | None:
     return f"{law}: nothing was compared" if what is None else None
 
 
-def first_broken(
-    systems: dict[str, Any], rng: Callable[[], np.random.Generator], only: str | None = None
-) -> str | None:
-    """The first law that any system breaks."""
-    for name, form, law in cases(systems, only):
-        made = case(systems[name], form, law, rng())
-        for check in (law for law in LAWS if applies(law, systems[name], form)):
-            if (message := broken(check(made), check.__name__, made)) is not None:
-                return f"{name}, {form}, {law}: {message}"
+def first_broken_of(systems: dict[str, Any], names: tuple[str, str, str], rng: np.random.Generator) -> str | None:
+    """The first law that a system breaks in a form with a friction law."""
+    name, form, friction = names
+    made = case(systems[name], form, friction, rng)
+    for law in (law for law in LAWS if applies(law, systems[name], form)):
+        if (message := broken(law(made), law.__name__, made)) is not None:
+            return f"{name}, {form}, {friction}: {message}"
     return None
+
+
+def first_broken(systems: dict[str, Any], rng: Callable[[], np.random.Generator]) -> str | None:
+    """The first law that any system breaks."""
+    return next(filter(None, (first_broken_of(systems, names, rng()) for names in cases(systems))), None)

@@ -72,19 +72,6 @@ def test_potential_of_heavy_tops(system):
 # --- the minimal surface --------------------------------------------------------------------------------------------
 
 
-def test_critical_function_is_the_slope_of_the_potential():
-    """V_z = N/(gamma I1 R^2 (1 - z^2)^2), and N(-1) <= 0 <= N(1). [section 5]"""
-    b = oracle.body(oracle.FIGURE)
-    for z, D, lam in (
-        (mp.mpf("0.3"), mp.mpf("1e-4"), mp.mpf("2e-6")),
-        (mp.mpf("-0.9"), mp.mpf("-3e-4"), mp.mpf("5e-6")),
-    ):
-        slope = mp.diff(lambda z, D=D, lam=lam: oracle.potential(z, D, lam, b), z)
-        N = spinning.critical(z, D, lam, b)
-        assert abs(N / (b.I1**2 / b.I3 * b.R**2 * (1 - z**2) ** 2) / slope - 1) < 1e-25
-        assert spinning.critical(-1, D, lam, b) <= 0 <= spinning.critical(1, D, lam, b)
-
-
 def test_surface_lies_below_every_potential():
     z, D, lam = np.cos(np.linspace(0.01, 3.13, 201)), np.linspace(-6e-4, 8e-4, 21), np.linspace(-6e-6, 7e-6, 17)
     F = surface.minimal_surface(CANONICAL, D, lam).F
@@ -172,16 +159,6 @@ def test_inverted_line_lies_on_the_surface_from_lambda_pi():
             assert found.theta.item() == np.pi
             assert found.F.item() == pytest.approx(E, rel=2e-15)
             assert lines.on_surface[1, i]
-
-
-def test_end_values_and_slopes_of_the_potential():
-    """V(+-1), V_z(+-1) on the marked lines are the limits of V, V_z. [section 5]"""
-    b, lam = oracle.body(oracle.FIGURE), mp.mpf("3e-6")
-    for z in (1, -1):
-        D, near = spinning.slope(z, b) * lam, z * (1 - mp.mpf(10) ** -20)
-        assert abs(oracle.potential(near, D, lam, b) / spinning.energy(z, lam, b) - 1) < 1e-18
-        slope = (oracle.potential(near, D, lam, b) - spinning.energy(z, lam, b)) / (near - z)
-        assert abs(slope / spinning.end_slope(z, lam, b) - 1) < 1e-17
 
 
 def test_boundary_values():

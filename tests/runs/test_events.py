@@ -40,6 +40,29 @@ class TestSignificance:
         assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR / 10, pieces) == [0]
         assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR * 10, pieces) == [0, 1]
 
+    def test_they_are_the_extremes_of_the_path_that_a_zigzag_filter_keeps(
+        self, pieces: int, rng: np.random.Generator
+    ) -> None:
+        """Swings of a few quarters of the floor, exact in doubles, so that some are the floor itself."""
+        for _ in range(200):
+            sign = np.where(np.arange(30) % 2, 1, -1) * rng.choice([-1, 1])
+            theta = np.cumsum(-sign * rng.integers(1, 9, 30)) * (NOISE_FLOOR / 4)
+            end = float(theta[-1] + sign[-1] * rng.integers(0, 9) * (NOISE_FLOOR / 4))
+            found = confirmed(theta.tolist(), sign.tolist(), end, pieces)
+            assert found == zigzag([*theta.tolist(), end], int(sign[0]))
+
+
+def zigzag(path: list[float], way: int) -> list[int]:
+    """The rows of the extremes from which a path comes back by the noise floor; the first is sought below for way 1."""
+    kept, best = [], 0
+    for row in range(1, len(path)):
+        if way * (path[row] - path[best]) >= NOISE_FLOOR:
+            kept.append(best)
+            best, way = row, -way
+        elif way * (path[row] - path[best]) < 0:
+            best = row
+    return kept
+
 
 def test_lanes_and_single_runs_confirm_the_same_turnings(rng: np.random.Generator) -> None:
     """One by one, in pieces, and by the compiled observer of lanes: swings of all sizes around the floor."""
