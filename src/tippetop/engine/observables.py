@@ -66,10 +66,9 @@ class Observables:
         outputs = np.empty((function.nouts, len(rows)))
         for start in range(0, len(rows), BLOCK):
             part = rows[start : start + BLOCK].T
-            # whole SIMD batches, the last column repeated: so a row's bits do not depend on its neighbours
-            padded = np.pad(part, ((0, 0), (0, -part.shape[1] % function.batch_size)), mode="edge")
-            block = np.ascontiguousarray(padded)
-            pars = np.repeat(self._pars[: function.nparams, None], block.shape[1], axis=1)
+            block = _whole_batches(part, function.batch_size)
+            pars = np.empty((function.nparams, block.shape[1]))
+            pars[:] = self._pars[: function.nparams, None]
             outputs[:, start : start + BLOCK] = function(block, pars=pars)[:, : part.shape[1]]
         return outputs
 
@@ -134,6 +133,16 @@ class Observables:
         return columns
 
 
+def _whole_batches(columns: np.ndarray, size: int) -> np.ndarray:
+    """Columns (variables, k) with the last one repeated to fill whole SIMD batches: so the bits of a column do not
+    depend on its neighbours."""
+    n = columns.shape[1]
+    whole = np.empty((columns.shape[0], n + -n % size))
+    whole[:, :n] = columns
+    whole[:, n:] = columns[:, -1:]
+    return whole
+
+
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
     """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,) each, doubles.
 
@@ -150,16 +159,11 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     -------
     dict
         Quantities and angles by name, (k,) each.
-
-    Notes
-    -----
-    The last column is repeated to fill whole SIMD batches: so the bits of a column do not depend on its neighbours.
     """
     base, k = problems.base, states.shape[1]
     names, function = compile_observables(base.system, base.form.name, base.friction.__class__, problems.orientation)
-    fill = ((0, 0), (0, -k % function.batch_size))
-    padded = np.ascontiguousarray(np.pad(states, fill, mode="edge"))
-    pars = np.ascontiguousarray(np.pad(problems.pars[: function.nparams, which], fill, mode="edge"))
+    padded = _whole_batches(states, function.batch_size)
+    pars = _whole_batches(problems.pars[: function.nparams, which], function.batch_size)
     return dict(zip(names, function(padded, pars=pars)[:, :k], strict=False))  # beyond the names: what poles need
 
 
@@ -184,9 +188,8 @@ def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -
     """
     base, k = problems.base, states.shape[1]
     function = compile_orientation(base.system, base.form.name, base.friction.__class__)
-    fill = ((0, 0), (0, -k % function.batch_size))
-    padded = np.ascontiguousarray(np.pad(states, fill, mode="edge"))
-    pars = np.ascontiguousarray(np.pad(problems.pars[: function.nparams, which], fill, mode="edge"))
+    padded = _whole_batches(states, function.batch_size)
+    pars = _whole_batches(problems.pars[: function.nparams, which], function.batch_size)
     return _turned(base.form, function(padded, pars=pars)[:, :k])
 
 

@@ -39,13 +39,23 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     -------
     Driver
     """
-    made = awaited(lambda: _compiled_for(problem), "the equations are being compiled", stop)
+    key = _key(problem)
+    if key in _known:
+        made = _checked(problem, compiled(*key))
+    else:
+        doing = "the equations are being compiled"
+        made = awaited(lambda: _checked(problem, compiled(*key)), doing, stop)
+        _known.add(key)
     return (CompiledDriver if made.machine is not None else SliceDriver)(problem, made)
 
 
-def _compiled_for(problem: Problem) -> Compiled:
+_known: set[tuple] = set()  # what this process has compiled: a thread to wait for it takes 0.1 ms
+
+
+def _key(problem: Problem) -> tuple:
+    """What its integrator is compiled for."""
     compact = problem.precision != "double" and float(problem.internal_time(problem.until)) < LONG
-    made = compiled(
+    return (
         problem.system,
         problem.form.name,
         problem.friction.__class__,
@@ -55,13 +65,16 @@ def _compiled_for(problem: Problem) -> Compiled:
         compact,
         problem.orientation,
     )
-    if made.machine is not None:
-        state = np.zeros(len(made.integrator.state))
-        state[: len(problem.variables.names)] = problem.start()
-        pars = np.array([float(leaf) for leaf in leaves(problem.internal_body)][: len(made.integrator.pars)])
-        if not is_same_step(made, state, pars):
-            return made._replace(machine=None)
-    return made
+
+
+def _checked(problem: Problem, made: Compiled) -> Compiled:
+    """Without the machine code if it does not make the step that heyoka makes."""
+    if made.machine is None:
+        return made
+    state = np.zeros(len(made.integrator.state))
+    state[: len(problem.variables.names)] = problem.start()
+    pars = np.array([float(leaf) for leaf in leaves(problem.internal_body)][: len(made.integrator.pars)])
+    return made if is_same_step(made, state, pars) else made._replace(machine=None)
 
 
 def fingerprint(driver: Driver) -> str:

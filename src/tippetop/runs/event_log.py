@@ -24,6 +24,7 @@ class Lines(NamedTuple):
 
     states: np.ndarray  # (k, variables), internal
     seconds: np.ndarray  # [s]
+    event: np.ndarray  # number of the event in its system
     kind: np.ndarray  # number of the kind, int8
     sign: np.ndarray  # of the crossing
     theta: np.ndarray  # [rad]
@@ -61,20 +62,18 @@ class EventLog:
         self.events = {event.name: event for event in problem.system.events}
         self.kinds = problem.system.kinds
         self.empty = EventTable.empty(self.kinds)
-        self.logged = self._numbers(problem.events)
-        self.turnings = self._numbers(name for name, event in self.events.items() if event.sense)
-        self.lasting = [event for event in self.events.values() if event.lasting]
-        self.numbers = self._numbers(self.events).astype(np.int8)  # of the kinds, and signs of turnings, by event
-        self.senses = np.array([event.sense for event in self.events.values()], dtype=int)
+        every = list(self.events.values())
+        self.lasting = [event for event in every if event.lasting]
+        self.numbers = np.array([self.kinds.index(event.name) for event in every], dtype=np.int8)  # by event, like:
+        self.senses = np.array([event.sense for event in every], dtype=int)
+        self.is_logged = np.array([event.name in problem.events for event in every], dtype=bool)
+        self.is_open = np.array([bool(event.sense or event.lasting) for event in every], dtype=bool)
         self.confirmation = Confirmation()
         self.tally = Tally(
             before=view.theta(first),
             counts=dict.fromkeys(self.kinds, 0),
             kept={k.name: 0 if k.what == "count" else None for event in self.events.values() for k in event.kept},
         )
-
-    def _numbers(self, names: Any) -> np.ndarray:
-        return np.array([self.kinds.index(name) for name in names], dtype=int)
 
     def _value(self, kind: str, rows: np.ndarray) -> np.ndarray:
         """The function of an event at rows (n, variables), internal units."""
@@ -89,11 +88,11 @@ class EventLog:
         if not len(found.times):
             return self.empty, [], np.zeros((0, 0))
         passages = self._lines(found)
-        keep = np.isin(passages.kind, self.logged)
+        keep = self.is_logged[passages.event]
         self._remember(passages, np.where(keep, self.tally.rows + np.cumsum(keep) - 1, -1))
         logged = passages.where(keep)
-        table = self._table(logged)
-        turning = np.isin(logged.kind, self.turnings)
+        turning = self.senses[logged.event] != 0
+        table = self._table(logged, turning)
         rows = self.tally.rows + np.flatnonzero(turning)
         self.tally.rows += len(turning)
         ways = np.where(logged.at_pole, 0, logged.rising)[turning]
@@ -106,6 +105,7 @@ class EventLog:
         return Lines(
             found.states,
             found.times.astype(float) * self.second,
+            found.events,
             self.numbers[found.events],
             found.signs,
             values["theta"].astype(float),
@@ -115,8 +115,12 @@ class EventLog:
 
     def _remember(self, passages: Lines, rows: np.ndarray) -> None:
         """What events keep of their passages, whatever kinds are logged; `rows` are those of the log, or -1."""
-        for number in np.unique(passages.kind).tolist():
-            event, mine = self.events[self.kinds[number]], passages.kind == number
+        for number, event in enumerate(self.events.values()):
+            if not (event.kept or event.lasting):
+                continue
+            mine = passages.event == number
+            if not mine.any():
+                continue
             for kept in event.kept:
                 meant = mine & (passages.sign == kept.direction) if kept.direction else mine
                 self._keep(kept.name, kept.what, passages.seconds[meant])
@@ -130,17 +134,16 @@ class EventLog:
         elif len(seconds) and (what == "last" or self.tally.kept[name] is None):
             self.tally.kept[name] = float(seconds[-1 if what == "last" else 0])
 
-    def _table(self, logged: Lines) -> EventTable:
+    def _table(self, logged: Lines, turning: np.ndarray) -> EventTable:
         """Rows of the log; the swings continue from the turning before."""
-        turning = np.isin(logged.kind, self.turnings)
         swing = np.full(logged.theta.shape, np.nan)
         swing[turning] = np.abs(np.diff(logged.theta[turning], prepend=self.tally.before))
         if turning.any():
             self.tally.before = float(logged.theta[turning][-1])
-        for number, count in zip(*np.unique(logged.kind, return_counts=True), strict=True):
-            self.tally.counts[self.kinds[number]] += int(count)
-        open_yet = turning | np.isin(logged.kind, self._numbers(event.name for event in self.lasting))
-        return EventTable(self.kinds, logged.seconds, logged.kind, logged.theta, logged.rising, swing, ~open_yet)
+        for number, count in enumerate(np.bincount(logged.kind, minlength=len(self.kinds)).tolist()):
+            self.tally.counts[self.kinds[number]] += count
+        known = ~self.is_open[logged.event]
+        return EventTable(self.kinds, logged.seconds, logged.kind, logged.theta, logged.rising, swing, known)
 
     def _marks(self, confirmed: list[tuple[int, float]]) -> list[int]:
         """Adds confirmed turnings to the band; gives their rows."""
@@ -173,7 +176,7 @@ class EventLog:
         """Counts, inversion and band, as `info --json` has them; and what events of a system's own keep."""
         tally = self.tally
         counts = {name: n for name, n in tally.counts.items() if n}
-        if any(self.kinds[number] in counts for number in self.turnings):
+        if any(event.sense and event.name in counts for event in self.events.values()):
             counts["turning_significant"] = tally.confirmed
         own = {name: value for name, value in tally.kept.items() if name not in INVERSION + UNREPORTED}
         return {

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays
-from ..engine.slices import STEPS_PER_SLICE, Slice, event_functions
+from ..engine.slices import STEPS_PER_SLICE, Slice
 from ..engine.status import Status
 from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.units import SECOND
@@ -103,7 +103,7 @@ class Integration:
     def _ended_at_start(self) -> Status | None:
         """How a run ends before its first step: a quantity that must not be negative is so from the start."""
         events = self.problem.system.events
-        for event, value in zip(events, event_functions(self.problem.alone)[0], strict=True):
+        for event, value in zip(events, self.driver.at_start, strict=True):
             if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:
                 return Status.of_event(event.ends)
         return None
