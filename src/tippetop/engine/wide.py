@@ -41,6 +41,7 @@ class SliceDriver(Driver):
         before, state = int(self.tally["steps"]), self.state.copy()
         outcome, *_, output, _ = integrator.propagate_until(self.end, max_steps=most, c_output=True)
         if output is None:  # not one step was possible
+            self.log.count[0] = 0
             status = Status.NON_FINITE if outcome == hy.taylor_outcome.err_nf_state else Status.FINISHED
             nothing = np.zeros((0, len(state)), state.dtype)
             return self._slice(0, integrator.time, state[None, :], nothing, self._passages(output, nothing), status)
@@ -55,18 +56,24 @@ class SliceDriver(Driver):
             np.ascontiguousarray(coefficients[:steps].astype(float)[..., None]),
             self.rows, self.rules, self.tallies, self.log, self.scratch,
         )  # fmt: skip
-        status, reached, last = self._status(outcome), times[steps], ends[steps - 1 : steps] if steps else state[None, :]
+        status, reached, last = (
+            self._status(outcome),
+            times[steps],
+            ends[steps - 1 : steps] if steps else state[None, :],
+        )
         passages = self._passages(output, coefficients)
         if self.tally["upto"] < 1.0:
             reached, last = passages.times[-1], passages.states[-1:]
         if status is None and self.tally["tiny"] >= steps:
             status = None
-        self._rows(output, request, float(reached), status is not None)
+        self._rows(output, request, float(reached), status is not None, ends)
         counts = np.arange(before + 1, before + 1 + int(self.tally["steps"]) - before)
         sampled = ends[: len(counts)][counts % self.rules.every == 0]
         return self._slice(len(counts), reached, last, sampled, passages, status)
 
-    def _slice(self, steps: int, time: Any, last: Any, samples: Any, passages: Passages, status: Status | None) -> Slice:
+    def _slice(
+        self, steps: int, time: Any, last: Any, samples: Any, passages: Passages, status: Status | None
+    ) -> Slice:
         n = self.variables
         passages = passages._replace(states=passages.states[:, :n])
         return Slice(steps, time, last[:, :n].copy(), samples[:, :n].copy(), passages, status)
@@ -99,11 +106,12 @@ class SliceDriver(Driver):
         states = np.array(output(refined), copy=True)
         return Passages(refined, events, log.sign[found], log.at_pole[found], states)
 
-    def _rows(self, output: Callable, request: Request, reached: float, ended: bool) -> None:
+    def _rows(self, output: Any, request: Request, reached: float, ended: bool, ends: np.ndarray) -> None:
         """Gives the request its rows up to the time reached, and those at it if the run has ended."""
         if request.steps:
-            ends = output.times[1:][output.times[1:] < reached] if ended else output.times[1:]  # type: ignore
-            self._give(request, np.asarray(ends), output)
+            times = output.times[1:].astype(float)
+            made = int(np.searchsorted(times, reached, side="right" if self.tally["upto"] == 1.0 else "left"))
+            request.take(times[:made], ends[:made, : self.variables].copy())
             return
         while True:
             self.times = self.times if len(self.times) else request.wanted()
