@@ -31,7 +31,6 @@ from tippetop.scenario import build
 
 EVENT_SCALE = 2.0**-24
 ROUNDING = 4e-15  # of a function over a step, in units of the sum of its terms: some twenty terms
-OF_SQUARES = 4e-13  # of sliding, the square of a difference whose terms are a hundred times as large; seen: 1.4e-13
 KNOWN = 1e-7  # of a step: a zero that is known no better is not compared
 APART = 1e-5  # of a step
 
@@ -114,13 +113,15 @@ def found(driver: Driver, output: Any, e: int, times: np.ndarray, signs: np.ndar
     record = driver.rows.events[e]
     step = np.clip(np.searchsorted(output.times, times, side="right") - 1, 0, len(output.times) - 2)
     h = np.diff(output.times)[step]
-    known, rounding = np.empty(len(times)), OF_SQUARES if driver.problem.system.events[e].lasting else ROUNDING
+    known = np.empty(len(times))
     for i, (at, length) in enumerate(zip(step, h, strict=True)):
         p = np.polynomial.Polynomial(output.tcs[at, record["row"]] * length ** np.arange(output.tcs.shape[2]))
         p = p.deriv() / length if record["shift"] else p + record["offset"]
         slope = abs(p.deriv()((times[i] - output.times[at]) / length))
         size = np.abs(p.coef).sum() + abs(record["offset"])
-        known[i] = rounding * size / slope * length if slope > 0 else np.inf
+        if driver.problem.system.events[e].lasting:  # sliding: the square of a difference of numbers of order one
+            size += np.sqrt(size * record["scale"])
+        known[i] = ROUNDING * size / slope * length if slope > 0 else np.inf
     return Found(times, signs, known, h)
 
 

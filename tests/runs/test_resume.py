@@ -20,6 +20,7 @@ from stores import acknowledged, assert_same, ended, files, start_process, wait_
 
 from tippetop import errors
 from tippetop.cli import outcome
+from tippetop.engine.status import Status
 from tippetop.errors import StoreError
 from tippetop.problem import Problem
 from tippetop.runs import recording
@@ -384,7 +385,7 @@ class HandedOver(Exception):
     """A run was stopped after a slice."""
 
 
-def handed_over_after_every_slice(made: Problem) -> Memory:
+def handed_over_after_every_slice(made: Problem) -> tuple[Integration, Memory]:
     """A run that a new process takes over, from a checkpoint, before its first slice and after each."""
     memory, integration = Memory(), Integration(made)
 
@@ -397,7 +398,7 @@ def handed_over_after_every_slice(made: Problem) -> Memory:
         integration.restore(kept)
         with contextlib.suppress(HandedOver):
             integration.run(memory, stop)
-    return memory
+    return integration, memory
 
 
 @pytest.mark.parametrize("output", ["times", "events", "steps"])
@@ -408,12 +409,35 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     """It starts on a zero of theta', whose first step is searched in another way than the later ones."""
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 3)
     made = dataclasses.replace(problem(1.0, *start), output=output)
-    memory, whole = handed_over_after_every_slice(made), solve(made)
+    (integration, memory), whole = handed_over_after_every_slice(made), solve(made)
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
     np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)
     for name, values in memory.table().columns().items():
         np.testing.assert_array_equal(values, getattr(whole.events, name), err_msg=name)
     assert len(whole.events.time) > 10
+    assert integration.report() == whole.report, "extremes of the force with their times, too"
+    np.testing.assert_array_equal(integration.driver.state[: integration.driver.variables], whole.final)
+
+
+@pytest.mark.parametrize("way", ["longdouble", "no machine code", "liftoff", "euler"])
+def test_other_runs_that_change_hands_keep_every_bit_too(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wider numbers; heyoka's own loop; an end in the midst of a step; a form with an integral of an event."""
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 5)
+    if way == "no machine code":
+        monkeypatch.setattr("tippetop.engine.taylor.is_same_step", lambda *_: False)
+    sets = {
+        "longdouble": ["run.precision=longdouble"],
+        "liftoff": ["initial.theta=2.0", "initial.theta_dot=20.0"],
+        "euler": ["form=euler"],
+    }
+    made = build.load("inverting", ["run.output_step=0.01", "initial.phi_dot=3.0", *sets.get(way, [])], 0.2)
+    (integration, memory), whole = handed_over_after_every_slice(made), solve(made)
+    assert integration.status is whole.status is (Status.LIFTOFF if way == "liftoff" else Status.FINISHED)
+    assert integration.report() == whole.report
+    np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
+    np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)
+    for name, values in memory.table().columns().items():
+        np.testing.assert_array_equal(values, getattr(whole.events, name), err_msg=name)
 
 
 def test_rows_at_events_or_steps(tmp_path: Path) -> None:
