@@ -2,7 +2,7 @@
 
 Its event functions are scaled by 2^-24, so that they do not control the step: the steps are the same, and what is
 compared are two ways of finding zeros. A zero is known to the rounding of its function over the slope there, whoever
-finds it; so times agree to 1e-13 of the run and that rounding. Not compared: zeros whose function is known no better
+finds it; so times agree to 2e-15 of the run and that rounding. Not compared: zeros whose function is known no better
 than 1e-7 of a step (it touches zero, as at a cusp on the equator, or is noise, as at a pole), and pairs of zeros that
 are closer than 1e-5 of a step, which both may take for none.
 """
@@ -131,7 +131,7 @@ def matched(a: Found, b: Found, end: float, what: str) -> int:
         gaps = np.diff(mine.times, prepend=-np.inf, append=np.inf)
         clear = (mine.known < KNOWN * mine.steps) & (np.minimum(gaps[1:], gaps[:-1]) > APART * mine.steps)
         for time, sign, known in zip(mine.times[clear], mine.signs[clear], mine.known[clear], strict=True):
-            near = np.abs(other.times - time) <= 1e-13 * end + known
+            near = np.abs(other.times - time) <= 2e-15 * end + known
             assert near.sum() == 1, (what, time, known, a.times, b.times)
             assert other.signs[near][0] == sign, (what, time)
     return int(clear.sum())
