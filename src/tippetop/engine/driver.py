@@ -1,4 +1,4 @@
-"""The loop of a run: a compiled step, the time in double length, the observer, samples, rows. For one run or many lanes.
+"""The loop of a run: a compiled step, the time in double length, the observer, samples, rows; for one run or many.
 
 No Python is called inside and the lock of Python is released; each number of a lane depends on its own steps alone.
 """
@@ -12,7 +12,6 @@ from tippetop_kernels.jit import entry, inlined, lent
 
 from .observer import take_step
 from .status import Status
-from .tallies import PassageLog, Samples
 
 
 RUNNING, FINISHED, NON_FINITE = Status.RUNNING.code, Status.FINISHED.code, Status.NON_FINITE.code
@@ -49,9 +48,7 @@ def new_motion(integrator: Any, lanes: int) -> Motion:
     n, order = len(integrator.state), integrator.order
     state = np.zeros((n, lanes))
     line = [np.zeros(lanes) for _ in range(7)]
-    return Motion(
-        state, state.copy(), np.zeros((len(integrator.pars), lanes)), np.zeros((n, order + 1, lanes)), *line
-    )
+    return Motion(state, state.copy(), np.zeros((len(integrator.pars), lanes)), np.zeros((n, order + 1, lanes)), *line)
 
 
 def no_rows(variables: int) -> Rows:
@@ -165,8 +162,8 @@ def _is_finite(motion, lane):
 
 @inlined
 def _rows(dense, motion, tallies, rows, made):
-    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `made` are the
-    steps of this call: the end of one that was made before it has its row."""
+    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `made` are
+    the steps of this call: the end of one that was made before it has its row."""
     n = len(rows.times)
     if n == 0:
         return False

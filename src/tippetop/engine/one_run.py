@@ -47,22 +47,18 @@ class CompiledDriver(Driver):
         last, when = self.motion.state[None, :, 0].copy(), float(self.tally["t"])
         if self.tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
             last = log.states[order[-1:]]
+        columns = log.time, log.event, log.sign, log.at_pole, log.states[:, : self.variables]
         return Slice(
             int(self.tally["steps"]) - before,
             when,
             last[:, : self.variables],
             samples.states[: samples.count[0], : self.variables].copy(),
-            Passages(
-                log.time[order], log.event[order], log.sign[order], log.at_pole[order],
-                log.states[order, : self.variables],
-            ),  # fmt: skip
+            Passages(*(column[order] for column in columns)),
             None if status is Status.RUNNING else status,
         )
 
     def _asked(self, request: Request) -> Rows:
-        if request.steps:
-            self.times = request.wanted()
-        elif not len(self.times):
+        if request.steps or not len(self.times):
             self.times = request.wanted()
         if not len(self.times):
             return self.nothing

@@ -14,12 +14,10 @@ from .status import Status
 from .tallies import (
     LEAST,
     MOST,
-    SIGN,
     T_LEAST,
     T_MOST,
     EventRows,
     StopRules,
-    Tallies,
     new_log,
     new_samples,
     new_scratch,
@@ -140,7 +138,7 @@ class Driver(ABC):
         return {
             "state": self.state,
             "time": list(self.clock),
-            "tally": [self.tally[name].item() for name in self.tallies.lane.dtype.names],
+            "tally": list(self.tallies.lane[0].item()),
             "functions": self.tallies.functions[:, :, 0].tolist(),
             "kept": self.tallies.kept[:, 0].tolist(),
         }

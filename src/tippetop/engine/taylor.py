@@ -2,7 +2,6 @@
 
 import hashlib
 import threading
-from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -81,4 +80,3 @@ def fingerprint(driver: Driver) -> str:
     """Says which equations a driver was made of: a digest of their expressions."""
     lines = "\n".join(f"{a}' = {b}" for a, b in driver.compiled.integrator.sys)
     return hashlib.sha256(lines.encode()).hexdigest()[:16]
-

@@ -5,7 +5,7 @@ No lane sees another: a top's numbers depend on its own only.
 
 import copy
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -70,7 +70,7 @@ class Lanes:
         self.machine = made.machine
         if self.machine is not None and not is_same_step(made, self.motion.state, self.motion.pars):
             self.machine = None
-        self.integrator = copy.deepcopy(made.integrator) if self.machine is None else None
+        self.integrator = copy.deepcopy(made.integrator) if self.machine is None else made.integrator
 
     def _put(self, lane: int, top: int, end: float) -> None:
         motion, start = self.motion, self.tops.start[:, top]

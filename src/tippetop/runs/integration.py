@@ -79,7 +79,8 @@ class Integration:
         problem, request = self.problem, _Request(self, sink)
         if self.fresh and problem.output != "times":
             self.write(sink, np.array([0.0]), self.first)
-        self.status = self._ended_at_start() if self.fresh else None
+        if self.fresh:
+            self.status = self._ended_at_start()
         steps = SETTLED_SLICE if problem.stop_when == "settled" else STEPS_PER_SLICE
         while self.status is None:
             clock, before = time.perf_counter(), request.seconds
@@ -147,6 +148,7 @@ class Integration:
             **self.monitor.report(),
             **self.log.report(),
             "theta_end": theta_end,
+            **({} if self.driver.compiled.machine or self.problem.precision != "double" else {"steps_by": "heyoka"}),
             **self._outcome(),
         }
 
