@@ -159,8 +159,9 @@ def test_the_rolling_preset_is_integrated_in_the_form_that_keeps_its_contract() 
 def test_a_reduced_start_next_to_a_pole_is_refused(theta: float) -> None:
     near = [f"initial.theta={theta!r}"]
     with pytest.raises(InputError, match='form = "vector" can'):
-        build.load("rolling", near)
-    build.load("rolling", [*near, "form=vector"])
+        build.load("rolling", [*near, "form=reduced"])
+    for form in ("auto", "vector", "contact"):
+        build.load("rolling", [*near, f"form={form}"])
 
 
 @pytest.mark.parametrize("theta", [1e-3, np.pi - 1e-3])
