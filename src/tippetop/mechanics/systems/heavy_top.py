@@ -178,7 +178,7 @@ def fixed_rates(q, b):
 def vertical_reaction(q, carried, b):
     """Vertical reaction at the tip, m (g - c z'') [N]; z'' from I1* z' = L_x u_y - L_y u_x."""
     u_dot, rates = tip_axis_rate(q, b), fixed_rates(q, b)
-    turn = rates.Lx * q.uy - rates.Ly * q.ux + q.Lx * u_dot.y - q.Ly * u_dot.x
+    turn = (rates.Lx * q.uy + q.Lx * u_dot.y) - (rates.Ly * q.ux + q.Ly * u_dot.x)
     return b.m * (b.g - b.c * turn / tip_inertia(b))
 
 
