@@ -238,7 +238,7 @@ def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str, monkeypatc
     monkeypatch.setitem(SYSTEMS, toy.name, toy)
     made = dataclasses.replace(start_of(name), system=toy, until=1e6)
     found = forecast.assessment(made)
-    assert set(found) == {"at_start", "expected"}
+    assert set(found) == {"auto_form", "at_start", "expected"}
     assert forecast.comments(made) == {}
     report = {"reason": "end.", "steps": 1, "event_counts": {}, "theta_end": 0.1, "nutational_band": {}, "drift": {}}
     inversion = dict.fromkeys(("first_equator", "last_equator", "inverted_at"))

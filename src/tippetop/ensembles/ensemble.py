@@ -226,7 +226,6 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     InputError
         If the problem cannot run in lanes, or a key or a shape is wrong.
     """
-    base = base.for_many()
     sentences = [*base_faults(base), *variation_faults(base, variations)]
     if orientation and base.form.orientation is None:
         sentences.append("`orientation` must be false, of a form that does not know it.")

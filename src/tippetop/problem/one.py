@@ -1,6 +1,6 @@
 """One run: a checked body, a start and a span, all in SI units."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +14,7 @@ from ..mechanics.system import Form, Parameter, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
-from .choice import Choice, choice, regular_form
+from .choice import Choice, choice
 from .faults import given_names
 from .many import Problems
 
@@ -42,7 +42,6 @@ class Problem:
     output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
-    auto: bool = field(default=False, compare=False)  # whether the form was chosen, not named
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
@@ -101,14 +100,10 @@ class Problem:
                     faults.append(unknown_key(key, known, self.rules))
         return faults + self.system.clashes(given_names(self.initial))
 
-    @cached_property
+    @property
     def choice(self) -> Choice:
-        """The form that `form = "auto"` takes, and why; of a run whose start is free of faults."""
-        return choice(self)
-
-    def for_many(self) -> "Problem":
-        """The problem as the base of many: a form that was chosen for its start gives way to one that serves all."""
-        return replace(self, form=regular_form(self), auto=False) if self.auto else self
+        """The form that `form = "auto"` takes, and why."""
+        return choice(self.system)
 
     def start_faults(self) -> list[str]:
         """Why there is no motion from the start, in sentences; of numbers that are right one by one."""
