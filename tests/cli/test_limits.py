@@ -147,13 +147,16 @@ def test_a_tolerance_somewhat_below_the_rounding_unit_is_allowed(precision: str,
         (["run", "inverting", "--set", "run.precision=quad", "--set", "run.until=1e7", "--out", "a.zarr"], 3.0),
         (["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"], 2.5),
         (["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"], 2.5),
+        (["plot", "run.zarr", "band", "--out", "band.png"], 4.0),
     ],
 )
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_while_compiling_is_obeyed_at_once(
     words: list[str], after: float, number: signal.Signals, tmp_path: Path
 ) -> None:
-    cache = {**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache")}
+    if words[0] == "plot":
+        assert outcome(["run", "inverting", "--until", "0.5", "--out", str(tmp_path / "run.zarr")]) == 0
+    cache = {**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache"), "TIPPETOP_CACHE_DIR": ""}
     process = subprocess.Popen(
         [*MAIN, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=cache
     )
