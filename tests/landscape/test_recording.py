@@ -1,8 +1,10 @@
 """Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write and draw them."""
 
 import json
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import xarray as xr
 from examples import CANONICAL
 from stores import assert_same
 
+import tippetop
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.landscape import recording, surface
@@ -161,3 +164,29 @@ def test_wrong_words_are_one_sentence(words, sentence, capsys, tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     assert outcome(words) == 2
     assert sentence in capsys.readouterr().err
+
+
+OLD = Path(__file__).parents[1] / "reference" / "surface_zstd"
+
+
+def test_a_surface_in_the_old_format_still_opens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """zstd, without checksums: read, described, drawn, exported; its numbers are those of today."""
+    codecs = json.loads((OLD / "surface" / "F" / "zarr.json").read_text())["codecs"]
+    assert [codec["name"] for codec in codecs] == ["bytes", "zstd"]
+    stored = tippetop.open(OLD)
+    attrs = json.loads((OLD / "zarr.json").read_text())["attributes"]
+    today = surface.minimal_surface(attrs["parameters"], stored["D"].values, stored["lambda"].values)
+    np.testing.assert_allclose(stored["F"], today["F"], rtol=1e-15)
+    np.testing.assert_array_equal(stored["status"], today["status"])
+    assert outcome(["info", str(OLD), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["axes"]["D"] == [-3e-4, 3e-4, 3]
+    assert outcome(["plot", str(OLD), "--out", str(tmp_path / "F.png")]) == 0
+
+
+def test_damage_to_an_old_surface_is_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    place = tmp_path / "F.zarr"
+    shutil.copytree(OLD, place)
+    chunk = place / "surface" / "F" / "c" / "0" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:20])
+    assert outcome(["plot", str(place), "--out", str(tmp_path / "F.png")]) == 5
+    assert str(place) in capsys.readouterr().err

@@ -132,9 +132,9 @@ class PassageLog(NamedTuple):
 
 def new_log(length: int, variables: int) -> PassageLog:
     """A log with room for so many passages."""
-    numbers = [np.zeros(length, np.int64) for _ in range(2)]
-    ends = np.zeros(length, np.bool_), np.zeros(length, np.int64), np.zeros((length, variables))
-    return PassageLog(np.zeros(1, np.int64), np.zeros(length), *numbers, *ends)
+    event, sign, step = np.zeros((3, length), np.int64)
+    at_pole, states = np.zeros(length, np.bool_), np.zeros((length, variables))
+    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, step, states)
 
 
 class Samples(NamedTuple):
@@ -164,5 +164,7 @@ class Scratch(NamedTuple):
 
 def new_scratch(size: int, lanes: int) -> Scratch:
     """Room for polynomials of so many coefficients."""
-    rows = [np.empty(size) for _ in range(3)]
-    return Scratch(*rows, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes))
+    polynomial, work, zeros = np.empty((3, size))
+    return Scratch(
+        polynomial, work, zeros, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes)
+    )

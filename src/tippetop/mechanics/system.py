@@ -76,7 +76,7 @@ def _same(value: Any) -> Any:
     return value
 
 
-@dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
+@dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
 class System:
     """A mechanical system: everything that the rest of the package needs to know of it."""
 
@@ -109,6 +109,15 @@ class System:
     long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
     inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
+
+    def __repr__(self) -> str:
+        return f"<System {self.name}: {self.title}>"
+
+    def __copy__(self) -> "System":
+        return self
+
+    def __deepcopy__(self, memo: Any) -> "System":
+        return self
 
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.

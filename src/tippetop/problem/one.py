@@ -1,5 +1,6 @@
 """One run: a checked body, a start and a span, all in SI units."""
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,7 +25,7 @@ ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 UNTIL = Parameter(SECOND, "end of the run", above=0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Problem:
     """One run. Built and checked by `scenario`; everything further in trusts it. All numbers in SI units."""
 
@@ -46,6 +47,14 @@ class Problem:
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
             object.__setattr__(self, "times", ListedTimes(self.times))
+
+    def __reduce__(self) -> Any:
+        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "form"}
+        return _again, (self.form.name, given)
+
+    def __repr__(self) -> str:
+        start = ", ".join(f"{name} = {value:.6g}" for name, value in self.initial.items())
+        return f"<Problem of {self.system.name}, {self.form.name} form: {start}; until {self.until:.6g} s>"
 
     @cached_property
     def number(self) -> Any:
@@ -144,3 +153,8 @@ class Problem:
     def internal_time(self, t: Any) -> Any:
         """Times in internal units, exactly."""
         return t / float(self.scales.of(SECOND))
+
+
+def _again(form: str, given: dict[str, Any]) -> Problem:
+    """The problem of a pickle."""
+    return Problem(form=given["system"].forms[form], **given)
