@@ -44,6 +44,11 @@ def rate_extremes(times: np.ndarray, coefficients: np.ndarray) -> Extremes:
     since the start of each step. The sampled extreme is refined on the polynomial of its step and of its neighbours.
     """
     times, h, rate = _rates(times, coefficients)
+    finite = np.isfinite(rate).all(axis=1)  # wider numbers can overflow a double where steps shrink to nothing
+    if not finite.all():
+        times, h, rate = times[:-1][finite], h[finite], rate[finite]
+    if not len(rate):
+        return Extremes()
     samples = rate @ np.vander(_NODES, rate.shape[1], increasing=True).T
     extremes = []
     for sign in (1, -1):
@@ -89,7 +94,8 @@ def _rates(times: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.
     h, k = np.diff(times), np.arange(1, coefficients.shape[1])
     powers = np.repeat(h[:, None], len(k), axis=1)  # h^(k - 1) by products: np.power takes ten times as long
     powers[:, 0] = 1.0
-    return times, h, np.asarray(coefficients, float)[:, 1:] * k * np.multiply.accumulate(powers, axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return times, h, np.asarray(coefficients, float)[:, 1:] * k * np.multiply.accumulate(powers, axis=1)
 
 
 def _least(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
