@@ -80,3 +80,14 @@ def test_a_rate_that_stays_positive_does_not_fall() -> None:
     """Nor one that comes down to a positive bottom, nor one that is zero."""
     assert falls_below_zero(TIMES, integral_of(1e-9 + Polynomial([-0.77, 1.0]) ** 2)) is None
     assert falls_below_zero(TIMES, np.zeros((len(TIMES) - 1, ORDER + 1))) is None
+
+
+def test_steps_whose_rate_is_no_double_are_passed_over() -> None:
+    """Of a run in longdouble whose steps shrink to nothing; before, a traceback."""
+    rate = Polynomial([1.0, -2.0, 3.0])
+    coefficients = integral_of(rate).astype(np.longdouble)
+    whole = rate_extremes(TIMES[:4], coefficients[:3])
+    coefficients[3:, -1] = np.longdouble("1e400")
+    with np.errstate(over="ignore"):
+        assert rate_extremes(TIMES, coefficients) == whole
+        assert rate_extremes(TIMES[3:], coefficients[3:]) == Extremes()

@@ -65,7 +65,7 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
     stopped(tmp_path / "F.zarr", after=5)
     worked = []
     minima = surface.minima
-    monkeypatch.setattr(recording.surface, "minima", lambda *a: worked.append(1) or minima(*a))
+    monkeypatch.setattr(recording.surface, "minima", lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a))
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert len(worked) == 7
     assert_same(tmp_path / "F.zarr", whole)
@@ -190,3 +190,36 @@ def test_damage_to_an_old_surface_is_a_sentence(tmp_path: Path, capsys: pytest.C
     chunk.write_bytes(chunk.read_bytes()[:20])
     assert outcome(["plot", str(place), "--out", str(tmp_path / "F.png")]) == 5
     assert str(place) in capsys.readouterr().err
+
+
+DAMAGES = {
+    "deleted": lambda part: (part / "surface/F/c/0/0").unlink(),
+    "empty": lambda part: (part / "surface/z/c/0/1").write_bytes(b""),
+    "status": lambda part: (part / "surface/status/c/0/0").write_bytes(b"x"),
+    "exchanged": lambda part: exchange(part / "surface/F/c/0/0", part / "surface/F/c/0/1"),
+    "metadata": lambda part: edit(part / "surface/F/zarr.json", '"J"', '"eV"'),
+    "shape": lambda part: edit(part / "surface/z/zarr.json", '"shape"', '"shapes"'),
+    "group": lambda part: (part / "surface/zarr.json").write_text("{}"),
+    "root": lambda part: edit(part / "zarr.json", "minimal surface", "maximal surface"),
+}
+
+
+def exchange(one, other):
+    mine, yours = one.read_bytes(), other.read_bytes()
+    one.write_bytes(yours)
+    other.write_bytes(mine)
+
+
+def edit(place, old, new):
+    text = place.read_text()
+    assert old in text
+    place.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_path):
+    """Before, it was finished as it was, with exit code 0, or with a traceback."""
+    stopped(tmp_path / "F.zarr", after=5)
+    DAMAGES[damage](tmp_path / ".F.zarr.part")
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    assert_same(tmp_path / "F.zarr", whole)

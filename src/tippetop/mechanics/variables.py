@@ -110,7 +110,8 @@ class Variables:
     def coefficients(self, name: str, coefficients: Any) -> Any:
         """Taylor coefficients (n, order + 1) of an integral, whole again, among those of all variables, (n, variables,
         order + 1)."""
-        return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
+        with np.errstate(over="ignore"):  # wider numbers, where a motion ends in a singularity
+            return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
 
 
 @lru_cache

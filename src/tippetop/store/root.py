@@ -1,7 +1,6 @@
 """The root attributes of a store: what it holds, and whether tippetop wrote it."""
 
 import contextlib
-import json
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from ..arguments import path_of
 from ..columns import with_coordinates
 from ..errors import StoreError
-from . import checkpoint, files, skeleton
+from . import checkpoint, files, seal, skeleton
 
 
 if TYPE_CHECKING:
@@ -44,12 +43,16 @@ def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
-    """Adds root attributes to a finished store."""
-    place = Path(path) / "zarr.json"
-    content = json.loads(place.read_text(encoding="utf-8"))
-    content["attributes"] |= finite(more)
-    with files.writing(place):
-        files.replace_text(place, json.dumps(content, indent=2, allow_nan=False))
+    """Adds root attributes to a finished store, whose seal then is another one. Raises StoreError."""
+    skeleton.read(path)
+    with files.writing(Path(path) / seal.DOCUMENT):
+        finish(path, more)
+
+
+def finish(path: str | Path, more: dict[str, Any]) -> None:
+    """Gives a store that is whole its last root attributes, and its seal, in one step. Raises OSError."""
+    content = skeleton.root_of(path).get("content", "run")
+    seal.put(Path(path), skeleton.sealed_members(content), finite(more))
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":
