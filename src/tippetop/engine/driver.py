@@ -84,15 +84,15 @@ def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scrat
     room = len(events.events) * len(scratch.zeros)
     while True:
         full = _rows(dense, motion, tallies, rows, made)
-        full = full or (len(log.time) > 0 and log.count[0] + room > len(log.time))
-        if made == most or ended or full or samples.count[0] + len(motion.h) > len(samples.lane):
+        full = full or (len(log.time) > 0 and log.filled[0] + room > len(log.time))
+        if made == most or ended or full or samples.filled[0] + len(motion.h) > len(samples.lane):
             return made
         begin_step(motion, tallies)
         call_step(step, motion.state, motion.pars, motion.start_high, motion.h, motion.tc)
-        known = log.count[0]
+        known = log.filled[0]
         ended = end_step(motion, events, rules, tallies, log, samples, scratch)
         made += 1
-        for k in range(known, log.count[0]):
+        for k in range(known, log.filled[0]):
             motion.limit[0] = (log.time[k] - motion.start_high[0]) - motion.start_low[0]
             call_dense(dense, rows.out, motion.tc, motion.limit)
             _copy(rows.out, log.states, k)
@@ -132,11 +132,11 @@ def end_step(motion, events, rules, tallies, log, samples, scratch):
             tally.status = FINISHED
         ended = ended or tally.status != RUNNING
         if tally.steps % rules.every == 0 and tally.upto == 1.0 and len(samples.lane) > 0:
-            at = samples.count[0]
+            at = samples.filled[0]
             samples.lane[at] = lane
             for i in range(len(motion.state)):
                 samples.states[at, i] = motion.state[i, lane]
-            samples.count[0] = at + 1
+            samples.filled[0] = at + 1
     return ended
 
 

@@ -198,10 +198,10 @@ def _passage(i, tc, e, event, t, h, x, lane, rows, rules, tallies, log):
             kept[m, lane] += 1
         elif number.what == LAST or np.isnan(kept[m, lane]):
             kept[m, lane] = when
-    if log.count[0] < len(log.time) and event.direction * sign >= 0:
-        at = log.count[0]
+    if log.filled[0] < len(log.time) and event.direction * sign >= 0:
+        at = log.filled[0]
         log.time[at], log.event[at], log.sign[at], log.at_pole[at], log.step[at] = when, e, sign, at_pole, i
-        log.count[0] += 1
+        log.filled[0] += 1
 
 
 @kernel

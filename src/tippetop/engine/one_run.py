@@ -28,7 +28,7 @@ class CompiledDriver(Driver):
         """Makes at most so many steps."""
         machine, log, samples = self.compiled.machine, self.log, self.samples
         assert machine is not None
-        log.count[0] = samples.count[0] = 0
+        log.filled[0] = samples.filled[0] = 0
         made, before = 0, int(self.tally["steps"])
         while True:
             rows = self._asked(request)
@@ -43,7 +43,7 @@ class CompiledDriver(Driver):
             if not filled or filled < len(rows.times):
                 break
         status = STATUSES[int(self.tally["status"])]
-        order = np.argsort(log.time[: log.count[0]], kind="stable")
+        order = np.argsort(log.time[: log.filled[0]], kind="stable")
         last, when = self.motion.state[None, :, 0].copy(), float(self.tally["t"])
         if self.tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
             last = log.states[order[-1:]]
@@ -52,7 +52,7 @@ class CompiledDriver(Driver):
             int(self.tally["steps"]) - before,
             when,
             last[:, : self.variables],
-            samples.states[: samples.count[0], : self.variables].copy(),
+            samples.states[: samples.filled[0], : self.variables].copy(),
             Passages(*(column[order] for column in columns)),
             None if status is Status.RUNNING else status,
         )

@@ -121,7 +121,7 @@ def reset(tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_ze
 class PassageLog(NamedTuple):
     """Zeros of event functions as they are found, in one lane; of length 0 where nobody wants them."""
 
-    count: np.ndarray  # (1,) how many there are
+    filled: np.ndarray  # (1,) how many there are
     time: np.ndarray  # (n,) internal
     event: np.ndarray  # (n,) its number
     sign: np.ndarray  # (n,) of the crossing, +1 rising
@@ -140,7 +140,7 @@ def new_log(length: int, variables: int) -> PassageLog:
 class Samples(NamedTuple):
     """States on the way, at which the invariants are compared."""
 
-    count: np.ndarray  # (1,)
+    filled: np.ndarray  # (1,)
     lane: np.ndarray  # (n,)
     states: np.ndarray  # (n, variables)
 

@@ -92,7 +92,7 @@ class SliceDriver(Driver):
     def _passages(self, output: Any, coefficients: np.ndarray) -> Passages:
         """What the log holds, in the working precision."""
         log, number = self.log, self.problem.number
-        found = np.argsort(log.time[: log.count[0]], kind="stable")
+        found = np.argsort(log.time[: log.filled[0]], kind="stable")
         events, step = log.event[found], log.step[found]
         if not len(found):
             none = np.zeros(0, int)

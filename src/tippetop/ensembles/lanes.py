@@ -113,7 +113,7 @@ class Lanes:
         """Steps until a top ends, or samples are to be looked at; lanes whose top has ended are left empty (-2)."""
         made = self._by_heyoka() if self.machine is None else self._drive()
         self.steps_possible += made * self.lanes
-        if self.samples.count[0] + self.lanes > len(self.samples.lane):
+        if self.samples.filled[0] + self.lanes > len(self.samples.lane):
             self._look(observer)
         lane_of = self.tallies.lane
         for lane in np.flatnonzero((self.top >= 0) & (lane_of["status"] != Status.RUNNING.code)).tolist():
@@ -140,7 +140,7 @@ class Lanes:
         """The same where the machine code cannot be called: heyoka makes each step."""
         ta, motion, made, ended = self.integrator, self.motion, 0, False
         ta.pars[:] = motion.pars
-        while not ended and self.samples.count[0] + self.lanes <= len(self.samples.lane):
+        while not ended and self.samples.filled[0] + self.lanes <= len(self.samples.lane):
             begin_step(motion, self.tallies)
             ta.state[:] = motion.state
             ta.step(motion.limit.tolist(), write_tc=True)
@@ -158,10 +158,10 @@ class Lanes:
         return stays(body, values_of(self.tops, state, top), float(self.tops.unit(SECOND)[top[0]]))
 
     def _look(self, observer: Observer) -> None:
-        count = int(self.samples.count[0])
+        count = int(self.samples.filled[0])
         if count:
             observer.look(self.samples.states[:count].T, self.top[self.samples.lane[:count]])
-            self.samples.count[0] = 0
+            self.samples.filled[0] = 0
 
     def _state_at_end(self, lane: int) -> np.ndarray:
         """The state in which a top ended, perhaps in the midst of a step."""
