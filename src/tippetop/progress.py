@@ -81,6 +81,7 @@ class Bar:
         with self._lock:
             if self.visible and self.bar is None:
                 self._begin(of)
+                assert self.bar is not None
                 count = self.count.format(done=done, of=of, things=self.things)
                 self.bar.update(self.task, completed=done, count=count, note=STARTING)
 

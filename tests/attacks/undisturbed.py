@@ -31,11 +31,11 @@ class Enough(Exception):
 
 def many_chunks() -> None:
     """Slices and chunks as small, and commits as frequent, as if the runs were of hours; here and in forks."""
-    from tippetop.engine import taylor
     from tippetop.landscape import recording as surfaces
+    from tippetop.runs import integration
     from tippetop.runs import recording as runs
 
-    taylor.STEPS_PER_SLICE = 48
+    integration.STEPS_PER_SLICE = 48
     runs.COMMIT_EVERY, runs.MOST_ROWS, runs.EVENTS_PER_CHUNK = 0.0, 256, 16
     surfaces.CHUNK = 16
     surfaces.Surface.over.__func__.__kwdefaults__["chunk"] = 16

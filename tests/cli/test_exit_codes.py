@@ -10,7 +10,7 @@ import pytest
 
 from tippetop import cli
 from tippetop.cli import main
-from tippetop.engine import taylor
+from tippetop.engine.one_run import CompiledDriver
 from tippetop.runs import certificate, integration
 from tippetop.sweeps import chunk
 
@@ -42,17 +42,18 @@ def a_chunk_fails(patch: Patch) -> None:
 def asked(number: int) -> Callable[[Patch], None]:
     """A signal arrives before the first slice."""
 
-    def patch_slices(patch: Patch) -> None:
-        patch.setattr(taylor, "STEPS_PER_SLICE", 8)
-        inner = integration.slices
+    def patch_driver(patch: Patch) -> None:
+        patch.setattr(integration, "STEPS_PER_SLICE", 8)
+        inner, asked = CompiledDriver.advance, []
 
-        def slices(*arguments: Any) -> Iterator:
-            signal.raise_signal(number)
-            return inner(*arguments)
+        def advance(driver: CompiledDriver, *arguments: Any) -> Any:
+            if not asked:
+                asked.append(signal.raise_signal(number))
+            return inner(driver, *arguments)
 
-        patch.setattr(integration, "slices", slices)
+        patch.setattr(CompiledDriver, "advance", advance)
 
-    return patch_slices
+    return patch_driver
 
 
 @pytest.fixture

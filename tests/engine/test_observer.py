@@ -6,16 +6,30 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from tippetop.engine.observer import PATIENCE, TINY, follow
 from tippetop.engine.status import Status
-from tippetop.ensembles.observer import EVERY, PATIENCE, TINY, follow
-from tippetop.ensembles.tallies import LEAST, MOST, EventRows, StopRules, Tallies, event_rows, new_tallies, reset
+from tippetop.engine.tallies import (
+    LEAST,
+    MOST,
+    T_LEAST,
+    T_MOST,
+    EventRows,
+    PassageLog,
+    StopRules,
+    Tallies,
+    event_rows,
+    new_log,
+    new_scratch,
+    new_tallies,
+    reset,
+)
 from tippetop.mechanics.events import Event, Kept
 
 
 ORDER, LANES, STEPS = 12, 4, 40
 KEPT = (Kept("first", "first", ""), Kept("last", "last", ""), Kept("count", "count", ""), Kept("up", "count", "", 1))
 UNTIL = 2.0
-NO_RULES = StopRules(lasting=-1, way=0, settled_for=1.0, most_steps=10**6)
+NO_RULES = StopRules(lasting=-1, way=0, settled_for=1.0, most_steps=10**6, every=8)
 
 
 def event(name: str, **options: object) -> Event:
@@ -26,7 +40,7 @@ def rows_of(*sources: tuple[Event, int, float]) -> EventRows:
     """Events that are a variable (shift 0) or its rate (shift 1), plus an offset; event i reads variable i."""
     places = [(i, shift, 1.0, offset) for i, (_, shift, offset) in enumerate(sources)]
     n = len(sources)
-    return event_rows([event for event, _, _ in sources], places, np.arange(n + 3), (n, n + 1, n + 2))
+    return event_rows([event for event, _, _ in sources], places, (n, n + 1, n + 2))
 
 
 def slice_of(variables: list[list[Polynomial]], rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -45,14 +59,32 @@ def slice_of(variables: list[list[Polynomial]], rng: np.random.Generator) -> tup
 
 
 def followed(
-    rows: EventRows, times: np.ndarray, tcs: np.ndarray, signs: np.ndarray, rules: StopRules = NO_RULES
+    rows: EventRows,
+    times: np.ndarray,
+    tcs: np.ndarray,
+    signs: np.ndarray,
+    rules: StopRules = NO_RULES,
+    log: PassageLog | None = None,
 ) -> Tallies:
     """The tallies after these steps, of tops whose functions have these signs at the start, (events, lanes)."""
     tallies = new_tallies(rows, LANES)
     for lane in range(LANES):
         reset(tallies, rows, lane, signs[:, lane], np.zeros(len(signs), bool))
-    follow(times, tcs, rows, rules, tallies, np.empty((2, (STEPS // EVERY + 1) * LANES), np.int64))
+    continued(tallies, rows, times, tcs, rules, log)
     return tallies
+
+
+def continued(
+    tallies: Tallies,
+    rows: EventRows,
+    times: np.ndarray,
+    tcs: np.ndarray,
+    rules: StopRules = NO_RULES,
+    log: PassageLog | None = None,
+) -> None:
+    """Takes more steps in."""
+    lanes = times.shape[1]
+    follow(times, tcs, rows, rules, tallies, log or new_log(0, 0), new_scratch(tcs.shape[2], lanes))
 
 
 def random_roots(rng: np.random.Generator) -> list[np.ndarray]:
@@ -140,6 +172,11 @@ def test_extremes_are_those_of_the_function_until_the_top_ends(rng: np.random.Ge
             values = f(np.concatenate([[0.0, final], s[s < final]]))
             assert found[LEAST, 0, lane] == pytest.approx(values.min(), abs=1e-12)
             assert found[MOST, 0, lane] == pytest.approx(values.max(), abs=1e-12)
+            assert f(found[T_LEAST, 0, lane]) == pytest.approx(values.min(), abs=1e-12)
+            assert f(found[T_MOST, 0, lane]) == pytest.approx(values.max(), abs=1e-12)
+            assert (
+                0 <= min(found[[T_LEAST, T_MOST], 0, lane]) <= max(found[[T_LEAST, T_MOST], 0, lane]) <= final + 1e-12
+            )
 
 
 def test_where_slices_end_changes_no_bit(rng: np.random.Generator) -> None:
@@ -150,9 +187,10 @@ def test_where_slices_end_changes_no_bit(rng: np.random.Generator) -> None:
     for cut in (1, 13, STEPS - 1):
         parts = followed(rows, times[: cut + 1], tcs[:cut], signs_of(functions))
         parts.lane["step"] = -1
-        follow(times[cut:], tcs[cut:], rows, NO_RULES, parts, np.empty((2, 3 * LANES), np.int64))
+        continued(parts, rows, times[cut:], tcs[cut:])
         assert parts.kept.tobytes() == whole.kept.tobytes()
-        assert parts.functions[LEAST : MOST + 1].tobytes() == whole.functions[LEAST : MOST + 1].tobytes()
+        for known in (LEAST, MOST, T_LEAST, T_MOST):
+            assert parts.functions[known].tobytes() == whole.functions[known].tobytes()
         assert parts.lane["t"].tolist() == whole.lane["t"].tolist()
 
 
@@ -169,3 +207,142 @@ def test_steps_that_lead_nowhere_are_a_stall() -> None:
     assert found["steps"].tolist() == [PATIENCE, PATIENCE + 1, PATIENCE, PATIENCE]
     few = NO_RULES._replace(most_steps=5)
     assert followed(rows, times, tcs, signs, few).lane["steps"].tolist() == [5] * LANES
+
+
+# --- the zeros themselves ---------------------------------------------------------------------------------------------
+
+SIX = np.array([0.0, 0.4, 0.5, 1.1, 1.25, 2.0])
+"""Steps of different lengths: extremes and zeros lie inside them and at their ends."""
+
+
+def one_lane(functions: list[Polynomial], times: np.ndarray = SIX) -> tuple[np.ndarray, np.ndarray]:
+    """Times and coefficients of one run, as those of `slice_of`."""
+    tcs = np.zeros((len(times) - 1, len(functions) + 3, ORDER + 1, 1))
+    tcs[:, len(functions) + 2, 0] = 1.0
+    for row, f in enumerate(functions):
+        for k in range(ORDER + 1):
+            tcs[:, row, k, 0] = (f.deriv(k) if k else f)(times[:-1]) / factorial(k)
+    return times[:, None], tcs
+
+
+def passages_of(
+    sources: list[tuple[Event, int, float]], functions: list[Polynomial], times: np.ndarray = SIX, on_zero: bool = False
+) -> tuple[Tallies, PassageLog]:
+    """The tally and the log of one run; at the start its functions have the signs that they have there."""
+    rows, log = rows_of(*sources), new_log(200, 0)
+    at_start = [
+        (f.deriv() if shift else f)(times[0]) + offset for f, (_, shift, offset) in zip(functions, sources, strict=True)
+    ]
+    tallies = new_tallies(rows, 1)
+    reset(tallies, rows, 0, np.where(np.array(at_start) > 0, 1.0, -1.0), np.full(len(functions), on_zero))
+    continued(tallies, rows, *one_lane(functions, times), log=log)
+    return tallies, log
+
+
+@pytest.mark.parametrize("shift", [0, 1])
+def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Generator) -> None:
+    """One at most between two points of a grid, none on them; steps end where they like."""
+    grid = np.linspace(0.0, UNTIL, 41)
+    for _ in range(50):
+        cells = np.sort(rng.choice(40, rng.integers(0, 7), replace=False))
+        roots = grid[cells] + 0.05 * rng.uniform(0.1, 0.9, len(cells))
+        f = with_roots(roots)
+        times = np.concatenate([[0.0], np.sort(rng.uniform(0.0, UNTIL, 20)), [UNTIL]])
+        _, log = passages_of([(event("passage"), shift, 0.0)], [f.integ(k=3.0) if shift else f], times)
+        n = log.count[0]
+        steepness = f.deriv()(roots)  # where roots are close, rounding of the function moves them
+        np.testing.assert_allclose((log.time[:n] - roots) * steepness, 0, rtol=0, atol=1e-12)
+        assert log.sign[:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
+        assert np.all((times[log.step[:n]] <= log.time[:n]) & (log.time[:n] <= times[log.step[:n] + 1]))
+
+
+def test_a_direction_leaves_the_other_passages_out_of_the_log() -> None:
+    _, log = passages_of([(event("falling", direction=-1), 0, 0.0)], [with_roots(np.array([0.3, 0.7, 1.15]))])
+    np.testing.assert_allclose(log.time[: log.count[0]], [0.7], rtol=0, atol=1e-14)
+
+
+def test_a_zero_that_is_touched_is_no_passage() -> None:
+    _, log = passages_of([(event("passage"), 0, 0.0)], [Polynomial([-0.3, 1.0]) ** 2])
+    assert log.count[0] == 0
+
+
+@pytest.mark.parametrize("leaves_to", [1, -1])
+@pytest.mark.parametrize("noise", [0.0, 1e-10, -1e-10])
+def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None:
+    """The next one is, whichever side the function leaves to, and whichever side rounding puts the start."""
+    f = leaves_to * Polynomial.fromroots([noise, 0.45])
+    tallies, log = passages_of([(event("passage"), 0, 0.0)], [f], on_zero=True)
+    np.testing.assert_allclose(log.time[: log.count[0]], [0.45], rtol=0, atol=1e-14)
+    assert log.sign[0] == leaves_to
+    assert tallies.kept[2, 0] == 1
+
+
+@pytest.mark.parametrize("zero", [0.13, 0.4, 0.77, 1.9])
+def test_a_force_ends_the_run_at_its_first_falling_zero(zero: float) -> None:
+    """Inside a step and between two; its least value is that zero, and nothing later is seen."""
+    force, other = Polynomial.fromroots([zero, zero + 2.0]), with_roots(np.array([zero - 0.1, zero + 0.05]))
+    liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
+    tallies, log = passages_of([(liftoff, 0, 0.0), (event("other"), 0, 0.0)], [force, other])
+    tally, n = tallies.lane[0], log.count[0]
+    assert tally["status"] == Status.LIFTOFF.code
+    assert tally["t"] == pytest.approx(zero, abs=1e-14)
+    assert tallies.functions[LEAST, 0, 0] == pytest.approx(0.0, abs=1e-14)
+    assert tallies.functions[T_LEAST, 0, 0] == pytest.approx(zero, abs=1e-14)
+    assert sorted(zip(log.event[:n].tolist(), log.time[:n], strict=True)) == [
+        (0, pytest.approx(zero, abs=1e-14)),
+        (1, pytest.approx(zero - 0.1, abs=1e-13)),
+    ]
+
+
+@pytest.mark.parametrize("least", [0.5, 1e-9, 0.0, -1e-14])
+def test_a_force_within_rounding_of_zero_ends_nothing(least: float) -> None:
+    """It comes down to a bottom at 0.77: its zeros, if there are any, are closer than anything that is told apart."""
+    force = least + Polynomial([-0.77, 1.0]) ** 2
+    liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
+    tallies, log = passages_of([(liftoff, 0, 0.0)], [force])
+    assert (tallies.lane[0]["status"], log.count[0]) == (Status.RUNNING.code, 0)
+    assert tallies.functions[LEAST, 0, 0] == pytest.approx(least, abs=1e-13)
+    assert tallies.functions[T_LEAST, 0, 0] == pytest.approx(0.77, abs=1e-7)
+
+
+@pytest.mark.parametrize("least", [-1e-6, -1e-9])
+def test_a_force_that_grazes_zero_ends_the_run(least: float) -> None:
+    """Negative for 2e-3, 6e-5 of the time in the midst of a step: this is more than rounding."""
+    force = least + Polynomial([-0.77, 1.0]) ** 2
+    tallies, _ = passages_of([(event("liftoff", ends="liftoff", direction=-1, extremes="force"), 0, 0.0)], [force])
+    assert tallies.lane[0]["status"] == Status.LIFTOFF.code
+    assert tallies.lane[0]["t"] == pytest.approx(0.77 - np.sqrt(-least), abs=1e-10)
+
+
+def test_a_force_that_is_zero_at_the_start_and_falls_ends_the_run_there() -> None:
+    """A start on a zero is no event, but that of a function that must not fall below it."""
+    force = Polynomial([1e-12, -1.0])
+    tallies, _ = passages_of(
+        [(event("liftoff", ends="liftoff", direction=-1, extremes="f"), 0, 0.0)], [force], SIX, True
+    )
+    assert tallies.lane[0]["status"] == Status.LIFTOFF.code
+    assert tallies.lane[0]["t"] == pytest.approx(0.0, abs=1e-11)
+
+
+def test_what_is_not_watched_has_no_passages_but_keeps_its_extremes() -> None:
+    f = with_roots(np.array([0.3, 0.7, 1.15]))
+    rows = rows_of((event("passage", extremes="f"), 0, 0.0))
+    rows.events["watched"] = False
+    log, tallies = new_log(9, 0), new_tallies(rows, 1)
+    continued(tallies, rows, *one_lane([f]), log=log)
+    values = f(np.concatenate([[0.0, UNTIL], f.deriv().roots()]))
+    assert log.count[0] == 0
+    assert tallies.functions[[LEAST, MOST], 0, 0].tolist() == pytest.approx([values.min(), values.max()], abs=1e-13)
+
+
+def test_extremes_of_a_rate_lie_at_the_roots_of_its_slope(rng: np.random.Generator) -> None:
+    """Whichever step they are in."""
+    for _ in range(100):
+        roots = rng.uniform(-0.5, 2.5, rng.integers(1, 6))
+        rate = Polynomial.fromroots(roots).integ(k=rng.normal()) * rng.choice([-1, 1])
+        inside = roots[(roots > 0) & (roots < UNTIL)]
+        values = rate(np.concatenate([[0.0, UNTIL], inside]))
+        found = passages_of([(event("force", extremes="force"), 1, 0.0)], [rate.integ(k=7.0)])[0].functions[:, 0, 0]
+        size = np.abs(values).max()
+        assert found[[LEAST, MOST]].tolist() == pytest.approx([values.min(), values.max()], abs=1e-13 * size)
+        assert rate(found[[T_LEAST, T_MOST]]) == pytest.approx([values.min(), values.max()], abs=1e-12 * size)

@@ -46,13 +46,42 @@ def test_extremes_are_those_of_a_dense_scan(rng: np.random.Generator) -> None:
         a, b = rng.uniform(0, 6.3), rng.uniform(0.2, 2.5)
         k = np.arange(20)
         p = np.cos(a + k * np.pi / 2) * b**k / np.cumprod(np.maximum(k, 1))  # cos(a + b x)
-        low, high = extremes(p, np.inf, -np.inf, nodes, False)
+        low, high, at_low, at_high = extremes(p, np.inf, -np.inf, nodes, False)
         scan = np.polynomial.polynomial.polyval(x, p)
         assert (low, high) == (pytest.approx(scan.min(), abs=1e-8), pytest.approx(scan.max(), abs=1e-8))
         assert low <= scan.min() + 1e-14
         assert high >= scan.max() - 1e-14
-        assert extremes(p, low - 0.5, high + 0.5, nodes, False) == (low - 0.5, high + 0.5)
-        assert extremes(p, low + 1e-9, high - 1e-9, nodes, False) == (low, high)
+        assert 0 <= min(at_low, at_high) <= max(at_low, at_high) <= 1
+        assert (value(p, at_low), value(p, at_high)) == pytest.approx((low, high), abs=1e-15)
+        kept = extremes(p, low - 0.5, high + 0.5, nodes, False)
+        assert kept[:2] == (low - 0.5, high + 0.5)
+        assert np.isnan(kept[2:]).all(), "where they are is asked of those that are new only"
+        assert extremes(p, low + 1e-9, high - 1e-9, nodes, False) == (low, high, at_low, at_high)
+
+
+def test_a_dip_between_the_nodes_is_refined() -> None:
+    """A narrow dip whose bottom is at no node of the scan: where it is too, to the root of the rounding."""
+    bottom = 0.5 + 0.1 * 0.4142135623730951
+    p = (1.0 + 300.0 * np.polynomial.Polynomial([-bottom, 1.0]) ** 2).coef
+    low, _, at, _ = extremes(p, np.inf, -np.inf, np.empty(9), False)
+    assert low == pytest.approx(1.0, abs=1e-12)
+    assert at == pytest.approx(bottom, abs=1e-7)
+
+
+@pytest.mark.parametrize("n", [33, 46, 47])
+def test_polynomials_of_the_highest_orders_are_searched(n: int, rng: np.random.Generator) -> None:
+    """cos(a + 3 x) to as many coefficients as quadruple precision has: no table ends before them."""
+    k, nodes, out, work = np.arange(n), np.empty(9), np.empty(n), np.empty(n)
+    for a in rng.uniform(0, 6.3, 40):
+        p = np.cos(a + k * np.pi / 2) * 3.0**k / np.cumprod(np.maximum(k, 1.0))
+        count, _ = crossings(p, bool(p[0] > 0), out, work, False)
+        zeros = (np.arange(-3, 6) + 0.5) * np.pi - a
+        inside = zeros[(zeros > 0) & (zeros < 3)] / 3
+        np.testing.assert_allclose(out[:count], inside, rtol=0, atol=1e-14)
+        low, high, *_ = extremes(p, np.inf, -np.inf, nodes, False)
+        turns = np.arange(-3, 6) * np.pi - a
+        at = np.cos(a + np.concatenate([[0.0, 3.0], turns[(turns > 0) & (turns < 3)]]))
+        assert (low, high) == pytest.approx((at.min(), at.max()), abs=1e-14)
 
 
 def test_ranges_hold_what_they_bound(rng: np.random.Generator) -> None:
@@ -80,8 +109,8 @@ def test_ranges_hold_what_they_bound(rng: np.random.Generator) -> None:
             at = out[0]
             assert (long, now) == crossings(q, q[0] > 0, out, work, True)
             assert long == 0 or out[0] == pytest.approx(at, abs=1e-15)
-            short = extremes(q, np.inf, -np.inf, nodes, True)
-            assert short == pytest.approx(extremes(q, np.inf, -np.inf, nodes, False), abs=1e-15)
+            short, long_way = (extremes(q, np.inf, -np.inf, nodes, way) for way in (True, False))
+            assert short == pytest.approx(long_way, abs=1e-15)
 
 
 @pytest.mark.parametrize("n", [1, 2, 5, 20, 21])

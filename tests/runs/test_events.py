@@ -5,10 +5,9 @@ import pytest
 from examples import turning_times
 
 import tippetop
+from tippetop.engine.observer import take_turning
 from tippetop.engine.status import Status
-from tippetop.engine.zeros import sign_changes
-from tippetop.ensembles.observer import take_turning
-from tippetop.ensembles.tallies import EVENT_RECORD, NUMBER_RECORD, EventRows, new_tallies
+from tippetop.engine.tallies import EVENT_RECORD, NUMBER_RECORD, EventRows, new_tallies
 from tippetop.mechanics.events import NOISE_FLOOR
 from tippetop.runs.events import Confirmation
 from tippetop.runs.run import solve
@@ -89,12 +88,6 @@ def test_turnings_all_above_the_floor_are_confirmed_one_after_the_other(rng: np.
     theta = 1.0 - sign * rng.uniform(0.1, 0.3, 40)
     singly = confirmed(theta.tolist(), sign.tolist(), 1.0, 40)
     assert confirmed(theta.tolist(), sign.tolist(), 1.0) == singly == list(range(40))
-
-
-def test_zeros_are_bisected_to_neighbouring_numbers() -> None:
-    found = sign_changes(np.sin, np.linspace(0.5, 10.0, 50))
-    assert [sign for _, sign in found] == [-1, 1, -1]
-    assert np.abs(np.array([when for when, _ in found]) / np.pi - [1, 2, 3]).max() < 1e-15
 
 
 def test_settling_does_not_need_to_be_logged() -> None:

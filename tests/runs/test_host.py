@@ -30,7 +30,7 @@ def problem() -> Problem:
 
 @pytest.fixture(autouse=True)
 def short_slices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tippetop.engine.taylor.STEPS_PER_SLICE", 256)
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 256)
 
 
 @pytest.fixture
@@ -113,12 +113,11 @@ def test_a_script_keeps_its_handler(tmp_path: Path) -> None:
     """Its own Ctrl-C is called, and the run finishes; nothing is printed that it did not print."""
     code = f"""
 import signal
-from tippetop.engine import taylor
-from tippetop.runs import recording
+from tippetop.runs import integration, recording
 from tippetop.scenario import build
 seen = []
 signal.signal(signal.SIGINT, lambda *_: seen.append(1))
-taylor.STEPS_PER_SLICE = 512
+integration.STEPS_PER_SLICE = 512
 problem = build.load("inverting")
 recording.record(problem, {str(tmp_path / "run.zarr")!r}, progress=lambda _: signal.raise_signal(signal.SIGINT))
 print(len(seen))

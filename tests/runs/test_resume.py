@@ -342,7 +342,7 @@ def test_a_store_equals_the_run_in_memory(undisturbed: Path) -> None:
 
 @pytest.mark.parametrize("precision", ["longdouble", "quad"])
 def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tippetop.engine.taylor.STEPS_PER_SLICE", 16)
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 16)
     monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
     short = problem(0.6, f"run.precision={precision}")
     whole, broken = tmp_path / "whole.zarr", tmp_path / "broken.zarr"
@@ -406,7 +406,7 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     output: str, start: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It starts on a zero of theta', whose first step is searched in another way than the later ones."""
-    monkeypatch.setattr("tippetop.engine.taylor.STEPS_PER_SLICE", 3)
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 3)
     made = dataclasses.replace(problem(1.0, *start), output=output)
     memory, whole = handed_over_after_every_slice(made), solve(made)
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)

@@ -24,18 +24,35 @@ class CompiledDriver(Driver):
         self.nothing = no_rows(len(self.motion.state))
         self.times = np.zeros(0)  # of rows that are wanted and not yet made
 
+    def prepare(self) -> None:
+        """Compiles the loop, if it is not yet compiled."""
+        self._drive(self.nothing, 0)
+
+    def _drive(self, rows: Rows, most: int) -> int:
+        machine = self.compiled.machine
+        assert machine is not None
+        return drive(
+            machine.step,
+            machine.dense,
+            self.motion,
+            self.rows,
+            self.rules,
+            self.tallies,
+            self.log,
+            self.samples,
+            rows,
+            self.scratch,
+            most,
+        )
+
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
-        machine, log, samples = self.compiled.machine, self.log, self.samples
-        assert machine is not None
+        log, samples = self.log, self.samples
         log.filled[0] = samples.filled[0] = 0
         made, before = 0, int(self.tally["steps"])
         while True:
             rows = self._asked(request)
-            made += drive(
-                machine.step, machine.dense, self.motion, self.rows, self.rules, self.tallies, log, samples, rows,
-                self.scratch, most - made if self.tally["status"] == Status.RUNNING.code else 0,
-            )  # fmt: skip
+            made += self._drive(rows, most - made if self.tally["status"] == Status.RUNNING.code else 0)
             filled = int(rows.filled[0])
             if filled:
                 request.take(rows.times[:filled], rows.states[:filled, : self.variables])

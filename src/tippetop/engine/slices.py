@@ -110,6 +110,10 @@ class Driver(ABC):
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps; rows go to the request as they come."""
 
+    @abstractmethod
+    def prepare(self) -> None:
+        """Compiles what `advance` calls, if it is not yet compiled."""
+
     @property
     @abstractmethod
     def clock(self) -> tuple[Any, Any]:

@@ -36,6 +36,11 @@ class SliceDriver(Driver):
         self.times = np.zeros(0)
         self.reached: Any = problem.number(0)
 
+    def prepare(self) -> None:
+        """Compiles the observer, if it is not yet compiled."""
+        none = np.zeros((0, *self.integrator.tc.shape, 1))
+        follow(np.zeros((1, 1)), none, self.rows, self.rules, self.tallies, self.log, self.scratch)
+
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
         integrator = self.integrator

@@ -71,7 +71,8 @@ class _Worker:
         values = invariants(every.base, values_of(every, states[: self.variables], tops))
         for name, value in values.items():
             start = self.starts[name][tops]
-            np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start) / size(start))
+            with np.errstate(all="ignore"):  # a top that is not finite has a drift that is none
+                np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start) / size(start))
 
     def done(self, lane: int, status: Status) -> None:
         """Writes the row of a top that has ended. The end may confirm the turning that waits."""

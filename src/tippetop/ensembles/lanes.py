@@ -70,6 +70,8 @@ class Lanes:
         self.machine = made.machine
         if self.machine is not None and not is_same_step(made, self.motion.state, self.motion.pars):
             self.machine = None
+        if self.machine is not None:  # all lanes are at their ends: it makes no step
+            awaited(lambda: self._drive(0), "the loop is being compiled")
         self.integrator = copy.deepcopy(made.integrator) if self.machine is None else made.integrator
 
     def _put(self, lane: int, top: int, end: float) -> None:
@@ -129,11 +131,11 @@ class Lanes:
             self._look(observer)  # the samples of a top are those of its number
             self.top[ended] = -2
 
-    def _drive(self) -> int:
+    def _drive(self, most: int = ENDLESS) -> int:
         assert self.machine is not None
         return drive(
             self.machine.step, self.machine.dense, self.motion, self.rows, self.rules, self.tallies, self.log,
-            self.samples, self.nothing, self.scratch, ENDLESS,
+            self.samples, self.nothing, self.scratch, most,
         )  # fmt: skip
 
     def _by_heyoka(self) -> int:

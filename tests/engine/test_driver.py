@@ -1,0 +1,324 @@
+"""The driver makes heyoka's own steps, bit by bit: every system and form, one run and many lanes, rows on the way."""
+
+import copy
+import dataclasses
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+import pytest
+
+import tippetop
+from tippetop.engine import compiled as compiling
+from tippetop.engine.one_run import CompiledDriver
+from tippetop.engine.slices import Driver
+from tippetop.engine.status import Status
+from tippetop.engine.taylor import driver_of
+from tippetop.engine.wide import SliceDriver
+from tippetop.ensembles.lanes import Lanes
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.problem import Problem, Problems
+from tippetop.runs.integration import Integration
+from tippetop.runs.run import Solution, solve
+from tippetop.runs.sinks import Nowhere
+from tippetop.scenario import build, reading
+
+
+ENDLESS = 1 << 40
+
+
+def cases() -> list[tuple[str, str]]:
+    """Every preset in the form that it asks for, and one preset of every system in all forms."""
+    found: dict[tuple[str, str], None] = {}
+    seen = set()
+    for preset in reading.presets():
+        made = build.load(preset)
+        forms = made.system.forms if made.system.name not in seen else [made.form.name]
+        seen.add(made.system.name)
+        found |= {(preset, form): None for form in forms}
+    assert seen == set(SYSTEMS)
+    return list(found)
+
+
+def problem(preset: str, form: str, until: float, *sets: str) -> Problem:
+    """A run that no event ends."""
+    return build.load(preset, [f"form={form}", "run.on_liftoff=continue", *sets], until)
+
+
+class Rows:
+    """A request: rows at given internal times, or at the ends of steps."""
+
+    def __init__(self, times: np.ndarray | None = None, room: int = 1 << 16):
+        self.steps, self.left, self.room = times is None, times, room
+        self.times: list[np.ndarray] = []
+        self.states: list[np.ndarray] = []
+
+    def wanted(self) -> np.ndarray:
+        if self.left is None:
+            return np.empty(self.room)
+        now, self.left = self.left[: self.room], self.left[self.room :]
+        return now
+
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        self.times.append(np.array(times, copy=True))
+        self.states.append(np.array(states, copy=True))
+
+    @property
+    def rows(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.concatenate(self.times), np.concatenate(self.states)
+
+
+def heyokas(driver: Driver) -> Any:
+    """heyoka's integrator at the start of a driver, with its parameters."""
+    made = copy.deepcopy(driver.compiled.integrator)
+    made.pars[:] = driver.motion.pars[:, 0]  # type: ignore[attr-defined]
+    made.state[:] = driver.state
+    return made
+
+
+def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
+    return np.ascontiguousarray(a).tobytes() == np.ascontiguousarray(b).tobytes()
+
+
+@pytest.mark.parametrize(("preset", "form"), cases(), ids=" ".join)
+def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.random.Generator) -> None:
+    """Ends of steps, the double length of the time, and rows anywhere, however few are asked for at a time."""
+    made = problem(preset, form, 0.4)
+    driver = driver_of(made)
+    assert isinstance(driver, CompiledDriver), "the machine code of a step must be loaded here"
+    theirs = heyokas(driver)
+    *_, output, _ = theirs.propagate_until(driver.end, c_output=True)
+    ends, n = np.concatenate([output.tcs[1:, :, 0], theirs.state[None, :]]), driver.variables
+    piece = driver.advance(steps := Rows(), ENDLESS)
+    times, states = steps.rows
+    assert (piece.status, piece.steps) == (Status.FINISHED, len(ends))
+    assert same_bits(times, output.times[1:])
+    assert same_bits(states, ends[:, :n])
+    assert same_bits(driver.state, theirs.state)
+    assert driver.clock == theirs.dtime
+    asked = np.sort(np.concatenate([rng.uniform(0, driver.end, 200), output.times[[0, 3, -1]]]))
+    expected = np.array(output(asked))
+    expected[asked == output.times[3]] = ends[2]  # the state itself, where heyoka has the end of a polynomial
+    for room in (1 << 16, 7):
+        driver = driver_of(made)
+        piece = driver.advance(rows := Rows(asked, room), ENDLESS)
+        times, states = rows.rows
+        assert piece.status is Status.FINISHED
+        assert same_bits(times, asked)
+        assert same_bits(states, expected[:, :n])
+
+
+IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
+
+
+class Seen:
+    """An observer of lanes that keeps every sample of every top."""
+
+    def __init__(self, n: int, lanes: Lanes):
+        self.samples: list[list[np.ndarray]] = [[] for _ in range(n)]
+        self.final, self.lanes = {}, lanes  # type: ignore[var-annotated]
+        self.steps: dict[int, int] = {}
+
+    def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
+        events = len(self.lanes.rows.events)
+        return np.ones(events), np.zeros(events, bool)
+
+    def look(self, states: np.ndarray, tops: np.ndarray) -> None:
+        for top, state in zip(tops, states.T, strict=True):
+            self.samples[top].append(state.copy())
+
+    def done(self, lane: int, status: Status) -> None:
+        top = int(self.lanes.top[lane])
+        assert status is Status.FINISHED
+        self.final[top], self.steps[top] = self.lanes.final[lane].copy(), int(self.lanes.tallies.lane[lane]["steps"])
+
+
+@pytest.mark.parametrize("lanes", [1, 4, 8])
+@pytest.mark.parametrize("preset", IN_LANES)
+def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng: np.random.Generator) -> None:
+    """More tops than lanes, of other lengths: what a lane held before, and what its neighbours do, leaves no trace."""
+    n = lanes + 3
+    base = build.load(preset, ["form=vector", "run.on_liftoff=continue"], 0.3)
+    spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
+    tops = Problems.vary(base.for_many(), {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
+    assert tops.valid.all()
+    mine = Lanes(tops, lanes)
+    assert mine.machine is not None
+    mine.rules = mine.rules._replace(every=1)
+    mine.run(iter(range(n)), seen := Seen(n, mine))
+    theirs = copy.deepcopy(compiling.compiled(
+        base.system, "vector", type(base.friction), "double", base.tolerance, lanes, False, False
+    ).integrator)  # fmt: skip
+    for first in range(0, n, lanes):
+        some = np.minimum(np.arange(first, first + lanes), n - 1)
+        theirs.state[:] = 0.0
+        theirs.state[: len(tops.start)] = tops.start[:, some]
+        theirs.pars[:] = tops.pars[: len(theirs.pars), some]
+        theirs.set_time(0.0)
+        output = theirs.propagate_until(tops.end[some].tolist(), c_output=True)[0]
+        for lane, top in enumerate(some.tolist()):
+            moved = np.diff(output.times[:, lane]) > 0
+            ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
+            assert seen.steps[top] == len(ends)
+            assert same_bits(np.array(seen.samples[top]), ends)
+            assert same_bits(seen.final[top], theirs.state[:, lane])
+
+
+# --- the way without machine code ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def unloadable(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A process in which no machine code can be loaded."""
+
+    def refuse(*_: object) -> None:
+        raise ValueError("not today")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(compiling, "load", refuse)
+        compiling.compiled.cache_clear()
+        yield
+    compiling.compiled.cache_clear()
+
+
+@pytest.fixture
+def unlike(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A process in which the loaded code makes other steps than heyoka."""
+    monkeypatch.setattr("tippetop.engine.taylor.is_same_step", lambda *_: False)
+    monkeypatch.setattr("tippetop.ensembles.lanes.is_same_step", lambda *_: False)
+
+
+def compared(mine: Solution, other: Solution) -> None:
+    """Steps and rows have the same bits; times of events are known to their rounding."""
+    assert (mine.status, mine.report["steps"]) == (other.status, other.report["steps"])
+    cut = mine.status is not Status.FINISHED  # an event ended it in the midst of a step
+    assert cut or same_bits(mine.final, other.final)
+    count = len(mine.times) - cut
+    assert same_bits(mine.times[:count], other.times[:count])
+    assert same_bits(mine.rows[:count], other.rows[:count])
+    np.testing.assert_array_equal(mine.events.kind, other.events.kind)
+    np.testing.assert_array_equal(mine.events.significant, other.events.significant)
+    np.testing.assert_allclose(mine.events.time, other.events.time, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(mine.events.theta, other.events.theta, rtol=0, atol=1e-13)
+    force, theirs = mine.report.get("normal_force", {}), other.report.get("normal_force", {})
+    assert force == pytest.approx(theirs, rel=1e-13, abs=1e-13)
+    assert mine.report["t_end"] == pytest.approx(other.report["t_end"], abs=1e-14)
+
+
+RUNS = [
+    ("inverting", ["form=vector"], 3.0),
+    ("inverting", ["form=euler"], 0.5),
+    ("inverting", ["initial.omega3=170.0"], 10.0),  # lifts off
+    ("inverting", ["run.output=steps", "run.output_step="], 1.0),
+    ("inverting", ["run.output=events", "run.output_step="], 1.0),
+    ("gliding-heavy-top", [], 2.0),
+    ("rolling-cylinder", [], 2.0),
+]
+
+
+@pytest.mark.parametrize(("preset", "sets", "until"), RUNS)
+def test_without_machine_code_a_run_is_the_same(
+    preset: str, sets: list[str], until: float, request: pytest.FixtureRequest
+) -> None:
+    made = build.load(preset, sets, until)
+    assert isinstance(driver_of(made), CompiledDriver)
+    usual = solve(made)
+    request.getfixturevalue("unlike")
+    assert isinstance(driver_of(made), SliceDriver)
+    compared(usual, solve(made))
+
+
+def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: pytest.FixtureRequest) -> None:
+    made = build.load("inverting", None, 0.5)
+    varied = {"initial.omega3": np.array([120.0, 155.0, 158.0])}
+    usual, many = solve(made), tippetop.ensemble("inverting", varied, until=0.5, threads=1)
+    request.getfixturevalue("unloadable")
+    assert isinstance(driver_of(made), SliceDriver)
+    compared(usual, solve(made))
+    again = tippetop.ensemble("inverting", varied, until=0.5, threads=1)
+    assert all(same_bits(many[name].values, again[name].values) for name in many)
+
+
+def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(request: pytest.FixtureRequest) -> None:
+    """Inverting, upright, lifting off in the midst of a step, invalid."""
+    varied = {
+        "initial.omega3": np.array([155.0, 90.0, 170.0, np.nan, 158.0, 172.0, 120.0, 140.0, 160.0]),
+        "run.until": np.array([8.0, 1.0, 8.0, 1.0, 7.0, 8.0, 0.3, 2.0, 0.0123]),
+    }
+    usual = tippetop.ensemble("inverting", varied, threads=1)
+    request.getfixturevalue("unlike")
+    again = tippetop.ensemble("inverting", varied, threads=1)
+    lifted = usual["status"].values == Status.LIFTOFF.code
+    assert lifted.sum() == 2
+    for name in usual:
+        mine, other = usual[name].values, again[name].values
+        assert same_bits(mine[~lifted], other[~lifted]), name
+        np.testing.assert_allclose(mine[lifted], other[lifted], rtol=1e-13, atol=1e-13, err_msg=str(name))
+
+
+def test_steps_that_differ_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The comparison is one of bits: code that makes another step is not used."""
+    made = build.load("inverting", ["form=vector"], 0.1)
+    driver = driver_of(made)
+    other = build.load("inverting", ["form=vector", "run.tolerance=1e-9"], 0.1)
+    mixed = driver.compiled._replace(machine=driver_of(other).compiled.machine)
+    arguments = driver.motion.state[:, 0].copy(), driver.motion.pars[:, 0].copy()  # type: ignore[attr-defined]
+    monkeypatch.setattr(compiling, "_same", {})
+    assert compiling.is_same_step(driver.compiled, *arguments)
+    monkeypatch.setattr(compiling, "_same", {})
+    assert not compiling.is_same_step(mixed, *arguments)
+
+
+# --- what a run leaves alone ------------------------------------------------------------------------------------------
+
+
+def test_a_run_starts_no_thread_but_the_one_that_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of the compilation, which finds all compiled."""
+    made = build.load("inverting", None, 0.5)
+    solve(made, keep=False)
+    started: list[str] = []
+    begin = threading.Thread.start
+    monkeypatch.setattr(threading.Thread, "start", lambda self: [started.append(self.name), begin(self)])
+    solve(made, keep=False)
+    assert set(started) <= {"awaited"}
+
+
+def test_a_compiled_integrator_is_left_as_it_was() -> None:
+    """Runs copy it, or do not touch it: it is for all of them."""
+    made = build.load("inverting", None, 0.2)
+    template = driver_of(made).compiled.integrator
+    solve(made)
+    solve(dataclasses.replace(made, precision="double", on_liftoff="continue"))
+    assert not np.any(template.state)
+    assert not np.any(template.pars)
+    assert template.dtime == (0.0, 0.0)
+
+
+def test_slices_of_any_length_are_one_run() -> None:
+    """The driver may be asked for one step at a time, with rows of any number."""
+    made = build.load("inverting", None, 0.5)
+    whole = driver_of(made)
+    once = whole.advance(Rows(), ENDLESS)
+    for most in (1, 5):
+        driver, rows, found = driver_of(made), Rows(np.linspace(0, whole.end, 333), 10), []
+        while True:
+            piece = driver.advance(rows, most)
+            found.append(piece.passages)
+            assert piece.steps <= most
+            if piece.status is not None:
+                break
+        assert same_bits(driver.state, whole.state)
+        for name in ("times", "events", "signs", "at_pole", "states"):
+            parts = np.concatenate([getattr(passages, name) for passages in found])
+            assert same_bits(parts, getattr(once.passages, name)), name
+        assert driver.extremes() == whole.extremes()
+        assert driver.tally["steps"] == whole.tally["steps"]
+        assert len(rows.rows[0]) == 333
+
+
+def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
+    integration = Integration(build.load("inverting", None, 0.2))
+    integration.run(Nowhere())
+    assert (integration.status, integration.filled) == (Status.FINISHED, 0)

@@ -1,0 +1,36 @@
+"""What settles stays only where theory says so."""
+
+import numpy as np
+import pytest
+
+from tippetop.engine.settling import stays
+from tippetop.mechanics.theory import thresholds
+from tippetop.problem import Problem
+from tippetop.scenario import build
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    return build.load("inverting")
+
+
+@pytest.mark.parametrize(("side", "factor"), [(s, f) for s in ("upright", "inverted") for f in (0.9, 1.1)])
+def test_a_spin_stays_iff_it_is_stable(side: str, factor: float, problem: Problem) -> None:
+    """Upright below lambda_u, inverted above lambda_s [section 6]; the spin is in internal units."""
+    body, upright = problem.body(float), side == "upright"
+    limit = thresholds.lambda_u(body) if upright else thresholds.lambda_s(body)
+    spin = thresholds.spin_of(factor * limit, body, inverted=not upright)
+    second = 0.045
+    values = {"theta": np.array([1e-4 if upright else np.pi - 1e-4]), "omega3": np.array([spin * second])}
+    assert stays(body, values, second) is ((factor < 1) == upright)
+
+
+def test_away_from_the_poles_what_does_not_slide_stays(problem: Problem) -> None:
+    body = problem.body(float)
+    assert stays(body, {"theta": np.array([0.5]), "omega3": np.array([1e3])}, 1.0)
+
+
+def test_a_motion_in_a_plane_stays() -> None:
+    """It has no spin, and no pole that it could leave."""
+    problem = build.load("gliding-cylinder")
+    assert stays(problem.body(float), {"theta": np.array([0.0])}, 1.0)
