@@ -69,21 +69,19 @@ class Bar:
                 self._begin(of)
         rate = (done - self.first) / max(now - self.began, 1e-9)
         text = f"{rate:.3g} {self.things}/s, {_clock((of - done) / rate)} left" if rate else STARTING
-        self.bar.update(
-            self.task,
-            completed=done,
-            count=self.count.format(done=done, of=of, things=self.things),
-            note=text + (f", {note()}" if note is not None else ""),
-        )
+        self._show(done, of, text + (f", {note()}" if note is not None else ""))
+
+    def _show(self, done: float, of: float, note: str) -> None:
+        count = self.count.format(done=done, of=of, things=self.things)
+        self.bar.update(self.task, completed=done, count=count, note=note)
 
     def _starting(self, done: float, of: float) -> None:
         """Draws the bar of work of which nothing is done yet."""
         with self._lock:
-            if self.visible and self.bar is None:
-                self._begin(of)
-                assert self.bar is not None
-                count = self.count.format(done=done, of=of, things=self.things)
-                self.bar.update(self.task, completed=done, count=count, note=STARTING)
+            if not self.visible or self.bar is not None:
+                return
+            self._begin(of)
+        self._show(done, of, STARTING)
 
     def _begin(self, of: float) -> None:
         from rich.console import Console

@@ -6,7 +6,6 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
-import heyoka as hy
 import numpy as np
 import pytest
 
@@ -166,7 +165,7 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
             assert same_bits(seen.final[top], theirs.state[:, lane])
 
 
-# --- the way without machine code ---------------------------------------------------------------------------------------
+# --- the way without machine code -------------------------------------------------------------------------------------
 
 
 @pytest.fixture
