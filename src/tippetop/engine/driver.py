@@ -85,7 +85,8 @@ def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scrat
     while True:
         full = _rows(dense, motion, tallies, rows, made)
         full = full or (len(log.time) > 0 and log.filled[0] + room > len(log.time))
-        if made == most or ended or full or samples.filled[0] + len(motion.h) > len(samples.lane):
+        full = full or (len(samples.lane) > 0 and samples.filled[0] + len(motion.h) > len(samples.lane))
+        if made == most or ended or full:
             return made
         begin_step(motion, tallies)
         call_step(step, motion.state, motion.pars, motion.start_high, motion.h, motion.tc)

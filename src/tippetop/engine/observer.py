@@ -63,7 +63,7 @@ def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
     for e in range(len(events)):
         event = events[e]
         keeps = not event.watched or _keeps_sign(e, known, lane)
-        if keeps and (not event.extremes or _inside(e, known, lane)):
+        if keeps and (not event.ranged or _inside(e, known, lane)):
             continue
         _polynomial(tc, event, lane, scratch.factors, p)
         if not keeps:
@@ -72,7 +72,7 @@ def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
                 if zeros[k] > upto:
                     break
                 _passage(i, tc, e, event, t, h, zeros[k], lane, rows, rules, tallies, log)
-        if event.extremes:
+        if event.ranged:
             _extremes(e, p, t, h, upto, known, lane, scratch.nodes)
     return upto
 
@@ -125,7 +125,7 @@ def _silence(events, known, quiet):
         if events[e].watched:
             for lane in range(lanes):
                 quiet[lane] = quiet[lane] if _keeps_sign(e, known, lane) else -1.0
-        if events[e].extremes:
+        if events[e].ranged:
             for lane in range(lanes):
                 quiet[lane] = quiet[lane] if _inside(e, known, lane) else -1.0
 

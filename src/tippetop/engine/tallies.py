@@ -21,7 +21,8 @@ class EventRows(NamedTuple):
     or the rate of one (`shift` 1), times `scale`, a power of two. A variable whose rate is another event function
     (`leader`; -1: none) needs no sums of its own: that rate bounds it. `direction`, `sense`, `extremes` are those of
     the event; `ends` the code of the status of a top that it ends, 0 if it ends none; what it keeps are the `numbers`
-    from `first` to `last`, this one excluded. What is not `watched` has no zeros that anybody wants.
+    from `first` to `last`, this one excluded. What is not `watched` has no zeros that anybody wants, what is not
+    `ranged` no least and greatest values.
     """
 
     events: np.ndarray  # (events,)
@@ -72,7 +73,9 @@ class Tallies(NamedTuple):
 
 
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
-EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), ("extremes", bool), ("watched", bool)])
+EVENT_RECORD = np.dtype(
+    [*_EVENT, ("scale", float), ("offset", float), ("extremes", bool), ("watched", bool), ("ranged", bool)]
+)
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 
 
@@ -89,7 +92,7 @@ def event_rows(
         record["scale"], record["offset"] = scale, offset
         record["leader"] = rate_of.get(variable, -1) if shift == 0 else -1
         record["direction"], record["sense"], record["extremes"] = event.direction, event.sense, bool(event.extremes)
-        record["watched"] = True
+        record["watched"], record["ranged"] = True, bool(event.extremes)
         record["ends"] = Status.of_event(event.ends).code if event.ends else 0
         record["first"] = len(numbers)
         numbers += [(WHAT[kept.what], kept.direction or event.direction) for kept in event.kept]
