@@ -81,8 +81,9 @@ class Bar:
         with self._lock:
             if self.visible and self.bar is None:
                 self._begin(of)
+                bar: Any = self.bar
                 count = self.count.format(done=done, of=of, things=self.things)
-                self.bar.update(self.task, completed=done, count=count, note=STARTING)
+                bar.update(self.task, completed=done, count=count, note=STARTING)
 
     def _begin(self, of: float) -> None:
         from rich.console import Console
