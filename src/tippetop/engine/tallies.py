@@ -75,8 +75,6 @@ class Tallies(NamedTuple):
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
 _FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged")]
 EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS])
-    [*_EVENT, ("scale", float), ("offset", float), ("extremes", bool), ("watched", bool), ("ranged", bool)]
-)
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 
 
