@@ -459,3 +459,4 @@ def test_acknowledged_rows_that_were_exchanged_are_refused(tmp_path: Path, monke
     monkeypatch.setattr(Integration, "run", never)
     with pytest.raises(StoreError, match="acknowledged rows, but some of them are others"):
         recording.resume(store)
+    assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 5

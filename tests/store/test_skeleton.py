@@ -127,7 +127,7 @@ SEALED: dict[str, Callable[[Path], Any]] = {
     "a word": lambda s: edited(s / "zarr.json", lambda d: d["attributes"].update(cpu="abacus")),
     "a unit": lambda s: edited(s / "trajectory/theta/zarr.json", lambda d: d["attributes"].update(units="deg")),
     "a missing column": lambda s: shutil.rmtree(s / "trajectory/theta"),
-    "a chunk too many": lambda s: shutil.copy(s / "trajectory/theta/c/0", s / "trajectory/theta/c/1"),
+    "a missing chunk": lambda s: (s / "trajectory/theta/c/0").unlink(),
 }
 
 

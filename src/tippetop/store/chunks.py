@@ -104,16 +104,8 @@ class Appender:
 
         Flags are passed over: `mark` may change them before the next checkpoint. Raises OSError.
         """
-        whole = hashlib.sha256()
-        for name, array in sorted(self.arrays.items()):
-            if array.dtype == bool:
-                continue
-            for start in range(0, self.written, self.chunk):
-                if (name, start) not in self.checksums:
-                    self.checksums[name, start] = seal.checksum(chunk_file(array, start))
-                whole.update(self.checksums[name, start])
-            whole.update(name.encode() + self.buffers[name][: self.waiting].tobytes())
-        return whole.hexdigest()
+        waiting = {name: buffer[: self.waiting] for name, buffer in self.buffers.items()}
+        return _digest(self.arrays, self.written, waiting, self.checksums)
 
     def reload(self, rows: int) -> None:
         """Takes the rows that do not fill a chunk back into memory."""
@@ -122,6 +114,31 @@ class Appender:
         for name, array in self.arrays.items():
             self.buffers[name][: self.waiting] = array[self.written : rows]
         self.unflushed = True
+
+
+def digest_of_rows(arrays: dict[str, Any], rows: int) -> str:
+    """The digest that an appender of so many rows would give. Raises what codecs raise."""
+    chunk = next(iter(arrays.values())).chunks[0]
+    written = rows // chunk * chunk
+    return _digest(arrays, written, {name: array[written:rows] for name, array in arrays.items()}, {})
+
+
+def _digest(
+    arrays: dict[str, Any],
+    written: int,
+    waiting: dict[str, np.ndarray],
+    checksums: dict[tuple[str, int], bytes],
+) -> str:
+    whole = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        if array.dtype == bool:
+            continue
+        for start in range(0, written, array.chunks[0]):
+            if (name, start) not in checksums:
+                checksums[name, start] = seal.checksum(chunk_file(array, start))
+            whole.update(checksums[name, start])
+        whole.update(name.encode() + np.ascontiguousarray(waiting[name]).tobytes())
+    return whole.hexdigest()
 
 
 def verify(arrays: dict[str, Any]) -> None:

@@ -6,6 +6,7 @@ found when it is opened, at the price of four bytes a chunk. It finds damage, no
 """
 
 import hashlib
+import itertools
 import json
 import os
 import stat
@@ -40,22 +41,25 @@ def of(folder: Path, attributes: dict[str, Any], members: tuple[str, ...]) -> st
     plain = {key: value for key, value in attributes.items() if key != SEAL}
     whole.update(json.dumps(plain, sort_keys=True).encode())
     for member in sorted(members):
-        for name, place in _content(folder / member, member):
+        for place in _content(folder / member):
+            name = str(place.relative_to(folder))
             content = place.read_bytes() if place.name == DOCUMENT else checksum(place)
             whole.update(name.encode() + b"\0" + hashlib.sha256(content).digest())
     return whole.hexdigest()
 
 
-def _content(folder: Path, name: str) -> Iterator[tuple[str, Path]]:
-    """Metadata and chunks below a group or an array, by their path inside, in order; not what killed writers leave."""
+def _content(folder: Path) -> Iterator[Path]:
+    """Metadata and chunks of an array, or of the arrays of a group, in order; whatever else is there is not read."""
+    yield folder / DOCUMENT
+    stored = json.loads((folder / DOCUMENT).read_text(encoding="utf-8"))
+    if "shape" in stored:
+        chunks = stored["chunk_grid"]["configuration"]["chunk_shape"]
+        counts = [range(-(-n // c)) for n, c in zip(stored["shape"], chunks, strict=True)]
+        yield from (folder.joinpath("c", *map(str, place)) for place in itertools.product(*counts))
+        return
     for entry in sorted(folder.iterdir()):
-        if entry.name[0] == "." or entry.name.endswith(".partial"):
-            continue
-        inside = f"{name}/{entry.name}"
-        if entry.is_dir():
-            yield from _content(entry, inside)
-        elif entry.name == DOCUMENT or entry.name.isdigit():
-            yield inside, entry
+        if entry.is_dir() and entry.name[0] != ".":
+            yield from _content(entry)
 
 
 def put(folder: Path, members: tuple[str, ...], more: dict[str, Any] | None = None) -> None:

@@ -173,10 +173,10 @@ def sealed_members(content: str) -> tuple[str, ...]:
 def _sealed(place: Path, attrs: dict[str, Any], content: str) -> None:
     """Compares a finished store with its seal."""
     try:
-        found = seal.of(place, attrs, sealed_members(content))
+        here = seal.of(place, attrs, sealed_members(content))
     except (OSError, ValueError) as error:
         raise _Fault(place, f"must be readable, but: {error}") from None
-    if found != attrs[seal.SEAL]:
+    if here != attrs[seal.SEAL]:
         raise _Fault(place, "must hold what its seal says, but a number of its metadata or a chunk is another")
 
 
@@ -303,9 +303,12 @@ def _rows(folder: Path, arrays: dict[str, Any], *, running: bool, whole: bool) -
         if array["shape"][1:] != chunk[1:] or array["dimension_names"][0] != arrays["time"]["dimension_names"][0]:
             raise _Fault(folder / name, "must be a column of its table")
         needed = -(-lengths[name] // chunk[0])
-        there = _files(folder / name, needed)
-        if there < needed - (1 if running else 0) and (whole or needed > there + 1):
-            raise _Fault(folder / name, f"must have {needed} chunks for its {lengths[name]} rows, but has {there}")
+        places = ((folder / name).joinpath("c", str(i), *["0"] * (len(chunk) - 1)) for i in range(needed))
+        missing = next((i for i, place in enumerate(places) if not place.is_file()), needed)
+        if missing < needed - (1 if running else 0) and (whole or needed > missing + 1):
+            raise _Fault(
+                folder / name, f"must have {needed} chunks for its {lengths[name]} rows, but chunk {missing} is missing"
+            )
     if not running and len(set(lengths.values())) > 1:
         odd = next(name for name, n in lengths.items() if n != lengths["time"])
         raise _Fault(folder / odd, f"must have {lengths['time']} rows, but has {lengths[odd]}")
