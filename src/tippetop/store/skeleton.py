@@ -14,6 +14,7 @@ from typing import Any
 
 from ..errors import StoreError
 from . import seal
+from .patterns import ATTRIBUTES, OPTIONAL, REPORT, RUN, WORDS
 from .provenance import FORMAT, FORMAT_VERSION
 from .seal import DOCUMENT
 
@@ -24,61 +25,6 @@ SIZES = {"float64": 8, "int64": 8, "int32": 4, "int16": 2, "int8": 1, "bool": 1}
 CODECS = (["bytes", "blosc", "crc32c"], ["bytes", "zstd"])  # the second: surfaces of release 0.1
 MOST_CHUNK, MOST_ELEMENTS = 1 << 30, 1 << 42  # bytes of a chunk (ours: 8 MiB); elements of an array laid out ahead
 DEEPEST = 8  # folders in one another
-NUMBER = (int, float)
-WORDS: dict[str, Any] = {"title": str, "versions": {str: str}, "cpu": str}  # every store
-ATTRIBUTES: dict[str, dict[str, Any]] = {
-    "run": {
-        "status": str,
-        "reason": str,
-        "source": str,
-        "system": str,
-        "form": str,
-        "parameters": {str: NUMBER},
-        "initial": {str: (*NUMBER, bool)},
-        "run": dict,
-        "tolerance": NUMBER,
-        "precision": str,
-        "units": {str: str},
-        "final_state": {str: (*NUMBER, None)},
-        "report": dict,
-    },
-    "sweep": {
-        "status": str,
-        "reason": str,
-        "plan": dict,
-        "tops": int,
-        "chunk": int,
-        "dimensions": [str],
-        "shape": [int],
-        "coordinates": [str],
-        "columns": [str],
-    },
-    "surface": {"system": str, "parameters": {str: NUMBER}, "axes": {str: [NUMBER]}},
-    "potential": {"system": str, "parameters": {str: NUMBER}},
-}
-REPORT: dict[str, Any] = {  # of a run; `?`: where the system has it
-    "t_end": NUMBER,
-    "steps": int,
-    "drift": {str: (*NUMBER, None)},
-    "event_counts": {str: int},
-    "theta_end": (*NUMBER, None),
-    "normal_force?": {str: (*NUMBER, None)},
-    "inversion?": {str: (*NUMBER, None)},
-    "nutational_band?": {str: (*NUMBER, None)},
-}
-OPTIONAL: dict[str, Any] = {"friction?": {str: (str, *NUMBER)}, "certificate?": dict, "auto_form?": {str: str}}
-RUN: dict[str, Any] = {
-    "until": NUMBER,
-    "events": [str],
-    "on_liftoff": str,
-    "precision": str,
-    "tolerance": NUMBER,
-    "stop_when": str,
-    "output_step?": NUMBER,
-    "output_times?": [NUMBER],
-    "output?": str,
-    "orientation?": bool,
-}
 
 
 def root_of(path: str | Path) -> dict[str, Any]:
