@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.engine import taylor
-from tippetop.engine.taylor import endings_of, slices
+from tippetop.engine.slices import STEPS_PER_SLICE
+from tippetop.engine.taylor import driver_of
 from tippetop.ensembles import ensemble
 from tippetop.landscape import body as bodies
 from tippetop.landscape import recording, surface
@@ -26,7 +26,7 @@ from .case_ensemble import tops_at
 from .case_surface import FIGURE
 from .measure import timed
 from .minimal import theta_of
-from .ours import end_of
+from .ours import ENDLESS, NoRows
 
 
 LIMIT, QUICK_LIMIT = 60.0, 4.0  # [s] of one measurement
@@ -63,10 +63,14 @@ def grown(what: str, sizes: Iterable[float], cost: Callable[[float], float], lim
 
 
 def span(until: float) -> float:
-    """A heavy top for so long, with its events, dense output and memory that does not grow."""
-    problem = build.load("heavy-top", None, until)
-    made, endings = taylor.integrator_of(problem), endings_of(problem)
-    return timed(lambda: [None for _ in slices(made, end_of(problem), endings)])
+    """A heavy top for so long, with its events and memory that does not grow."""
+    driver = driver_of(build.load("heavy-top", None, until))
+
+    def work() -> None:
+        while driver.advance(NoRows(), STEPS_PER_SLICE).status is None:
+            pass
+
+    return timed(work)
 
 
 def tops(n: float) -> float:
@@ -99,8 +103,7 @@ def tolerance(every: int) -> dict[str, Any]:
             continue
         problem = replace(problem, tolerance=10.0**-digits)
         error = np.abs(theta_of(problem, solve(problem).rows) - exact).max()
-        end = problem.number(end_of(problem))
-        seconds = [timed(partial(taylor.integrator_of(problem).propagate_until, end)) for _ in range(5)]
+        seconds = [timed(partial(driver_of(problem).advance, NoRows(), ENDLESS)) for _ in range(5)]
         row = {"tolerance": 10.0**-digits, "precision": precision, "error": float(error)}
         rows.append({**row, "seconds": statistics.median(seconds)})
     return {"rows": rows, "exponents": {p: _exponent(rows, p) for p in ("double", "longdouble")}}

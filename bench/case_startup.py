@@ -25,13 +25,15 @@ done("import heyoka and numpy")
 import xarray, zarr
 done("import xarray and zarr")
 import tippetop.cli
-from tippetop import engine, record, results, scenario
+from tippetop.engine.taylor import driver_of
+from tippetop.runs import recording
+from tippetop.scenario import build
 done("import tippetop and the rest")
-problem = scenario.load("inverting")
+problem = build.load("inverting")
 done("check the scenario, compile the columns")
-engine.integrator_of(problem)
+driver_of(problem)
 done("compile the integrator")
-record.record(problem, pathlib.Path(sys.argv[1]))
+recording.record(problem, pathlib.Path(sys.argv[1]))
 done("integrate and store")
 print(json.dumps(stages))
 """

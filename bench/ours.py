@@ -8,8 +8,8 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop.engine import taylor
 from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.taylor import driver_of
 from tippetop.mechanics.events import Event
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.units import SECOND
@@ -25,6 +25,26 @@ from .peers import Peer, Solver
 OURS, PLAIN = "tippetop", "heyoka"
 TAYLOR = (1e-8, 1e-11, 1e-13, 1e-15, 0.0)  # 0: to rounding
 WHOLE = (1e-8, 1e-13, 0.0)
+EVENT_SCALE = 2.0**-24  # heyoka's events are then too small to control the step
+DIRECTIONS = {
+    -1: hy.event_direction.negative,
+    0: hy.event_direction.any,
+    1: hy.event_direction.positive,
+}
+ENDLESS = 1 << 62  # steps
+
+
+class NoRows:
+    """A request for nothing."""
+
+    steps = False
+
+    def wanted(self) -> np.ndarray:
+        """No times."""
+        return np.zeros(0)
+
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        """None come."""
 
 
 def at(minimal: Minimal, tolerance: float, orientation: bool = False) -> Problem:
@@ -58,7 +78,7 @@ def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver
     scalars = problem.form.scalars(q, body)
     wanted = [event for event in problem.system.events if event.name in kinds]
     hooks = {
-        "nt_events": [_event(hy.nt_event, e, scalars, body, taylor.Log(e.name)) for e in wanted if not e.ends],
+        "nt_events": [_event(hy.nt_event, e, scalars, body, _note) for e in wanted if not e.ends],
         "t_events": [_event(hy.t_event, e, scalars, body) for e in wanted if e.ends],
     }
 
@@ -74,9 +94,16 @@ def _pars_of(sys: list[tuple]) -> list[int]:
     return [int(str(p)[1:]) for p in hy.get_params([rate for _, rate in sys])]
 
 
-def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: taylor.Log) -> Any:
-    function = taylor.EVENT_SCALE * event.formula(scalars, body)
-    return kind(function, *log, direction=taylor.DIRECTIONS[event.direction])
+def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: Callable) -> Any:
+    """An event of heyoka's own detection, which finds it while it steps."""
+    return kind(EVENT_SCALE * event.formula(scalars, body), *log, direction=DIRECTIONS[event.direction])
+
+
+_noted: list[tuple[float, int]] = []
+
+
+def _note(_: Any, time: float, sign: int) -> None:
+    _noted.append((time, sign))
 
 
 def equations(minimal: Minimal) -> Callable[[float], Solver]:
@@ -90,15 +117,14 @@ def equations(minimal: Minimal) -> Callable[[float], Solver]:
 
 
 def with_events(minimal: Minimal) -> Callable[[float], Solver]:
-    """The engine's integrator with the events that it always detects, and the turnings."""
+    """The engine's driver: the steps, and all events of the system with their states; extremes of the force."""
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        end = end_of(problem)
         return Solver(
-            lambda made: made.propagate_until(end),
+            lambda made: made.advance(NoRows(), ENDLESS),
             lambda: _solved(problem),
-            lambda: taylor.integrator_of(problem),
+            lambda: driver_of(problem),
         )
 
     return solver

@@ -54,7 +54,7 @@ def undefined_symbols(code: bytes) -> list[str]:
                 if section == 0 and name:
                     begin = sections[link][4] + name
                     names.append(code[begin : code.index(b"\0", begin)].decode())
-    except (struct.error, IndexError) as error:
+    except (struct.error, IndexError, OverflowError) as error:
         raise ValueError(f"an object must be a whole ELF file: {error}") from None
     return names
 

@@ -69,7 +69,7 @@ class SliceDriver(Driver):
         if self.tally["upto"] < 1.0:
             reached, last = passages.times[-1], passages.states[-1:]
         ended, self.reached = self._status(outcome), reached
-        self._rows(output, request, float(reached), ended is not None)
+        self._rows(output, request, float(reached), ended is not None, ends)
         counts = np.arange(before + 1, 1 + int(self.tally["steps"]))
         sampled = ends[: len(counts)][counts % self.rules.every == 0]
         return self._slice(len(counts), reached, last, sampled, passages, ended)
@@ -109,11 +109,12 @@ class SliceDriver(Driver):
         states = np.array(output(refined), copy=True)
         return Passages(refined, events, log.sign[found], log.at_pole[found], states)
 
-    def _rows(self, output: Callable, request: Request, reached: float, ended: bool) -> None:
+    def _rows(self, output: Any, request: Request, reached: float, ended: bool, ends: np.ndarray) -> None:
         """Gives the request its rows up to the time reached, and those at it if the run has ended."""
         if request.steps:
-            ends = output.times[1:][output.times[1:] < reached] if ended else output.times[1:]  # type: ignore
-            self._give(request, np.asarray(ends), output)
+            times = output.times[1:].astype(float)
+            made = int(np.searchsorted(times, reached, side="right" if self.tally["upto"] == 1.0 else "left"))
+            request.take(times[:made], ends[:made, : self.variables].copy())
             return
         while True:
             self.times = self.times if len(self.times) else request.wanted()

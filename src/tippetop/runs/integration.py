@@ -116,7 +116,7 @@ class Integration:
         self.monitor.follow(np.concatenate([piece.samples, piece.last]), self.driver.extremes(), piece.steps)
         table, marks, states = self.log.take(piece.passages)
         sink.events(table, marks)
-        if self.problem.output == "steps" and self.status is not None and piece.steps:
+        if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # it ended in the midst of a step
             self.write(sink, np.array([self.t_end]), self.last)
         elif self.problem.output == "events" and len(table.time):
             self.write(sink, table.time, states)

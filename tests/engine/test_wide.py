@@ -1,0 +1,107 @@
+"""Events in wider numbers: found in doubles, refined in the working precision; tables reach the highest orders."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tippetop.engine.slices import Driver, Slice
+from tippetop.engine.status import Status
+from tippetop.engine.taylor import driver_of
+from tippetop.engine.wide import SliceDriver
+from tippetop.problem import Problem
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+
+
+class Nothing:
+    """No rows."""
+
+    steps = False
+
+    def wanted(self) -> np.ndarray:
+        return np.zeros(0)
+
+
+def load(precision: str, *sets: str, until: float = 0.4) -> Problem:
+    return build.load("inverting", [f"run.precision={precision}", "initial.theta_dot=0.2", *sets], until)
+
+
+def done(problem: Problem) -> tuple[Driver, Slice]:
+    driver = driver_of(problem)
+    piece = driver.advance(Nothing(), 1 << 40)
+    assert piece.status is Status.FINISHED
+    return driver, piece
+
+
+@pytest.fixture(scope="module")
+def runs() -> dict[str, tuple[Driver, Slice]]:
+    """The same top in three precisions."""
+    return {precision: done(load(precision)) for precision in ("double", "longdouble", "quad")}
+
+
+def test_zeros_agree_with_those_of_doubles(runs: dict[str, Any]) -> None:
+    """To 1e-13 of an internal unit: what the rounding of the shorter run has made of them."""
+    found = {precision: piece.passages for precision, (_, piece) in runs.items()}
+    assert len(found["double"].times) > 10
+    for precision in ("longdouble", "quad"):
+        np.testing.assert_array_equal(found[precision].events, found["double"].events)
+        np.testing.assert_array_equal(found[precision].signs, found["double"].signs)
+        difference = found[precision].times.astype(float) - found["double"].times
+        assert np.abs(difference).max() < 1e-13
+
+
+def test_zeros_of_80_bits_and_quadruple_precision_agree_to_1e17(runs: dict[str, Any]) -> None:
+    """Beyond what doubles can show: they were refined. The difference of the two is taken in the wider one."""
+    quad = runs["quad"][1].passages.times
+    number = quad.dtype.type
+    other = np.array([number(time) for time in runs["longdouble"][1].passages.times])
+    difference = np.abs((quad - other).astype(float))
+    assert 0 < difference.max() < 1e-17
+
+
+@pytest.mark.parametrize(("precision", "bound"), [("longdouble", 1e-18), ("quad", 1e-30)])
+def test_a_refined_zero_is_one(precision: str, bound: float, runs: dict[str, Any]) -> None:
+    """theta' and the normal force vanish in the state of their zero to the rounding of the working precision."""
+    driver, piece = runs[precision]
+    problem = driver.problem
+    body = problem.internal_body
+    worst = 0.0
+    for e, state in zip(piece.passages.events, piece.passages.states, strict=True):
+        event = problem.system.events[e]
+        q, _ = problem.variables.split(state)
+        if event.name == "turning":
+            value = event.formula(problem.form.scalars(q, body), body)
+            worst = max(worst, abs(float(value)))
+    assert 0 <= worst < bound
+
+
+def test_the_highest_orders_are_followed() -> None:
+    """Quadruple precision at the least tolerance that a scenario may ask for."""
+    tight, usual = done(load("quad", "run.tolerance=2e-39", until=0.05)), done(load("quad", until=0.05))
+    order = tight[0].compiled.integrator.order
+    assert order > usual[0].compiled.integrator.order > 32
+    assert isinstance(tight[0], SliceDriver)
+    np.testing.assert_array_equal(tight[1].passages.events, usual[1].passages.events)
+    assert len(usual[1].passages.events) > 0
+    difference = np.abs((tight[1].passages.times - usual[1].passages.times).astype(float))
+    assert difference.max() < 1e-28
+    assert tight[0].extremes() == pytest.approx(usual[0].extremes(), rel=1e-12)
+
+
+def test_extremes_of_the_force_are_those_of_doubles(runs: dict[str, Any]) -> None:
+    expected = runs["double"][0].extremes()
+    for precision in ("longdouble", "quad"):
+        found = runs[precision][0].extremes()
+        assert (found.least, found.most) == pytest.approx((expected.least, expected.most), rel=1e-13)
+        assert (found.t_least, found.t_most) == pytest.approx((expected.t_least, expected.t_most), abs=1e-7)
+
+
+def test_a_liftoff_ends_a_wide_run_at_the_same_moment() -> None:
+    """In the midst of a step: the last state is that of the zero."""
+    sets = ("initial.theta=2.0", "initial.theta_dot=20.0", "initial.omega3=100.0")
+    ends = [solve(load(precision, *sets, until=1.0)) for precision in ("double", "longdouble")]
+    assert [run.status for run in ends] == [Status.LIFTOFF] * 2
+    times = [run.report["t_end"] for run in ends]
+    assert 0 < times[0] == pytest.approx(times[1], abs=1e-13)
+    assert abs(ends[1].report["normal_force"]["min"]) < 1e-14

@@ -1,0 +1,98 @@
+"""Machine code from elsewhere: what cannot be called is refused with a sentence, and never ends the process."""
+
+import subprocess
+import sys
+
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+
+from tippetop_kernels.compiled_step import first_step, load, undefined_symbols
+
+
+SCALED = """
+declare double @{calls}(double)
+define void @step(ptr %state, ptr %pars, ptr %time, ptr %h, ptr %tc) {{
+  %x = load double, ptr %state
+  %y = call double @{calls}(double %x)
+  store double %y, ptr %state
+  ret void
+}}
+define void @{second}(ptr %out, ptr %tc, ptr %h) {{
+  ret void
+}}
+"""
+
+
+def object_of(calls: str = "sin", second: str = "d_out_f", triple: str = "") -> bytes:
+    """An object file whose step calls a function of that name."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_triple(triple or llvm.get_process_triple()).create_target_machine(jit=True)
+    return machine.emit_object(llvm.parse_assembly(SCALED.format(calls=calls, second=second)))
+
+
+def test_a_loaded_step_is_called() -> None:
+    machine = load(object_of())
+    state, other = np.array([0.5, 7.0]), np.zeros(3)
+    first_step(machine.step, state, other, other, other, other)
+    assert state.tolist() == [np.sin(0.5), 7.0]
+
+
+def test_the_functions_that_an_object_calls_are_known() -> None:
+    assert undefined_symbols(object_of("cbrt")) == ["cbrt"]
+
+
+@pytest.mark.parametrize("calls", ["no_such_function_anywhere"])
+def test_a_function_that_is_nowhere_is_named(calls: str) -> None:
+    with pytest.raises(ValueError, match=f"{calls} are missing"):
+        load(object_of(calls))
+
+
+def test_an_object_without_the_functions_is_refused() -> None:
+    with pytest.raises(ValueError, match="must have the functions step and d_out_f"):
+        load(object_of(second="other"))
+
+
+@pytest.mark.parametrize("code", [b"", b"\x7fELF", b"MZ" + bytes(200), b"\x7fELF\x01\x01" + bytes(200), bytes(64)])
+def test_what_is_no_elf_file_is_refused(code: bytes) -> None:
+    with pytest.raises(ValueError, match="ELF"):
+        undefined_symbols(code)
+    with pytest.raises(ValueError, match="ELF"):
+        load(code)
+
+
+def test_a_damaged_object_is_refused_or_read(rng: np.random.Generator) -> None:
+    """Cut anywhere, and with bytes changed anywhere: a list of names or ValueError."""
+    whole, refused = object_of(), 0
+    damaged = [whole[:n] for n in range(0, len(whole), 7)]
+    for _ in range(300):
+        changed = bytearray(whole)
+        for at in rng.integers(6, len(whole), 4):
+            changed[at] = rng.integers(256)
+        damaged.append(bytes(changed))
+    for code in damaged:
+        try:
+            assert isinstance(undefined_symbols(code), list)
+        except ValueError:
+            refused += 1
+    assert refused > 10
+
+
+def test_a_library_that_is_not_there_is_said() -> None:
+    with pytest.raises(RuntimeError):
+        load(object_of(), ["/nowhere/libnothing.so"])
+
+
+def test_nothing_of_this_aborts_a_process() -> None:
+    """LLVM ends the process when it is asked to bind a function that it does not find: it is never asked."""
+    code = f"""
+from tippetop_kernels.compiled_step import load
+for code in ({object_of("no_such_function_anywhere")!r}, b"", {object_of(second="other")!r}):
+    try:
+        load(code)
+    except ValueError as error:
+        print("refused")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "refused\n" * 3), done.stderr
