@@ -1,6 +1,7 @@
 """The progress bar: what it counts, how fast, and how long it still takes; nothing where nobody looks."""
 
 import io
+import time
 
 import pytest
 
@@ -41,3 +42,30 @@ def test_any_callback_is_passed_on() -> None:
     with progress.reporting(False, "tops") as tell:
         tell(2, 2)
     assert seen == [(1, 2)]
+
+
+def test_a_bar_says_so_while_the_first_thing_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first chunk of a sweep may have to be compiled: nothing is done, and that is shown."""
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr(progress, "SILENT", 0.01)
+    with progress.reporting(True, "tops") as tell:
+        tell(0, 72)
+        for _ in range(500):
+            if "starting (compiling)" in terminal.getvalue():
+                break
+            time.sleep(0.01)
+    assert "0/72 tops" in terminal.getvalue()
+    assert "starting (compiling)" in terminal.getvalue()
+
+
+def test_a_bar_that_ended_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress.Bar("tops") as bar:
+        bar.update(0, 72)
+    bar._starting(0, 72)
+    assert terminal.getvalue() == ""

@@ -27,7 +27,9 @@ inlined = njit(
 def entry(function: Callable) -> Any:
     """A kernel that Python calls: its machine code, with all that is compiled into it, is kept on disk.
 
-    Not for kernels that kernels call: those are in the code of their callers.
+    Not for kernels that kernels call: those are in the code of their callers. Addresses must come as arguments, not as
+    constants of a module, and symbols that LLVM is to know by name must be added before the first call: another process
+    has others.
     """
     dispatcher: Any = kernel(function)
     dispatcher._cache = DiskCache(dispatcher)

@@ -1,11 +1,19 @@
 """Arguments of the library, checked one by one: a fault is one sentence that names the argument."""
 
+import contextlib
+import functools
+import inspect
 import math
 import os
+import re
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from .errors import InputError
+from .errors import InputError, StoreError, suggestion
+
+
+F = TypeVar("F", bound=Callable)
 
 
 def finite(name: str, value: Any) -> float:
@@ -41,3 +49,34 @@ def instance(name: str, value: Any, kind: type, words: str) -> None:
     """Raises InputError if the argument is not of this kind; `words` say what it must be."""
     if not isinstance(value, kind):
         raise InputError([f"`{name}` must be {words}, but is {value!r:.60}."])
+
+
+def named_arguments(function: F) -> F:
+    """The function, which answers an unknown keyword with a TypeError that names the nearest one."""
+    known = list(inspect.signature(function).parameters)
+
+    @functools.wraps(function)
+    def called(*arguments: Any, **named: Any) -> Any:
+        refuse_unknown(function.__name__, named, known)
+        return function(*arguments, **named)
+
+    return called  # type: ignore[return-value]
+
+
+def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
+    """Raises TypeError for a keyword that a function has not."""
+    for name in named:
+        if name not in known:
+            raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
+
+
+@contextlib.contextmanager
+def in_python() -> Iterator[None]:
+    """A block whose StoreErrors name options of the command line as arguments: --overwrite is overwrite=True."""
+    try:
+        yield
+    except StoreError as error:
+        words = re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda m: f"{m[1].replace('-', '_')}=True", str(error))
+        if words == str(error):
+            raise
+        raise StoreError(words) from error

@@ -1,7 +1,9 @@
 """Errors that the user can mend: each is one or more sentences."""
 
 import difflib
-from collections.abc import Collection, Iterable
+import functools
+from collections.abc import Callable, Collection, Iterable
+from typing import Any
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
@@ -54,3 +56,24 @@ class Unfinished(Exception):
     def __init__(self, sentences: list[str]):
         super().__init__("\n".join(sentences))
         self.sentences = sentences
+
+
+def names_its_faults(formula: Callable, words: str) -> Callable:
+    """A formula of the user, whose exceptions become an InputError that names it, with the exception as its cause.
+
+    Parameters
+    ----------
+    formula
+        A function; `__wrapped__` of what is returned.
+    words
+        What it is of: "the event `mine`".
+    """
+
+    @functools.wraps(formula)
+    def named(*arguments: Any) -> Any:
+        try:
+            return formula(*arguments)
+        except Exception as error:
+            raise InputError([f"the formula of {words} fails: {type(error).__name__}: {error}"]) from error
+
+    return named

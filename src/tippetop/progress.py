@@ -5,12 +5,17 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 
 FIRST_AFTER, AGAIN_AFTER = 0.4, 0.1  # [s]: what is sooner done needs no bar; nobody reads faster
+SILENT = 2.0  # [s] after which a bar is there though nothing is done yet: the first thing may have to be compiled
+
+
+STARTING = "starting (compiling)"
 
 
 class Bar:
@@ -31,13 +36,19 @@ class Bar:
         self.bar: Any = None
         self.visible = sys.stderr.isatty() and not os.environ.get("TIPPETOP_QUIET")
         self.began: float | None = None
+        self._lock = threading.RLock()
+        self._waits: threading.Timer | None = None
 
     def __enter__(self) -> Bar:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.stop()
+        with self._lock:
+            self.visible = False  # a timer that is late draws nothing
+            if self._waits is not None:
+                self._waits.cancel()
+            if self.bar is not None:
+                self.bar.stop()
 
     def update(self, done: float, of: float, note: Callable[[], str] | None = None) -> None:
         """Says how much is done, and what else there is to say of it. What was done before the first call does not
@@ -47,19 +58,30 @@ class Bar:
         now = time.monotonic()
         if self.began is None:
             self.first, self.began, self.due = done, now, now + FIRST_AFTER
+            self._waits = threading.Timer(SILENT, self._starting, (done, of))
+            self._waits.daemon = True
+            self._waits.start()
         if now < self.due:
             return
         self.due = now + AGAIN_AFTER
-        if self.bar is None:
-            self._begin(of)
+        with self._lock:
+            if self.bar is None:
+                self._begin(of)
         rate = (done - self.first) / max(now - self.began, 1e-9)
-        text = f"{rate:.3g} {self.things}/s, {_clock((of - done) / rate)} left" if rate else "starting"
-        self.bar.update(
-            self.task,
-            completed=done,
-            count=self.count.format(done=done, of=of, things=self.things),
-            note=text + (f", {note()}" if note is not None else ""),
-        )
+        text = f"{rate:.3g} {self.things}/s, {_clock((of - done) / rate)} left" if rate else STARTING
+        self._show(done, of, text + (f", {note()}" if note is not None else ""))
+
+    def _show(self, done: float, of: float, note: str) -> None:
+        count = self.count.format(done=done, of=of, things=self.things)
+        self.bar.update(self.task, completed=done, count=count, note=note)
+
+    def _starting(self, done: float, of: float) -> None:
+        """Draws the bar of work of which nothing is done yet."""
+        with self._lock:
+            if not self.visible or self.bar is not None:
+                return
+            self._begin(of)
+        self._show(done, of, STARTING)
 
     def _begin(self, of: float) -> None:
         from rich.console import Console

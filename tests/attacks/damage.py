@@ -5,9 +5,9 @@ link, a pipe, a shape beyond all memory), and one command reads or continues it.
 the bytes of a picture or of a CSV file, all values and attributes that `tippetop.open` gives, and of a command that
 continues a store every file of the finished one.
 
-What it cannot see: damage in two places that fit each other, a forger who computes digests and checksums again, faults
-of the disk under the file system, damage while the store is being read, other users' permissions (it runs as one user),
-and whatever no command looks at.
+What it cannot see: flags of an unfinished run (they may change until it ends), damage in two places that fit each
+other, a forger who computes digests and checksums again, faults of the disk under the file system, damage while the
+store is being read, other users' permissions (it runs as one user), and whatever no command looks at.
 """
 
 import hashlib

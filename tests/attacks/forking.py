@@ -126,7 +126,11 @@ class _Worker:
         with self.log.open("w") as log:
             for stream in (1, 2):
                 os.dup2(log.fileno(), stream)
+            parent = os.getppid()
             while True:
+                while not pipe.poll(1.0):
+                    if os.getppid() != parent:  # it was killed, and another fork may hold its end of the pipe
+                        return
                 number = pipe.recv()
                 shutil.rmtree(self.folder, ignore_errors=True)
                 self.folder.mkdir()
@@ -183,7 +187,7 @@ def judged(
     judge: Callable[[int, Path], Verdict], count: int, until: float, folder: Path, first: int = 0, processes: int = 2
 ) -> Iterator[Verdict]:
     """Verdicts on cases `first`, ... until they count for `count` tries, or the clock is past `until`."""
-    tries, begun, number = 0, 0, first
+    tries, begun, number, parent = 0, 0, first, os.getppid()
     workers: list[_Worker] = []
     idle: list[_Worker] = []
     try:
@@ -195,7 +199,7 @@ def judged(
                     idle.append(worker)
                 idle.pop().begin(number)
                 number, begun = number + 1, begun + 1
-            if not begun:
+            if not begun or os.getppid() != parent:
                 return
             busy = [w for w in workers if w.pid and w not in idle]
             wait([w.pipe for w in busy], timeout=0.5)

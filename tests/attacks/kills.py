@@ -17,8 +17,6 @@ import json
 import os
 import shutil
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -27,12 +25,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import undisturbed
 from forking import Done, command, forked
+from moments import moment, operations, victim
 from verdict import Verdict, difference, files
 
 
 COUNT = 300
-OPERATIONS = {"os.rename", "os.link", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "attacks.fsync"}
-WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 
 
 class Target(NamedTuple):
@@ -143,109 +140,6 @@ TARGETS = {
 CHEAP = 6  # targets that compile nothing slow
 NEEDS = {"sweep": ("sweep", "half_a_sweep"), "surface": ("surface", "half_a_surface"), "potential": ("potential",)}
 SELDOM = 10  # of so many rounds, sweeps with workers are in one: each takes many seconds
-FRESH = 0.05  # of the cases: processes that are fresh interpreters
-
-
-# --- how it is killed -----------------------------------------------------------------------------------------------
-
-
-def _armed(at: int, after: float) -> None:
-    """Kills this process at its `at`-th file operation, or `after` seconds later."""
-    left, fsync = [at], os.fsync
-
-    def hook(event: str, arguments: tuple[Any, ...]) -> None:
-        if event == "open":
-            mode, flags = arguments[1:3]
-            writes = set(mode) & set("wxa+") if isinstance(mode, str) else flags & WRITING
-            if not writes:
-                return
-        elif event not in OPERATIONS:
-            return
-        left[0] -= 1
-        if left[0] == 0:
-            if after > 0:
-                signal.setitimer(signal.ITIMER_REAL, after)  # its default is to end the process, as a kill does
-            else:
-                os.kill(os.getpid(), signal.SIGKILL)
-
-    def audited(descriptor: int) -> None:
-        sys.audit("attacks.fsync")
-        fsync(descriptor)
-
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    os.fsync = audited
-    sys.addaudithook(hook)
-
-
-def operations(words: list[object]) -> int:
-    """How many file operations a command makes, run in a fork."""
-
-    def counted() -> int:
-        count, fsync = [0], os.fsync
-
-        def hook(event: str, arguments: tuple[Any, ...]) -> None:
-            if event == "open":
-                mode, flags = arguments[1:3]
-                count[0] += bool(set(mode) & set("wxa+") if isinstance(mode, str) else flags & WRITING)
-            else:
-                count[0] += event in OPERATIONS
-
-        def audited(descriptor: int) -> None:
-            sys.audit("attacks.fsync")
-            fsync(descriptor)
-
-        os.fsync = audited
-        sys.addaudithook(hook)
-        done = command(*words)
-        assert done.code == 0, done.err
-        return count[0]
-
-    pid, result = forked(counted)
-    found = result.recv()
-    os.waitpid(pid, 0)
-    assert isinstance(found, int), found
-    return found
-
-
-def victim(words: list[object], moment: dict[str, Any]) -> Done | None:
-    """A command in a process that is killed at a moment; how it ended if it was faster than that."""
-    if moment["how"] == "fresh":
-        code = f"from tippetop.cli import main; main({[str(w) for w in words]!r})"
-        process = subprocess.Popen(
-            [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
-        try:
-            out, err = process.communicate(timeout=moment["after"])
-            return Done(process.returncode, out, err)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
-            return None
-
-    def work() -> Done:
-        if moment["how"] == "operation":
-            _armed(moment["at"], moment["after"])
-        return command(*words)
-
-    pid, result = forked(work)
-    if moment["how"] == "moment":
-        result.poll(moment["after"])
-        os.kill(pid, signal.SIGKILL)  # it may have ended: then it waits for us
-    try:
-        return result.recv()
-    except EOFError:
-        return None
-    finally:
-        os.waitpid(pid, 0)
-
-
-def _moment(rng: np.random.Generator, count: int, seconds: float) -> dict[str, Any]:
-    if rng.random() < FRESH:
-        return {"how": "fresh", "after": float(rng.uniform(0.3, 3.0))}
-    if rng.random() < 0.5:
-        return {"how": "moment", "after": float(rng.uniform(0.0, seconds))}
-    after = float(rng.choice([0.0, rng.uniform(1e-6, 5e-4)]))
-    return {"how": "operation", "at": int(rng.integers(1, count + 1)), "after": after}
 
 
 # --- the campaign ---------------------------------------------------------------------------------------------------
@@ -297,7 +191,7 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
     for _ in range(int(rng.integers(1, 4))):
         before = target.acknowledged(folder)
         words = (target.again or target.begin)(folder, stores) if kills else target.begin(folder, stores)
-        moments.append(_moment(rng, count, 1.1 * seconds))
+        moments.append(moment(rng, count, 1.1 * seconds))
         done = victim(words, moments[-1])
         repeat = {"target": name, "moments": moments}
         if done is not None:

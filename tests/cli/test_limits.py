@@ -162,12 +162,15 @@ main()
         ["run", "inverting", "--set", "run.precision=quad", "--set", "run.until=1e7", "--out", "a.zarr"],
         ["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"],
         ["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"],
+        ["plot", "run.zarr", "band", "--out", "band.png"],
     ],
 )
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_while_compiling_is_obeyed_at_once(words: list[str], number: signal.Signals, tmp_path: Path) -> None:
     """At once: before the compilation, which takes seconds, is done."""
-    cache = {**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache")}
+    if words[0] == "plot":
+        assert outcome(["run", "inverting", "--until", "0.5", "--out", str(tmp_path / "run.zarr")]) == 0
+    cache = {**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache"), "TIPPETOP_CACHE_DIR": ""}
     process = subprocess.Popen(
         [sys.executable, "-c", MARKED, *words],
         stdout=subprocess.PIPE,

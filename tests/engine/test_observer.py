@@ -249,7 +249,7 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
         f = with_roots(roots)
         times = np.concatenate([[0.0], np.sort(rng.uniform(0.0, UNTIL, 20)), [UNTIL]])
         _, log = passages_of([(event("passage"), shift, 0.0)], [f.integ(k=3.0) if shift else f], times)
-        n = log.count[0]
+        n = log.filled[0]
         steepness = f.deriv()(roots)  # where roots are close, rounding of the function moves them
         np.testing.assert_allclose((log.time[:n] - roots) * steepness, 0, rtol=0, atol=1e-12)
         assert log.sign[:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
@@ -258,12 +258,12 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
 
 def test_a_direction_leaves_the_other_passages_out_of_the_log() -> None:
     _, log = passages_of([(event("falling", direction=-1), 0, 0.0)], [with_roots(np.array([0.3, 0.7, 1.15]))])
-    np.testing.assert_allclose(log.time[: log.count[0]], [0.7], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(log.time[: log.filled[0]], [0.7], rtol=0, atol=1e-14)
 
 
 def test_a_zero_that_is_touched_is_no_passage() -> None:
     _, log = passages_of([(event("passage"), 0, 0.0)], [Polynomial([-0.3, 1.0]) ** 2])
-    assert log.count[0] == 0
+    assert log.filled[0] == 0
 
 
 @pytest.mark.parametrize("leaves_to", [1, -1])
@@ -272,7 +272,7 @@ def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None
     """The next one is, whichever side the function leaves to, and whichever side rounding puts the start."""
     f = leaves_to * Polynomial.fromroots([noise, 0.45])
     tallies, log = passages_of([(event("passage"), 0, 0.0)], [f], on_zero=True)
-    np.testing.assert_allclose(log.time[: log.count[0]], [0.45], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(log.time[: log.filled[0]], [0.45], rtol=0, atol=1e-14)
     assert log.sign[0] == leaves_to
     assert tallies.kept[2, 0] == 1
 
@@ -283,7 +283,7 @@ def test_a_force_ends_the_run_at_its_first_falling_zero(zero: float) -> None:
     force, other = Polynomial.fromroots([zero, zero + 2.0]), with_roots(np.array([zero - 0.1, zero + 0.05]))
     liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
     tallies, log = passages_of([(liftoff, 0, 0.0), (event("other"), 0, 0.0)], [force, other])
-    tally, n = tallies.lane[0], log.count[0]
+    tally, n = tallies.lane[0], log.filled[0]
     assert tally["status"] == Status.LIFTOFF.code
     assert tally["t"] == pytest.approx(zero, abs=1e-14)
     assert tallies.functions[LEAST, 0, 0] == pytest.approx(0.0, abs=1e-14)
@@ -300,7 +300,7 @@ def test_a_force_within_rounding_of_zero_ends_nothing(least: float) -> None:
     force = least + Polynomial([-0.77, 1.0]) ** 2
     liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
     tallies, log = passages_of([(liftoff, 0, 0.0)], [force])
-    assert (tallies.lane[0]["status"], log.count[0]) == (Status.RUNNING.code, 0)
+    assert (tallies.lane[0]["status"], log.filled[0]) == (Status.RUNNING.code, 0)
     assert tallies.functions[LEAST, 0, 0] == pytest.approx(least, abs=1e-13)
     assert tallies.functions[T_LEAST, 0, 0] == pytest.approx(0.77, abs=1e-7)
 
@@ -331,7 +331,7 @@ def test_what_is_not_watched_has_no_passages_but_keeps_its_extremes() -> None:
     log, tallies = new_log(9, 0), new_tallies(rows, 1)
     continued(tallies, rows, *one_lane([f]), log=log)
     values = f(np.concatenate([[0.0, UNTIL], f.deriv().roots()]))
-    assert log.count[0] == 0
+    assert log.filled[0] == 0
     assert tallies.functions[[LEAST, MOST], 0, 0].tolist() == pytest.approx([values.min(), values.max()], abs=1e-13)
 
 

@@ -75,6 +75,30 @@ def test_times_of_inversion_are_shown_as_they_are_and_none_is_blank() -> None:
     assert not whole.legends
 
 
+def test_tops_without_a_time_of_inversion_are_told_apart_by_their_end() -> None:
+    """Under way, upright, tumbling, lifted off: each has the colour and a word of its own."""
+    names = ["under-way", "upright", "lifted-off", "tumbling"]
+    times = np.array([[1.0, np.nan], [np.nan, 4.0], [np.nan, np.nan]])
+    ends = np.full((3, 2), np.nan)
+    ends[np.isnan(times)] = [CLASSES.index(name) for name in names]
+    figure = sweep.draw_map(a_map("inversion", (X, Y), {"inverted_at": times, "class": ends}))
+    legend = entries(figure)
+    assert set(legend) == {
+        "not inverted in time: under way",
+        "ended upright",
+        "lifted off before it inverted",
+        "not inverted in time: tumbling",
+    }
+    layers = [
+        np.ma.asarray(c.get_array()).reshape(2, 3) for c in figure.axes[0].collections if c.get_array() is not None
+    ]
+    meshes = [c for c in figure.axes[0].collections if c.get_array() is not None]
+    for i, j in zip(*np.nonzero(np.isnan(times)), strict=True):
+        (layer,) = [k for k, values in enumerate(layers) if not np.ma.getmaskarray(np.ma.masked_invalid(values))[j, i]]
+        colour = meshes[layer].to_rgba(np.zeros(1))[0]
+        assert colour == pytest.approx(mpl.colors.to_rgba(sweep.COLOURS[CLASSES[int(ends[i, j])]]), abs=1 / 255)
+
+
 def contours(figure: Figure) -> list[np.ndarray]:
     """The lines of contours, as points."""
     sets = [c for c in figure.axes[0].collections if isinstance(c, mpl.contour.QuadContourSet)]

@@ -13,6 +13,7 @@ import pytest
 
 from tippetop.landscape import body as bodies
 from tippetop.landscape import formulas
+from tippetop.mechanics.doubledouble import DoubleDouble
 
 
 class At(NamedTuple):
@@ -167,3 +168,29 @@ def test_infimum_lies_at_an_end_exactly_on_its_marked_line(name: str, z: int) ->
             for away in (1e-12, -1e-12):
                 off = on * (1 + away)
                 assert formulas.ends(off, lam, formulas.at_momenta(off, lam, c), c) == (False, False)
+
+
+@pytest.mark.parametrize("name", ["tippe-top", "two minima"])
+def test_pole_values_are_the_rates_of_X_where_X_vanishes_at_the_other_pole(name: str) -> None:
+    """Y = a + b q + k psi: without a it rises as |b'| q from q = 0, without b it tends to |a'| as q -> oo."""
+    none = DoubleDouble(0.0, 0.0)
+    for at in cases(name):
+        for q, p, which in ((1e-14, at.p._replace(a=none), 1), (1e14, at.p._replace(b=none), 0)):
+            psi = formulas.psi(q, p, at.c).head
+            Y = p.a.head + q * p.b.head + p.k.head * psi
+            exact = abs(Y / q if which else Y)
+            size = abs(p.a.head) + abs(p.b.head) + abs(p.k.head * psi / (q if which else 1.0))
+            assert abs(formulas.pole_values(p, at.c)[which] - exact) <= 1e-6 * size, at
+
+
+@pytest.mark.parametrize(("a", "b"), [(1.0, 2.0), (3.0, 0.1), (0.01, 5.0), (0.4, 0.4)])
+def test_the_guess_is_sharpened_with_the_cube_of_its_error(a: float, b: float) -> None:
+    c = bodies.top(oracle.FIGURE).coefficients
+    gain = mp.mpf(c.root_gamma_gain)
+    a, b = a * c.root_gamma_gain, b * c.root_gamma_gain
+    root = mp.findroot(lambda s: mp.log(b**2 + (gain / (1 + mp.e**s)) ** 2) / 2 + s - mp.log(a), (-9, 9), "anderson")
+    for away in (0.1, 0.03, 0.01, 1e-3):
+        for sign in (1, -1):
+            rough = formulas.Sketch(float(mp.exp(root + sign * away)), a, b)
+            sharp = formulas.sharper(rough, None, c)
+            assert abs(mp.log(sharp.q) - root) <= 0.5 * away**3 + 1e-15

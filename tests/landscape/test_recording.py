@@ -1,8 +1,10 @@
 """Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write and draw them."""
 
 import json
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import xarray as xr
 from examples import CANONICAL
 from stores import assert_same
 
+import tippetop
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.landscape import recording, surface
@@ -62,7 +65,7 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
     stopped(tmp_path / "F.zarr", after=5)
     worked = []
     minima = surface.minima
-    monkeypatch.setattr(recording.surface, "minima", lambda *a: worked.append(1) or minima(*a))
+    monkeypatch.setattr(recording.surface, "minima", lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a))
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert len(worked) == 7
     assert_same(tmp_path / "F.zarr", whole)
@@ -161,3 +164,62 @@ def test_wrong_words_are_one_sentence(words, sentence, capsys, tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     assert outcome(words) == 2
     assert sentence in capsys.readouterr().err
+
+
+OLD = Path(__file__).parents[1] / "reference" / "surface_zstd"
+
+
+def test_a_surface_in_the_old_format_still_opens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """zstd, without checksums: read, described, drawn, exported; its numbers are those of today."""
+    codecs = json.loads((OLD / "surface" / "F" / "zarr.json").read_text())["codecs"]
+    assert [codec["name"] for codec in codecs] == ["bytes", "zstd"]
+    stored = tippetop.open(OLD)
+    attrs = json.loads((OLD / "zarr.json").read_text())["attributes"]
+    today = surface.minimal_surface(attrs["parameters"], stored["D"].values, stored["lambda"].values)
+    np.testing.assert_allclose(stored["F"], today["F"], rtol=1e-15)
+    np.testing.assert_array_equal(stored["status"], today["status"])
+    assert outcome(["info", str(OLD), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["axes"]["D"] == [-3e-4, 3e-4, 3]
+    assert outcome(["plot", str(OLD), "--out", str(tmp_path / "F.png")]) == 0
+
+
+def test_damage_to_an_old_surface_is_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    place = tmp_path / "F.zarr"
+    shutil.copytree(OLD, place)
+    chunk = place / "surface" / "F" / "c" / "0" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:20])
+    assert outcome(["plot", str(place), "--out", str(tmp_path / "F.png")]) == 5
+    assert str(place) in capsys.readouterr().err
+
+
+DAMAGES = {
+    "deleted": lambda part: (part / "surface/F/c/0/0").unlink(),
+    "empty": lambda part: (part / "surface/z/c/0/1").write_bytes(b""),
+    "status": lambda part: (part / "surface/status/c/0/0").write_bytes(b"x"),
+    "exchanged": lambda part: exchange(part / "surface/F/c/0/0", part / "surface/F/c/0/1"),
+    "metadata": lambda part: edit(part / "surface/F/zarr.json", '"J"', '"eV"'),
+    "shape": lambda part: edit(part / "surface/z/zarr.json", '"shape"', '"shapes"'),
+    "group": lambda part: (part / "surface/zarr.json").write_text("{}"),
+    "root": lambda part: edit(part / "zarr.json", "minimal surface", "maximal surface"),
+}
+
+
+def exchange(one, other):
+    mine, yours = one.read_bytes(), other.read_bytes()
+    one.write_bytes(yours)
+    other.write_bytes(mine)
+
+
+def edit(place, old, new):
+    text = place.read_text()
+    assert old in text
+    place.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_path):
+    """Before, it was finished as it was, with exit code 0, or with a traceback."""
+    stopped(tmp_path / "F.zarr", after=5)
+    DAMAGES[damage](tmp_path / ".F.zarr.part")
+    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    assert_same(tmp_path / "F.zarr", whole)

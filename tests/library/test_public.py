@@ -370,7 +370,8 @@ def test_the_theory_takes_bodies(run: tt.Run) -> None:
 
 
 def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
-    run = tt.run("rolling", output_step=1e-3, until=0.5)
+    start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
+    run = tt.run("inverting", start=start, output_step=4e-3, until=0.3)  # eight rows per nutation
     with pytest.warns(UserWarning, match="is not to be relied on"):
         found = tt.reconstruct(run)
     assert found.attrs["mismatch"] > 1e-6

@@ -137,7 +137,7 @@ DECOMPOSITION = {
     ("gliding-heavy-top", "vector"): 86,
     ("gliding-heavy-top", "contact"): 129,
     ("gliding-heavy-top", "euler"): 124,
-    ("heavy-top", "vector"): 42,
+    ("heavy-top", "vector"): 50,
     ("heavy-top", "euler"): 40,
     ("gliding-cylinder", "angle"): 60,
     ("rolling-cylinder", "angle"): 46,

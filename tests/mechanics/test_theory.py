@@ -238,7 +238,7 @@ def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str, monkeypatc
     monkeypatch.setitem(SYSTEMS, toy.name, toy)
     made = dataclasses.replace(start_of(name), system=toy, until=1e6)
     found = forecast.assessment(made)
-    assert set(found) == {"at_start", "expected"}
+    assert set(found) == {"auto_form", "at_start", "expected"}
     assert forecast.comments(made) == {}
     report = {"reason": "end.", "steps": 1, "event_counts": {}, "theta_end": 0.1, "nutational_band": {}, "drift": {}}
     inversion = dict.fromkeys(("first_equator", "last_equator", "inverted_at"))
@@ -292,3 +292,15 @@ def test_mu_zero_is_no_friction_under_any_law(law: tuple) -> None:
 )
 def test_any_number_that_rubs_is_friction(law: tuple) -> None:
     assert not is_frictionless(law)
+
+
+def test_modes_beyond_the_doubles_are_nan_and_the_outlook_says_no_rate() -> None:
+    """A Coulomb law with eps = 5e-324. Before, a traceback of the eigenvalues."""
+    law = Coulomb(mu=0.3, eps=5e-324)
+    assert np.isnan(modes.linear_modes(155.0, B._replace(friction=law))).all()
+    assert not modes.is_unstable(155.0, B._replace(friction=law))
+    top = SYSTEMS["gliding-heavy-top"]
+    start = {"L3": 0.01, "energy": 0.1, "Lz": 0.01}
+    with np.errstate(all="ignore"):
+        outlook = top.outlook(top.body_of({"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}, law), start)
+    assert outlook.regime.startswith("upright spin unstable at every speed: the top")

@@ -109,3 +109,9 @@ def test_the_widest_numbers_have_no_witness(problem: Problem) -> None:
 def test_only_the_window_is_compared(problem: Problem) -> None:
     assert certificate.certificate(problem, 0.125)["window"] == [0.0, 0.125]
     assert certificate.certificate(problem, 99.0)["window"] == [0.0, 0.5]
+
+
+def test_a_drift_that_is_not_finite_breaks_the_promise() -> None:
+    """JSON has None for it. Before, a traceback."""
+    (sentence,) = broken_promises({"t_end": 1.0, "drift": {"energy": None}}, 0.0, "double")
+    assert sentence == "the drift of energy must be at most 1.0e-12, but is nan."

@@ -126,7 +126,12 @@ def test_certify_is_kept_in_the_store(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_check_advises_the_form_that_lasts(capsys: pytest.CaptureFixture[str]) -> None:
     said = []
     long = "run.until=1e6"
-    for sets in ([long, "form=vector"], [long], [long, "run.tolerance=1e-18"], ["run.until=1e4", "form=vector"]):
+    for sets in (
+        [long, "form=vector"],
+        [long, "form=reduced"],
+        [long, "form=reduced", "run.tolerance=1e-18"],
+        ["run.until=1e4", "form=vector"],
+    ):
         words = [word for each in ["run.output_step=10", *sets] for word in ("--set", each)]
         assert outcome(["check", "rolling", *words]) == 0
         advice = " ".join(capsys.readouterr().out.split())  # however it is wrapped
@@ -152,15 +157,16 @@ def test_the_rolling_preset_keeps_its_contract_over_ten_thousand_seconds() -> No
 
 
 def test_the_rolling_preset_is_integrated_in_the_form_that_keeps_its_contract() -> None:
-    assert build.load("rolling").form.name == "reduced"
+    assert build.load("rolling").form.name == "contact"
 
 
 @pytest.mark.parametrize("theta", [1.7e-4, 1.9e-5, np.pi - 1.7e-4])
 def test_a_reduced_start_next_to_a_pole_is_refused(theta: float) -> None:
     near = [f"initial.theta={theta!r}"]
     with pytest.raises(InputError, match='form = "vector" can'):
-        build.load("rolling", near)
-    build.load("rolling", [*near, "form=vector"])
+        build.load("rolling", [*near, "form=reduced"])
+    for form in ("auto", "vector", "contact"):
+        build.load("rolling", [*near, f"form={form}"])
 
 
 @pytest.mark.parametrize("theta", [1e-3, np.pi - 1e-3])

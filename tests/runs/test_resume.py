@@ -471,3 +471,16 @@ def test_a_run_killed_after_its_last_word_is_tidied_up(undisturbed: Path, tmp_pa
     (store / "checkpoint.json").write_text("{}")
     assert outcome(["resume", str(store)]) == 5
     assert_same(store, undisturbed)
+
+
+def test_acknowledged_rows_that_were_exchanged_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Chunks and checksums are sound, their places are not. Before, the run was finished with exit code 0."""
+    store = interrupted(tmp_path, monkeypatch)
+    one, other = (store / "trajectory" / name / "c" / "0" for name in ("theta", "phi"))
+    mine, yours = one.read_bytes(), other.read_bytes()
+    one.write_bytes(yours)
+    other.write_bytes(mine)
+    monkeypatch.setattr(Integration, "run", never)
+    with pytest.raises(StoreError, match="acknowledged rows, but some of them are others"):
+        recording.resume(store)
+    assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 5

@@ -1,5 +1,6 @@
 """Files and folders appear whole or not at all; nothing is replaced that nobody asked to replace."""
 
+import contextlib
 import errno
 import os
 import subprocess
@@ -8,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zarr
 
 from tippetop.columns import Column
 from tippetop.errors import StoreError
-from tippetop.store import files, provenance, tables
+from tippetop.store import files, own, provenance, tables
 from tippetop.store.files import LOCK, Lock
 from tippetop.store.root import new_store
 
@@ -285,3 +287,72 @@ def test_what_a_killed_writer_leaves_goes(tmp_path: Path) -> None:
         files.remove_scratch(scratch)
         assert content(scratch) == ["kept"]
         raise Stop
+
+
+@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "trajectory/theta/c"])
+def test_a_link_that_is_planted_while_a_store_is_written_is_not_followed(inside: str, tmp_path: Path) -> None:
+    """Before, links were looked for only when the store was opened."""
+    path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"
+    root, _ = tables.open_root(path)
+    theta = {"theta": Column(("time",), np.zeros(0), {})}
+    tables.create_table(root.create_group("trajectory"), theta, {"time": (0, 4)})
+    _, (arrays,) = tables.open_root(path, "trajectory")
+    arrays["theta"].resize((12,))
+    arrays["theta"][:8] = 1.0
+    (path / inside).rename(elsewhere)
+    (path / inside).symlink_to(elsewhere)
+    before = {p: p.read_bytes() for p in sorted(elsewhere.rglob("*")) if p.is_file()}
+    writes = [lambda: arrays["theta"].__setitem__(slice(8, 12), 2.0), lambda: arrays["theta"].resize((4,))]
+    for write in writes:
+        with pytest.raises(StoreError, match="neither followed nor written"):
+            write()
+    assert {p: p.read_bytes() for p in sorted(elsewhere.rglob("*")) if p.is_file()} == before
+
+
+def test_what_zarr_writes_through_a_store_of_its_own_is_the_same(tmp_path: Path) -> None:
+    """Files and bytes, of chunks that are written, written again and cut off."""
+    for store in (own.OwnStore(tmp_path / "a"), str(tmp_path / "b")):
+        group = zarr.open_group(store=store, mode="a", zarr_format=3, attributes={"x": 1})
+        array = group.create_array("theta", shape=(10,), chunks=(4,), dtype="f8")
+        array[:] = np.arange(10.0)
+        array[3:6] = 7.0
+        array.resize((5,))
+        group.update_attributes({"y": 2})
+    assert {p.relative_to(tmp_path / "a"): p.read_bytes() for p in (tmp_path / "a").rglob("*") if p.is_file()} == {
+        p.relative_to(tmp_path / "b"): p.read_bytes() for p in (tmp_path / "b").rglob("*") if p.is_file()
+    }
+
+
+KILLED_EXPORT = """
+import os
+from pathlib import Path
+from tippetop.store.files import replacing
+with replacing(Path({path!r})) as scratch:
+    scratch.write_text("half")
+    os.kill(os.getpid(), 9)
+"""
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_what_a_killed_writer_of_a_file_leaves_goes_with_the_next(there: bool, tmp_path: Path) -> None:
+    """Before, it stayed for ever; also where the next is refused because the file is there."""
+    path = tmp_path / "a.csv"
+    assert subprocess.run([sys.executable, "-c", KILLED_EXPORT.format(path=str(path))]).returncode == -9
+    (stale,) = tmp_path.iterdir()
+    if there:
+        path.write_text("whole")
+    with pytest.warns(UserWarning, match=f"{stale.name}` is removed: a killed run left it"):  # noqa: SIM117
+        with contextlib.suppress(StoreError), files.replacing(path, overwrite=False) as scratch:
+            scratch.write_text("whole")
+    assert path.read_text() == "whole"
+    assert content(tmp_path) == ["a.csv"]
+
+
+def test_a_file_that_another_process_is_writing_is_not_stale(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    with files.replacing(path) as scratch:
+        files.remove_stale(path)
+        scratch.write_text("mine")
+        with files.replacing(path) as other:
+            other.write_text("yours")
+    assert path.read_text() == "mine"

@@ -1,6 +1,7 @@
 """A store that no release writes is refused with a sentence, before zarr or memory meet it."""
 
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import StoreError
-from tippetop.store import skeleton
+from tippetop.store import root, skeleton
 
 
 @pytest.fixture(scope="module")
@@ -108,3 +109,54 @@ def test_every_command_that_reads_a_store_refuses_with_five(
         assert "theta` must have 976562500000 chunks for its 1000000000000000 rows" in capsys.readouterr().err
     with pytest.raises(StoreError, match="theta"):
         tippetop.open(store)
+
+
+# --- what ties a store together -------------------------------------------------------------------------------------
+
+
+def exchange(one: Path, other: Path) -> None:
+    mine, yours = one.read_bytes(), other.read_bytes()
+    one.write_bytes(yours)
+    other.write_bytes(mine)
+
+
+SEALED: dict[str, Callable[[Path], Any]] = {
+    "chunks of two columns": lambda s: exchange(s / "trajectory/theta/c/0", s / "trajectory/phi/c/0"),
+    "columns": lambda s: [exchange(s / "trajectory/theta" / f, s / "trajectory/phi" / f) for f in ("zarr.json", "c/0")],
+    "a number": lambda s: edited(s / "zarr.json", lambda d: d["attributes"]["parameters"].update(alpha=0.31)),
+    "a word": lambda s: edited(s / "zarr.json", lambda d: d["attributes"].update(cpu="abacus")),
+    "a unit": lambda s: edited(s / "trajectory/theta/zarr.json", lambda d: d["attributes"].update(units="deg")),
+    "a missing column": lambda s: shutil.rmtree(s / "trajectory/theta"),
+    "a missing chunk": lambda s: (s / "trajectory/theta/c/0").unlink(),
+}
+
+
+@pytest.mark.parametrize("damage", SEALED)
+def test_what_was_changed_after_a_store_was_finished_is_refused(damage: str, store: Path) -> None:
+    """Before, all of these were read with exit code 0: each file by itself is sound."""
+    skeleton.read(store)
+    SEALED[damage](store)
+    with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
+        skeleton.read(store)
+
+
+def test_a_store_that_is_annotated_or_older_is_read(store: Path) -> None:
+    root.annotate(store, {"note": 1})
+    assert skeleton.read(store)["note"] == 1
+    edited(store / "zarr.json", lambda document: document["attributes"].pop("seal"))
+    assert "seal" not in skeleton.read(store)
+
+
+@pytest.mark.parametrize("place", ["zarr.json", "trajectory/zarr.json", "trajectory/theta/c/0", "trajectory/x"])
+@pytest.mark.parametrize("what", ["pipe", "device", "nowhere", "itself"])
+def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: Path) -> None:
+    """Before, a pipe was waited for and /dev/zero was read for ever."""
+    if (store / place).is_dir():
+        shutil.rmtree(store / place)
+    else:
+        (store / place).unlink()
+    if what == "pipe":
+        os.mkfifo(store / place)
+    else:
+        (store / place).symlink_to({"device": "/dev/zero", "nowhere": "nowhere", "itself": store}[what])
+    assert outcome(["info", str(store)]) == 5

@@ -14,6 +14,7 @@ from stores import assert_same
 
 import tippetop
 from tippetop.cli import outcome
+from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.mechanics.theory import thresholds
 from tippetop.scenario import build
@@ -76,7 +77,8 @@ def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **colum
         table[axis.key].attrs = {"units": "1", "long_name": axis.key}
     table.attrs = {"plan": of.document, "status": "finished", "title": "sweep: a top"}
     monkeypatch.setattr(maps, "open_sweep", lambda path: table)
-    return maps.make_map(tmp_path, next(k for k, v in maps.NEEDED.items() if v[0] in columns))
+    kinds = [k for k, v in maps.NEEDED.items() if v[0] in columns]
+    return maps.make_map(tmp_path, kinds[-1])
 
 
 def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,6 +96,22 @@ def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.Mo
     expected = x[:, None] + 1000 * y + 1e6 * 0.2
     np.testing.assert_allclose(found.fields["inverted_at"], expected, rtol=1e-13)
     assert found.notes == ["initial.theta = 0.2 (one of 3)"]
+
+
+def test_a_map_of_times_has_the_class_where_there_is_no_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A top that is still under way has not lifted off, nor has one that ended upright."""
+    axes = [{"of": "initial.omega3", "linspace": [40.0, 80.0], "n": 5}, {"of": "friction.mu", "values": [0.1, 0.3]}]
+    of = Plan.from_tables({"scenario": "inverting", "axis": axes})
+    kind = np.arange(of.n) % len(CLASSES)
+    times = np.where(np.array(CLASSES)[kind] == "inverted", 3.0, np.nan)
+    found = synthetic(tmp_path, monkeypatch, of, **{"inverted_at": times, "class": kind.astype(np.int8)})
+    ends = found.fields["class"]
+    np.testing.assert_array_equal(np.isnan(ends), np.isfinite(found.fields["inverted_at"]))
+    numbers = of.design.numbers(np.arange(of.n))
+    for top in np.flatnonzero(np.isnan(times)):
+        i = int(np.argmin(np.abs(found.axes[0].centres - numbers["initial.omega3"][top])))
+        j = int(np.argmin(np.abs(found.axes[1].centres - numbers["friction.mu"][top])))
+        assert ends[i, j] == kind[top]
 
 
 def test_borders_are_where_the_threshold_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root
-from tippetop.sweeps import chunk, workers
+from tippetop.sweeps import chunk, sweep, workers
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import open_sweep, report
 
@@ -318,3 +318,32 @@ def test_no_scheduler_no_store(file: Path, tmp_path: Path, monkeypatch: pytest.M
         with pytest.raises(InputError, match="must be the address of a running dask scheduler"):
             tippetop.sweep(file, tmp_path / "S.zarr", scheduler=address)
     assert not (tmp_path / "S.zarr").exists()
+
+
+# --- damage that checksums of single files do not show --------------------------------------------------------------
+
+
+def exchange(one: Path, other: Path) -> None:
+    mine, yours = one.read_bytes(), other.read_bytes()
+    one.write_bytes(yours)
+    other.write_bytes(mine)
+
+
+def test_chunks_that_were_exchanged_are_computed_again(whole: Path, file: Path, tmp_path: Path) -> None:
+    """Before, the same command found them readable and ended with exit code 0."""
+    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    exchange(store / "sweep" / "theta_min" / "c" / "1", store / "sweep" / "theta_max" / "c" / "1")
+    assert outcome(["info", str(store)]) == 5
+    sweep.sweep(file, store, workers=1)
+    assert_same(store, whole)
+
+
+def test_an_unfinished_sweep_with_a_damaged_chunk_is_not_shown(whole: Path, tmp_path: Path) -> None:
+    """Before, `info` counted what was not there as not yet run."""
+    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    document = json.loads((store / "zarr.json").read_text())
+    document["attributes"]["status"] = "running"
+    (store / "zarr.json").write_text(json.dumps(document))
+    assert outcome(["info", str(store)]) == 0
+    (store / "sweep" / "status" / "c" / "1").unlink()
+    assert outcome(["info", str(store)]) == 5

@@ -104,7 +104,7 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     import numpy as np
 
     from ..errors import StoreError
-    from ..store import root
+    from ..store import chunks, root, seal, tables
 
     if not out.exists():
         return False
@@ -118,6 +118,8 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
         raise StoreError(
             f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
         )
+    if seal.SEAL in attrs:  # earlier releases wrote no chunks of NaN
+        chunks.verify(tables.read_member(out, "surface"))
     return True
 
 

@@ -151,6 +151,7 @@ def plot(
 
     check_picture(out, "--out")
     attrs = root.attributes(store)
+    root.refuse_other_rows(store, attrs)
     awaited(lambda: _plot(store, kind, attrs, out), "the figure is being made (its formulas are compiled first)")
     return 0
 

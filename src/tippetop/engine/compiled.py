@@ -29,11 +29,14 @@ class Compiled(NamedTuple):
         Where the event functions stand among the variables.
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
+    agrees
+        Filled by `is_same_step`: whether the code makes the step that heyoka makes.
     """
 
     integrator: Any
     rows: EventRows
     machine: Machine | None
+    agrees: list[bool]
 
 
 @lru_cache(maxsize=32)  # 0.1 to 4 MB each, measured; the one that was used least lately goes
@@ -92,7 +95,7 @@ def compiled(
         options |= {"tol": kind(tolerance), "fp_type": kind}
         integrator = hy.taylor_adaptive(equations, np.zeros(len(equations), dtype=number), **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
-    return Compiled(integrator, event_rows(system.events, sources, axis), machine)
+    return Compiled(integrator, event_rows(system.events, sources, axis), machine, [])
 
 
 def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, float] | None:
@@ -123,7 +126,6 @@ def _libraries() -> tuple[str, ...]:
     return tuple(sorted(set(re.findall(r"\S*/lib(?:heyoka|sleef)[^/\s]*\.so\S*", mapped))))
 
 
-_same: dict[int, bool] = {}  # by address: what a comparison has shown
 _comparing = threading.Lock()
 
 
@@ -137,11 +139,10 @@ def is_same_step(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
     state, pars
         (variables,) or (variables, lanes); (parameters,) or (parameters, lanes).
     """
-    assert made.machine is not None
     with _comparing:
-        if made.machine.step not in _same:
-            _same[made.machine.step] = _compare(made, state, pars)
-    return _same[made.machine.step]
+        if not made.agrees:
+            made.agrees.append(_compare(made, state, pars))
+    return made.agrees[0]
 
 
 def _compare(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:

@@ -1,4 +1,4 @@
-"""The loop of a run: a compiled step, the time in double length, the observer, samples, rows. For one run or many lanes.
+"""The loop of a run: a compiled step, the time in double length, the observer, samples, rows; for one run or many.
 
 No Python is called inside and the lock of Python is released; each number of a lane depends on its own steps alone.
 """
@@ -12,7 +12,6 @@ from tippetop_kernels.jit import entry, inlined, lent
 
 from .observer import take_step
 from .status import Status
-from .tallies import PassageLog, Samples
 
 
 RUNNING, FINISHED, NON_FINITE = Status.RUNNING.code, Status.FINISHED.code, Status.NON_FINITE.code
@@ -49,9 +48,7 @@ def new_motion(integrator: Any, lanes: int) -> Motion:
     n, order = len(integrator.state), integrator.order
     state = np.zeros((n, lanes))
     line = [np.zeros(lanes) for _ in range(7)]
-    return Motion(
-        state, state.copy(), np.zeros((len(integrator.pars), lanes)), np.zeros((n, order + 1, lanes)), *line
-    )
+    return Motion(state, state.copy(), np.zeros((len(integrator.pars), lanes)), np.zeros((n, order + 1, lanes)), *line)
 
 
 def no_rows(variables: int) -> Rows:
@@ -87,15 +84,16 @@ def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scrat
     room = len(events.events) * len(scratch.zeros)
     while True:
         full = _rows(dense, motion, tallies, rows, made)
-        full = full or (len(log.time) > 0 and log.count[0] + room > len(log.time))
-        if made == most or ended or full or samples.count[0] + len(motion.h) > len(samples.lane):
+        full = full or (len(log.time) > 0 and log.filled[0] + room > len(log.time))
+        full = full or (len(samples.lane) > 0 and samples.filled[0] + len(motion.h) > len(samples.lane))
+        if made == most or ended or full:
             return made
         begin_step(motion, tallies)
         call_step(step, motion.state, motion.pars, motion.start_high, motion.h, motion.tc)
-        known = log.count[0]
+        known = log.filled[0]
         ended = end_step(motion, events, rules, tallies, log, samples, scratch)
         made += 1
-        for k in range(known, log.count[0]):
+        for k in range(known, log.filled[0]):
             motion.limit[0] = (log.time[k] - motion.start_high[0]) - motion.start_low[0]
             call_dense(dense, rows.out, motion.tc, motion.limit)
             _copy(rows.out, log.states, k)
@@ -135,11 +133,11 @@ def end_step(motion, events, rules, tallies, log, samples, scratch):
             tally.status = FINISHED
         ended = ended or tally.status != RUNNING
         if tally.steps % rules.every == 0 and tally.upto == 1.0 and len(samples.lane) > 0:
-            at = samples.count[0]
+            at = samples.filled[0]
             samples.lane[at] = lane
             for i in range(len(motion.state)):
                 samples.states[at, i] = motion.state[i, lane]
-            samples.count[0] = at + 1
+            samples.filled[0] = at + 1
     return ended
 
 
@@ -165,8 +163,8 @@ def _is_finite(motion, lane):
 
 @inlined
 def _rows(dense, motion, tallies, rows, made):
-    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `made` are the
-    steps of this call: the end of one that was made before it has its row."""
+    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `made` are
+    the steps of this call: the end of one that was made before it has its row."""
     n = len(rows.times)
     if n == 0:
         return False

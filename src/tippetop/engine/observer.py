@@ -63,7 +63,7 @@ def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
     for e in range(len(events)):
         event = events[e]
         keeps = not event.watched or _keeps_sign(e, known, lane)
-        if keeps and (not event.extremes or _inside(e, known, lane)):
+        if keeps and (not event.ranged or _inside(e, known, lane)):
             continue
         _polynomial(tc, event, lane, scratch.factors, p)
         if not keeps:
@@ -72,7 +72,7 @@ def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
                 if zeros[k] > upto:
                     break
                 _passage(i, tc, e, event, t, h, zeros[k], lane, rows, rules, tallies, log)
-        if event.extremes:
+        if event.ranged:
             _extremes(e, p, t, h, upto, known, lane, scratch.nodes)
     return upto
 
@@ -125,7 +125,7 @@ def _silence(events, known, quiet):
         if events[e].watched:
             for lane in range(lanes):
                 quiet[lane] = quiet[lane] if _keeps_sign(e, known, lane) else -1.0
-        if events[e].extremes:
+        if events[e].ranged:
             for lane in range(lanes):
                 quiet[lane] = quiet[lane] if _inside(e, known, lane) else -1.0
 
@@ -198,10 +198,10 @@ def _passage(i, tc, e, event, t, h, x, lane, rows, rules, tallies, log):
             kept[m, lane] += 1
         elif number.what == LAST or np.isnan(kept[m, lane]):
             kept[m, lane] = when
-    if log.count[0] < len(log.time) and event.direction * sign >= 0:
-        at = log.count[0]
+    if log.filled[0] < len(log.time) and event.direction * sign >= 0:
+        at = log.filled[0]
         log.time[at], log.event[at], log.sign[at], log.at_pole[at], log.step[at] = when, e, sign, at_pole, i
-        log.count[0] += 1
+        log.filled[0] += 1
 
 
 @kernel

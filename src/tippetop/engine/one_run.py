@@ -24,18 +24,35 @@ class CompiledDriver(Driver):
         self.nothing = no_rows(len(self.motion.state))
         self.times = np.zeros(0)  # of rows that are wanted and not yet made
 
+    def prepare(self) -> None:
+        """Compiles the loop, if it is not yet compiled."""
+        self._drive(self.nothing, 0)
+
+    def _drive(self, rows: Rows, most: int) -> int:
+        machine = self.compiled.machine
+        assert machine is not None
+        return drive(
+            machine.step,
+            machine.dense,
+            self.motion,
+            self.rows,
+            self.rules,
+            self.tallies,
+            self.log,
+            self.samples,
+            rows,
+            self.scratch,
+            most,
+        )
+
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
-        machine, log, samples = self.compiled.machine, self.log, self.samples
-        assert machine is not None
-        log.count[0] = samples.count[0] = 0
+        log, samples = self.log, self.samples
+        log.filled[0] = samples.filled[0] = 0
         made, before = 0, int(self.tally["steps"])
         while True:
             rows = self._asked(request)
-            made += drive(
-                machine.step, machine.dense, self.motion, self.rows, self.rules, self.tallies, log, samples, rows,
-                self.scratch, most - made if self.tally["status"] == Status.RUNNING.code else 0,
-            )  # fmt: skip
+            made += self._drive(rows, most - made if self.tally["status"] == Status.RUNNING.code else 0)
             filled = int(rows.filled[0])
             if filled:
                 request.take(rows.times[:filled], rows.states[:filled, : self.variables])
@@ -43,26 +60,22 @@ class CompiledDriver(Driver):
             if not filled or filled < len(rows.times):
                 break
         status = STATUSES[int(self.tally["status"])]
-        order = np.argsort(log.time[: log.count[0]], kind="stable")
+        order = np.argsort(log.time[: log.filled[0]], kind="stable")
         last, when = self.motion.state[None, :, 0].copy(), float(self.tally["t"])
         if self.tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
             last = log.states[order[-1:]]
+        columns = log.time, log.event, log.sign, log.at_pole, log.states[:, : self.variables]
         return Slice(
             int(self.tally["steps"]) - before,
             when,
             last[:, : self.variables],
-            samples.states[: samples.count[0], : self.variables].copy(),
-            Passages(
-                log.time[order], log.event[order], log.sign[order], log.at_pole[order],
-                log.states[order, : self.variables],
-            ),  # fmt: skip
+            samples.states[: samples.filled[0], : self.variables].copy(),
+            Passages(*(column[order] for column in columns)),
             None if status is Status.RUNNING else status,
         )
 
     def _asked(self, request: Request) -> Rows:
-        if request.steps:
-            self.times = request.wanted()
-        elif not len(self.times):
+        if request.steps or not len(self.times):
             self.times = request.wanted()
         if not len(self.times):
             return self.nothing

@@ -14,12 +14,10 @@ from .status import Status
 from .tallies import (
     LEAST,
     MOST,
-    SIGN,
     T_LEAST,
     T_MOST,
     EventRows,
     StopRules,
-    Tallies,
     new_log,
     new_samples,
     new_scratch,
@@ -112,6 +110,10 @@ class Driver(ABC):
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps; rows go to the request as they come."""
 
+    @abstractmethod
+    def prepare(self) -> None:
+        """Compiles what `advance` calls, if it is not yet compiled."""
+
     @property
     @abstractmethod
     def clock(self) -> tuple[Any, Any]:
@@ -140,7 +142,7 @@ class Driver(ABC):
         return {
             "state": self.state,
             "time": list(self.clock),
-            "tally": [self.tally[name].item() for name in self.tallies.lane.dtype.names],
+            "tally": list(self.tallies.lane[0].item()),
             "functions": self.tallies.functions[:, :, 0].tolist(),
             "kept": self.tallies.kept[:, 0].tolist(),
         }

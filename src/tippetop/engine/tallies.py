@@ -21,7 +21,8 @@ class EventRows(NamedTuple):
     or the rate of one (`shift` 1), times `scale`, a power of two. A variable whose rate is another event function
     (`leader`; -1: none) needs no sums of its own: that rate bounds it. `direction`, `sense`, `extremes` are those of
     the event; `ends` the code of the status of a top that it ends, 0 if it ends none; what it keeps are the `numbers`
-    from `first` to `last`, this one excluded. What is not `watched` has no zeros that anybody wants.
+    from `first` to `last`, this one excluded. What is not `watched` has no zeros that anybody wants, what is not
+    `ranged` no least and greatest values.
     """
 
     events: np.ndarray  # (events,)
@@ -72,7 +73,8 @@ class Tallies(NamedTuple):
 
 
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
-EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), ("extremes", bool), ("watched", bool)])
+_FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged")]
+EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 
 
@@ -89,7 +91,7 @@ def event_rows(
         record["scale"], record["offset"] = scale, offset
         record["leader"] = rate_of.get(variable, -1) if shift == 0 else -1
         record["direction"], record["sense"], record["extremes"] = event.direction, event.sense, bool(event.extremes)
-        record["watched"] = True
+        record["watched"], record["ranged"] = True, bool(event.extremes)
         record["ends"] = Status.of_event(event.ends).code if event.ends else 0
         record["first"] = len(numbers)
         numbers += [(WHAT[kept.what], kept.direction or event.direction) for kept in event.kept]
@@ -121,7 +123,7 @@ def reset(tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_ze
 class PassageLog(NamedTuple):
     """Zeros of event functions as they are found, in one lane; of length 0 where nobody wants them."""
 
-    count: np.ndarray  # (1,) how many there are
+    filled: np.ndarray  # (1,) how many there are
     time: np.ndarray  # (n,) internal
     event: np.ndarray  # (n,) its number
     sign: np.ndarray  # (n,) of the crossing, +1 rising
@@ -132,15 +134,15 @@ class PassageLog(NamedTuple):
 
 def new_log(length: int, variables: int) -> PassageLog:
     """A log with room for so many passages."""
-    numbers = [np.zeros(length, np.int64) for _ in range(2)]
-    ends = np.zeros(length, np.bool_), np.zeros(length, np.int64), np.zeros((length, variables))
-    return PassageLog(np.zeros(1, np.int64), np.zeros(length), *numbers, *ends)
+    event, sign, step = np.zeros((3, length), np.int64)
+    at_pole, states = np.zeros(length, np.bool_), np.zeros((length, variables))
+    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, step, states)
 
 
 class Samples(NamedTuple):
     """States on the way, at which the invariants are compared."""
 
-    count: np.ndarray  # (1,)
+    filled: np.ndarray  # (1,)
     lane: np.ndarray  # (n,)
     states: np.ndarray  # (n, variables)
 
@@ -164,5 +166,7 @@ class Scratch(NamedTuple):
 
 def new_scratch(size: int, lanes: int) -> Scratch:
     """Room for polynomials of so many coefficients."""
-    rows = [np.empty(size) for _ in range(3)]
-    return Scratch(*rows, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes))
+    polynomial, work, zeros = np.empty((3, size))
+    return Scratch(
+        polynomial, work, zeros, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes)
+    )

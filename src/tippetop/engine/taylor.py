@@ -2,7 +2,6 @@
 
 import hashlib
 import threading
-from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -41,12 +40,17 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     """
     key = _key(problem)
     if key in _known:
-        made = _checked(problem, compiled(*key))
-    else:
-        doing = "the equations are being compiled"
-        made = awaited(lambda: _checked(problem, compiled(*key)), doing, stop)
-        _known.add(key)
-    return (CompiledDriver if made.machine is not None else SliceDriver)(problem, made)
+        return _driver(problem, key)
+    driver = awaited(lambda: _driver(problem, key), "the equations are being compiled", stop)
+    _known.add(key)
+    return driver
+
+
+def _driver(problem: Problem, key: tuple) -> Driver:
+    made = _checked(problem, compiled(*key))
+    driver = (CompiledDriver if made.machine is not None else SliceDriver)(problem, made)
+    driver.prepare()
+    return driver
 
 
 _known: set[tuple] = set()  # what this process has compiled: a thread to wait for it takes 0.1 ms
@@ -81,4 +85,3 @@ def fingerprint(driver: Driver) -> str:
     """Says which equations a driver was made of: a digest of their expressions."""
     lines = "\n".join(f"{a}' = {b}" for a, b in driver.compiled.integrator.sys)
     return hashlib.sha256(lines.encode()).hexdigest()[:16]
-

@@ -34,17 +34,25 @@ class SliceDriver(Driver):
         self.integrator.pars[:] = [problem.number(leaf) for leaf in pars]
         self.integrator.state[: self.variables] = problem.start()
         self.times = np.zeros(0)
+        self.reached: Any = problem.number(0)
+
+    def prepare(self) -> None:
+        """Compiles the observer, if it is not yet compiled."""
+        none = np.zeros((0, *self.integrator.tc.shape, 1))
+        follow(np.zeros((1, 1)), none, self.rows, self.rules, self.tallies, self.log, self.scratch)
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
-        integrator, number = self.integrator, self.problem.number
+        integrator = self.integrator
         before, state = int(self.tally["steps"]), self.state.copy()
         outcome, *_, output, _ = integrator.propagate_until(self.end, max_steps=most, c_output=True)
         if output is None:  # not one step was possible
-            self.log.count[0] = 0
-            status = Status.NON_FINITE if outcome == hy.taylor_outcome.err_nf_state else Status.FINISHED
-            nothing = np.zeros((0, len(state)), state.dtype)
-            return self._slice(0, integrator.time, state[None, :], nothing, self._passages(output, nothing), status)
+            broken = outcome == hy.taylor_outcome.err_nf_state
+            none, no_states = np.zeros(0, int), np.zeros((0, len(state)), state.dtype)
+            found = Passages(np.zeros(0, state.dtype), none, none, none > 0, no_states)
+            return self._slice(
+                0, self.reached, state[None, :], no_states, found, Status.NON_FINITE if broken else Status.FINISHED
+            )
         times, coefficients = output.times, output.tcs
         ends = np.concatenate([coefficients[1:, :, 0], self._end(output, outcome)])
         steps = len(times) - 1
@@ -56,20 +64,15 @@ class SliceDriver(Driver):
             np.ascontiguousarray(coefficients[:steps].astype(float)[..., None]),
             self.rows, self.rules, self.tallies, self.log, self.scratch,
         )  # fmt: skip
-        status, reached, last = (
-            self._status(outcome),
-            times[steps],
-            ends[steps - 1 : steps] if steps else state[None, :],
-        )
+        reached, last = times[steps], ends[steps - 1 : steps] if steps else state[None, :]
         passages = self._passages(output, coefficients)
         if self.tally["upto"] < 1.0:
             reached, last = passages.times[-1], passages.states[-1:]
-        if status is None and self.tally["tiny"] >= steps:
-            status = None
-        self._rows(output, request, float(reached), status is not None, ends)
-        counts = np.arange(before + 1, before + 1 + int(self.tally["steps"]) - before)
+        ended, self.reached = self._status(outcome), reached
+        self._rows(output, request, float(reached), ended is not None, ends)
+        counts = np.arange(before + 1, 1 + int(self.tally["steps"]))
         sampled = ends[: len(counts)][counts % self.rules.every == 0]
-        return self._slice(len(counts), reached, last, sampled, passages, status)
+        return self._slice(len(counts), reached, last, sampled, passages, ended)
 
     def _slice(
         self, steps: int, time: Any, last: Any, samples: Any, passages: Passages, status: Status | None
@@ -94,7 +97,7 @@ class SliceDriver(Driver):
     def _passages(self, output: Any, coefficients: np.ndarray) -> Passages:
         """What the log holds, in the working precision."""
         log, number = self.log, self.problem.number
-        found = np.argsort(log.time[: log.count[0]], kind="stable")
+        found = np.argsort(log.time[: log.filled[0]], kind="stable")
         events, step = log.event[found], log.step[found]
         if not len(found):
             none = np.zeros(0, int)
@@ -140,11 +143,12 @@ class SliceDriver(Driver):
         """Puts state and time in place."""
         self.integrator.state[:] = state
         self.integrator.dtime = clock
+        self.reached = clock[0]
 
 
 def _refined(coefficients: np.ndarray, events: np.ndarray, inside: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Zeros (k,) of event functions in the time since the start of their steps, by Newton's rule in the precision of the
-    coefficients, (k, variables, order + 1)."""
+    """Zeros (k,) of event functions in the time since the start of their steps, by Newton's rule in the precision of
+    the coefficients, (k, variables, order + 1)."""
     k, size = np.arange(len(inside)), coefficients.shape[2]
     number = coefficients.dtype.type
     whole = coefficients[k, events["row"]]

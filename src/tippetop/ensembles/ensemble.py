@@ -4,7 +4,7 @@ import itertools
 import os
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
@@ -54,9 +54,10 @@ class _Worker:
         functions: np.ndarray,
         lanes: int,
         ended: Callable[[], None],
+        wanted: Collection[str] | None,
     ):
         self.outcomes, self.starts, self.functions, self.ended = outcomes, starts, functions, ended
-        self.lanes = Lanes(outcomes.tops, lanes)
+        self.lanes = Lanes(outcomes.tops, lanes, wanted)
         self.variables = len(outcomes.final)
         self.events = outcomes.tops.base.system.events
         self.processor = 0.0
@@ -114,6 +115,7 @@ def measure(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
     lanes: int = LANES,
+    wanted: Collection[str] | None = None,
 ) -> Outcomes:
     """Integrates every valid top to its end; `progress(done, n)` is called now and then.
 
@@ -127,6 +129,8 @@ def measure(
         Called as progress(done, of), which count valid tops, from any thread.
     lanes
         Tops that one integrator advances at a time. It changes no bit.
+    wanted
+        Names of the columns that somebody reads, None: all. The others may be empty; these have the same bits.
 
     Returns
     -------
@@ -144,7 +148,7 @@ def measure(
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
     if len(numbers):
-        _run(measured, numbers, starts, functions, threads, progress, lanes)
+        _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
     measured.seconds = time.perf_counter() - clock
     _conclude(measured)
     return measured
@@ -172,6 +176,7 @@ def _run(
     threads: int | None,
     progress: Callable[[int, int], None] | None,
     lanes: int,
+    wanted: Collection[str] | None,
 ) -> None:
     queue, lock, counted = _Queue(numbers), threading.Lock(), itertools.count(1)
 
@@ -181,7 +186,7 @@ def _run(
                 progress(next(counted), len(numbers))
 
     workers = [
-        _Worker(measured, starts, functions, lanes, ended)
+        _Worker(measured, starts, functions, lanes, ended, wanted)
         for _ in range(max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))))
     ]
     if len(workers) == 1:
@@ -227,7 +232,6 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     InputError
         If the problem cannot run in lanes, or a key or a shape is wrong.
     """
-    base = base.for_many()
     sentences = [*base_faults(base), *variation_faults(base, variations)]
     if orientation and base.form.orientation is None:
         sentences.append("`orientation` must be false, of a form that does not know it.")

@@ -4,8 +4,8 @@ No lane sees another: a top's numbers depend on its own only.
 """
 
 import copy
-from collections.abc import Iterator
-from typing import Any, Protocol
+from collections.abc import Collection, Iterator
+from typing import Protocol
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.slices import STATUSES
 from ..engine.status import Status
-from ..engine.tallies import StopRules, new_log, new_samples, new_scratch, new_tallies, reset
+from ..engine.tallies import EventRows, StopRules, new_log, new_samples, new_scratch, new_tallies, reset
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
 
@@ -26,6 +26,7 @@ SAMPLES = 64  # of a lane, between two looks at the invariants: a look takes 0.2
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 ENDLESS = 1 << 62
+SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 
 
 class Observer(Protocol):
@@ -44,21 +45,19 @@ class Observer(Protocol):
 class Lanes:
     """The lanes of one integrator. `run` takes tops from a queue and tells an observer of their ends."""
 
-    def __init__(self, tops: Problems, lanes: int = LANES):
+    def __init__(self, tops: Problems, lanes: int = LANES, wanted: Collection[str] | None = None):
         base = tops.base
         law, tolerance, orientation = base.friction.__class__, base.tolerance, tops.orientation
         made = awaited(
             lambda: compiled(base.system, base.form.name, law, "double", tolerance, lanes, False, orientation),
             "the equations are being compiled",
         )
-        self.tops, self.lanes, self.rows = tops, lanes, made.rows
-        if base.on_liftoff != "stop":  # then no event ends a run
-            self.rows = self.rows._replace(events=self.rows.events.copy())
-            self.rows.events["ends"] = 0
+        self.tops, self.lanes, self.rows = tops, lanes, watched(made.rows, base, wanted)
         self.rules, self.tallies = rules(base), new_tallies(self.rows, lanes)
         n, order = len(made.integrator.state), made.integrator.order
         self.motion = new_motion(made.integrator, lanes)
-        self.samples = new_samples(SAMPLES * lanes, n)
+        drifts = wanted is None or any(name.startswith("drift") for name in wanted)
+        self.samples = new_samples(SAMPLES * lanes if drifts else 0, n)
         self.log, self.scratch, self.nothing = new_log(0, n), new_scratch(order + 1, lanes), no_rows(n)
         self.out = np.zeros((n, lanes))  # states within a step
         self.top = np.full(lanes, -1)  # which top is in a lane; -1: none
@@ -70,7 +69,9 @@ class Lanes:
         self.machine = made.machine
         if self.machine is not None and not is_same_step(made, self.motion.state, self.motion.pars):
             self.machine = None
-        self.integrator = copy.deepcopy(made.integrator) if self.machine is None else None
+        if self.machine is not None:  # all lanes are at their ends: it makes no step
+            awaited(lambda: self._drive(0), "the loop is being compiled")
+        self.integrator = copy.deepcopy(made.integrator) if self.machine is None else made.integrator
 
     def _put(self, lane: int, top: int, end: float) -> None:
         motion, start = self.motion, self.tops.start[:, top]
@@ -113,7 +114,7 @@ class Lanes:
         """Steps until a top ends, or samples are to be looked at; lanes whose top has ended are left empty (-2)."""
         made = self._by_heyoka() if self.machine is None else self._drive()
         self.steps_possible += made * self.lanes
-        if self.samples.count[0] + self.lanes > len(self.samples.lane):
+        if self._is_full():
             self._look(observer)
         lane_of = self.tallies.lane
         for lane in np.flatnonzero((self.top >= 0) & (lane_of["status"] != Status.RUNNING.code)).tolist():
@@ -129,18 +130,18 @@ class Lanes:
             self._look(observer)  # the samples of a top are those of its number
             self.top[ended] = -2
 
-    def _drive(self) -> int:
+    def _drive(self, most: int = ENDLESS) -> int:
         assert self.machine is not None
         return drive(
             self.machine.step, self.machine.dense, self.motion, self.rows, self.rules, self.tallies, self.log,
-            self.samples, self.nothing, self.scratch, ENDLESS,
+            self.samples, self.nothing, self.scratch, most,
         )  # fmt: skip
 
     def _by_heyoka(self) -> int:
         """The same where the machine code cannot be called: heyoka makes each step."""
         ta, motion, made, ended = self.integrator, self.motion, 0, False
         ta.pars[:] = motion.pars
-        while not ended and self.samples.count[0] + self.lanes <= len(self.samples.lane):
+        while not ended and not self._is_full():
             begin_step(motion, self.tallies)
             ta.state[:] = motion.state
             ta.step(motion.limit.tolist(), write_tc=True)
@@ -150,6 +151,10 @@ class Lanes:
             made += 1
         return made
 
+    def _is_full(self) -> bool:
+        room = len(self.samples.lane)
+        return room > 0 and int(self.samples.filled[0]) + self.lanes > room
+
     def _stays(self, lane: int) -> bool:
         """Whether a top that has settled stays what it is."""
         top = self.top[[lane]]
@@ -158,10 +163,10 @@ class Lanes:
         return stays(body, values_of(self.tops, state, top), float(self.tops.unit(SECOND)[top[0]]))
 
     def _look(self, observer: Observer) -> None:
-        count = int(self.samples.count[0])
+        count = int(self.samples.filled[0])
         if count:
             observer.look(self.samples.states[:count].T, self.top[self.samples.lane[:count]])
-            self.samples.count[0] = 0
+            self.samples.filled[0] = 0
 
     def _state_at_end(self, lane: int) -> np.ndarray:
         """The state in which a top ended, perhaps in the midst of a step."""
@@ -173,6 +178,35 @@ class Lanes:
             return np.polynomial.polynomial.polyval(inside, motion.tc[:, :, lane].T)
         dense_state(self.machine.dense, motion, np.full(self.lanes, tally["t"]), self.out)
         return self.out[:, lane]
+
+
+def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> EventRows:
+    """The events that columns named `wanted` need, None: all; what ends a top or settles it is always looked for.
+
+    Parameters
+    ----------
+    rows
+        All events of the system.
+    base
+        What the tops have in common.
+    wanted
+        Names of columns, and of groups of columns.
+
+    Returns
+    -------
+    EventRows
+        What is found of the others is the same, to the bit.
+    """
+    records = rows.events.copy()
+    for record, event in zip(records, base.system.events, strict=True):
+        if base.on_liftoff != "stop":  # then no event ends a run
+            record["ends"] = 0
+        if wanted is None:
+            continue
+        names = [kept.name for kept in event.kept] + (list(SWINGS) if event.sense else [])
+        record["watched"] = bool(event.ends or event.lasting) or any(name in wanted for name in names)
+        record["ranged"] &= any(f"{event.extremes}_{end}" in wanted for end in ("min", "max"))
+    return rows._replace(events=records)
 
 
 def rules(base: Problem) -> StopRules:

@@ -19,6 +19,14 @@ COLOURS = {
     "lifted-off": "#6d28d9",
     "under-way": "#b8c4d0",
 }
+NOT_INVERTED = {
+    "upright": "ended upright",
+    "tumbling": "not inverted in time: tumbling",
+    "inverted": "inverted later than most of its cell",
+    "lifted-off": "lifted off before it inverted",
+    "under-way": "not inverted in time: under way",
+}
+"""The end of tops without a time of inversion, by their class."""
 STYLES = ("-", "--", ":", "-.")
 TITLES = {
     "class": "Fate of each top",
@@ -56,12 +64,13 @@ def _over_two(sweep_map: Any) -> Figure:
             entries += _liftoff(axes, x, y, field)
     if sweep_map.kind == "inversion" and np.isnan(field).any():
         axes.set_facecolor("#e8ebee")
-        gone = sweep_map.fields.get("lifted off", np.zeros_like(field.T, bool)).T
-        if gone.any():
-            purple = ListedColormap([COLOURS["lifted-off"]])
-            axes.pcolormesh(x.edges, y.edges, np.where(gone, 0.0, np.nan), cmap=purple, rasterized=True)
-            entries.append(Patch(color=COLOURS["lifted-off"], label="lifted off before it inverted"))
-        if (np.isnan(field) & ~gone).any():
+        ends = sweep_map.fields.get("class", np.full_like(field.T, np.nan)).T
+        for i, name in enumerate(sweep_map.classes):
+            if (here := ends == i).any():
+                one = ListedColormap([COLOURS[name]])
+                axes.pcolormesh(x.edges, y.edges, np.where(here, 0.0, np.nan), cmap=one, rasterized=True)
+                entries.append(Patch(color=COLOURS[name], label=NOT_INVERTED.get(name, _name(name))))
+        if (np.isnan(field) & np.isnan(ends)).any():
             entries.append(Patch(color="#e8ebee", label="not inverted in time"))
     entries += _borders(axes, sweep_map)
     _dress(axes, sweep_map, x)

@@ -17,11 +17,12 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, tables
-from ..store.chunks import Appender
+from ..store import files, skeleton, tables
+from ..store.chunks import Appender, chunk_file, readable
 from ..store.files import LOCK, Lock
 from ..store.provenance import provenance
-from ..store.root import new_store
+from ..store.root import finish, new_store
+from ..store.seal import DOCUMENT
 from . import body as bodies
 from . import labels, surface
 
@@ -122,11 +123,13 @@ def write(
             arrays = _created(scratch, wanted) if fresh else _opened(scratch, wanted)
             blocks = list(wanted.blocks())
             for done, (i, j) in enumerate(blocks, 1):
-                if not _has(scratch, i // wanted.chunk, j // wanted.chunk):
+                if fresh or not _sound(arrays, wanted, i, j):
                     _fill(arrays, wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads)
                 if progress is not None:
                     progress(done, len(blocks))
+            files.remove_stale(path)
             lock.check()
+            finish(scratch, {})
             lock.remove()
             files.rename_new(scratch, path)
     return path
@@ -142,60 +145,94 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
         table = Appender.created(root, "potential", columns, chunk=65536)
         table.append(columns)
         table.flush()
+        table.sync()
+        finish(scratch, {})
 
 
-def _has(scratch: Path, *chunk: int) -> bool:
-    """Whether a chunk is done."""
-    return (scratch / GROUP / "status" / "c").joinpath(*map(str, chunk)).exists()
+def _sound(arrays: dict[str, Any], wanted: Surface, i: int, j: int) -> bool:
+    """Whether a chunk is done: it can be read, and its corners, computed again, have the same bits."""
+    if not chunk_file(arrays["status"], i, j).exists():
+        return False
+    try:
+        stored = {name: readable(arrays[name], i, j) for name in ("F", "z", "status")}
+    except StoreError:
+        return False
+    ends = [[k, min(k + wanted.chunk, n) - 1] for k, n in ((i, wanted.x.size), (j, wanted.y.size))]
+    corners = _values(wanted, *ends, threads=1)
+    at = np.ix_(*(np.array(end) - end[0] for end in ends))
+    return all(np.array_equal(corners[n], stored[n][at], equal_nan=n != "status") for n in corners)
 
 
 def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
     """The arrays of an empty store: the axes, and arrays without a chunk. All that was there goes, but the lock."""
-    from tippetop_kernels.minimise import Status
-
     for old in scratch.iterdir():
         if old.is_dir() and not old.is_symlink():
             shutil.rmtree(old)
         elif old.name != LOCK:
             old.unlink()
-    group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
-    axes = wanted.axes()
-    arrays = tables.create_table(group, axes, {}, fill=dict.fromkeys(axes, 0))
-    for name, axis in axes.items():
-        arrays[name][...] = axis.values
+    with tables.every_chunk():
+        group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
+        arrays: dict[str, Any] = {}
+        for columns, sizes, fill in _tables(wanted):
+            arrays |= tables.create_table(group, columns, sizes, fill=fill)
+        for name, axis in wanted.axes().items():
+            arrays[name][...] = axis.values
+    return arrays
+
+
+def _tables(wanted: Surface) -> list[tuple[dict[str, Column], dict[str, Any], dict[str, Any]]]:
+    """Columns, sizes and fill values of the axes, and of what stands over them; `status` is made last."""
+    from tippetop_kernels.minimise import Status
+
+    axes, dims, none = wanted.axes(), wanted.top.momenta, np.zeros((0, 0))
     flags = {
         k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in labels.flags(Status, "how F is taken").items()
     }
-    dims, none = wanted.top.momenta, np.zeros((0, 0))
     columns = {
         "F": Column(dims, none, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))),
         "z": Column(dims, none, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
         "status": Column(dims, none.astype(np.int8), flags),
     }
     sizes = {dim: (n, min(wanted.chunk, n)) for dim, n in zip(dims, (wanted.x.size, wanted.y.size), strict=True)}
-    return arrays | tables.create_table(group, columns, sizes, fill={"status": -1})
+    return [(axes, {}, dict.fromkeys(axes, 0)), (columns, sizes, {"status": -1})]
 
 
 def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:
-    """The arrays of an unfinished store of the same surface."""
+    """The arrays of an unfinished store of the same surface; what is no whole store of it is made anew."""
     try:
-        stored = json.loads((scratch / "zarr.json").read_text(encoding="utf-8"))["attributes"]
-        arrays, attributes = tables.open_root(scratch, GROUP, write_empty=False)[1][0], wanted.attributes()
+        stored = json.loads((scratch / DOCUMENT).read_text(encoding="utf-8"))["attributes"]
+        attributes = wanted.attributes()
+        if any(stored[k] != attributes[k] for k in ("system", "parameters", "axes", "chunk", "format_version")):
+            raise _Another
+        expected: dict[str, Any] = {}
+        for columns, sizes, fill in _tables(wanted):
+            expected |= tables.metadata(columns, sizes, fill)
+        skeleton.compare(scratch, GROUP, expected, rows=True)
         files.remove_scratch(scratch)
-        same = all(stored[k] == attributes[k] for k in ("system", "parameters", "axes", "chunk", "format_version"))
-        same = same and all(np.array_equal(np.asarray(arrays[k]), axis.values) for k, axis in wanted.axes().items())
-        if "status" not in arrays:  # it is made last
+        arrays = tables.open_root(scratch, GROUP)[1][0]
+        for name, axis in wanted.axes().items():
+            if not np.array_equal(readable(arrays[name], 0), axis.values):
+                raise _Another
+        if {**stored, **attributes} != stored:  # words of it were changed, or versions: it is begun again
             return _created(scratch, wanted)
-    except (OSError, ValueError, KeyError):
-        return _created(scratch, wanted)  # killed before it held anything
-    if not same:
-        raise StoreError(f"`{scratch}` must be the same surface, unfinished, but is another: remove it.")
+    except _Another:
+        raise StoreError(f"`{scratch}` must be the same surface, unfinished, but is another: remove it.") from None
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return _created(scratch, wanted)  # damaged, or killed before it held anything
     return arrays
+
+
+class _Another(Exception):
+    """What is there is another surface."""
 
 
 def _fill(arrays: dict[str, Any], wanted: Surface, rows: slice, columns: slice, threads: int | None) -> None:
     """Computes and writes one chunk, the status last."""
+    for name, values in _values(wanted, rows, columns, threads=threads).items():
+        arrays[name][rows, columns] = values
+
+
+def _values(wanted: Surface, rows: Any, columns: Any, *, threads: int | None) -> dict[str, np.ndarray]:
+    """F, z and status at some rows and columns, in the order in which they are written."""
     F, q, status = surface.minima(wanted.top, wanted.x[rows], wanted.y[columns], threads)
-    arrays["F"][rows, columns] = F
-    arrays["z"][rows, columns] = surface.argmin(q, status, wanted.top.upright)[0]
-    arrays["status"][rows, columns] = status
+    return {"F": F, "z": surface.argmin(q, status, wanted.top.upright)[0], "status": status}

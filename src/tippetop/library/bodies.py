@@ -7,6 +7,7 @@ user's numbers, are checked once, and become tables of a scenario. So neither ha
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
+from ..arguments import refuse_unknown
 from ..errors import InputError
 from ..mechanics.friction import Frictionless
 from ..mechanics.system import System
@@ -23,6 +24,11 @@ class Top:
 
     gliding: ClassVar[str]
     resting: ClassVar[str]
+
+    def __new__(cls, *_: Any, **named: Any) -> Any:
+        """A TypeError for a keyword that the body has not names the nearest one."""
+        refuse_unknown(cls.__name__, named, [f.name for f in fields(cls)])
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         system = SYSTEMS[self.gliding]

@@ -1,5 +1,6 @@
 """Events and columns of one's own, checked, and the system with them."""
 
+import dataclasses
 import re
 from collections.abc import Iterable
 from functools import lru_cache
@@ -7,7 +8,7 @@ from typing import Any
 
 from ..engine.status import Status
 from ..ensembles.outcomes import columns_of
-from ..errors import InputError
+from ..errors import InputError, names_its_faults
 from ..mechanics.events import NUMBERED, Event, Kept
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import Unit
@@ -78,7 +79,9 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
 
 @lru_cache(maxsize=64)
 def _extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
-    return system.replace(events=(*system.events, *events), quantities=(*system.quantities, *columns))
+    named = [dataclasses.replace(e, formula=names_its_faults(e.formula, f"the event `{e.name}`")) for e in events]
+    labelled = [dataclasses.replace(q, formula=names_its_faults(q.formula, f"the column `{q.name}`")) for q in columns]
+    return system.replace(events=(*system.events, *named), quantities=(*system.quantities, *labelled))
 
 
 def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> list[str]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, cast
 
+from ..arguments import refuse_unknown
 from ..errors import InputError
 from ..mechanics.friction import Law
 from ..mechanics.system import System
@@ -17,6 +18,11 @@ class Friction:
 
     law: ClassVar[str]
     known_to: ClassVar[str] = "gliding-cylinder"  # it takes every law
+
+    def __new__(cls, *_: Any, **named: Any) -> Any:
+        """A TypeError for a keyword that the law has not names the nearest one."""
+        refuse_unknown(cls.__name__, named, [f.name for f in fields(cls)])
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         given = {f.name: getattr(self, f.name) for f in fields(self)}
@@ -213,6 +219,9 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
     if isinstance(law, Friction):
         return {"law": law.law, **law.numbers()}
     load_entry_points()
+    if isinstance(law, str):
+        record = next((kind.__name__ for kind in Friction.__subclasses__() if kind.law == law), "Viscous")
+        raise InputError([f"the friction law must be a record such as {record}(...), but is {law!r:.60}."])
     for name, known in laws.items():
         if isinstance(law, tuple) and type(law) is known.record:
             return {"law": name, **cast(Any, law)._asdict()}

@@ -5,9 +5,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, path_of
+from ..arguments import finite, in_python, path_of
 from ..errors import InputError
 from ..mechanics.systems import find
+from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
 from ..runs import attributes, results
 from ..runs.certificate import certificate
@@ -105,10 +106,10 @@ class Run:
         import xarray as xr
 
         system = self._system()
-        units = system.forms[self.attributes["form"]].units._asdict() if system else {}
+        known = Variables(system.forms[self.attributes["form"]]) if system else None
         return xr.Dataset(
             {
-                name: ((), value, {"units": units[name].symbol} if name in units else {})
+                name: ((), value, _meaning(name, system, known) if system and known and name in known.units else {})
                 for name, value in self.attributes["final_state"].items()
             },
             {"time": ((), self.attributes["report"]["t_end"], {"units": "s", "long_name": "time"})},
@@ -155,7 +156,8 @@ class Run:
         from ..runs import saving
 
         place = path_of("path", path)
-        saving.save(self.solution, self.attributes, place, overwrite=overwrite)
+        with in_python():
+            saving.save(self.solution, self.attributes, place, overwrite=overwrite)
         return place
 
     def plot(self, kind: str = "theta", path: str | Path | None = None) -> "Figure":
@@ -236,6 +238,14 @@ class Run:
             for name, text in self._lines()
         )
         return f"<b>{html.escape(self._headline)}</b><table>{rows}</table>"
+
+
+def _meaning(name: str, system: "System", variables: Variables) -> dict[str, str]:
+    """Unit and long name of an integrated variable."""
+    words = LONG_NAMES | {integral.name: integral.long_name for integral in variables.integrals} | system.long_names
+    for vector, parts in system.vectors.items() if variables.form is system.forms.get("vector") else ():
+        words |= {part: f"{words[vector]}, {axis} component" for part, axis in zip(parts, "xyz", strict=True)}
+    return {"units": variables.units[name].symbol, "long_name": words.get(name, "")}
 
 
 class StoredRun(Run):

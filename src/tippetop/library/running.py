@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arguments import instance, path_of
+from ..arguments import in_python, instance, named_arguments, path_of
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+@named_arguments
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
@@ -44,6 +45,7 @@ def run(
     tolerance: float | None = None,
     on_liftoff: Literal["stop", "continue"] | None = None,
     stop_when: Literal["until", "settled"] | None = None,
+    orientation: bool | None = None,
     out: str | Path | None = None,
     overwrite: bool = False,
     progress: bool = False,
@@ -91,6 +93,9 @@ def run(
         Whether the run stops where the normal force falls to zero ("stop"), or continues.
     stop_when : str, optional
         "settled" ends a run when sliding has died.
+    orientation : bool, optional
+        Whether the turn of the body about its axis is integrated too: the columns `psi` and `orientation`; by default
+        it is.
     out : path, optional
         A store that is written as the run goes: for runs that exceed memory. The result is then a StoredRun.
     overwrite : bool
@@ -141,6 +146,7 @@ def run(
             tolerance=tolerance,
             on_liftoff=on_liftoff,
             stop_when=stop_when,
+            orientation=orientation,
         )
     )
     if out is None:
@@ -148,7 +154,7 @@ def run(
     place = path_of("out", out)
     from ..runs.recording import record
 
-    with _following(progress) as follow:
+    with _following(progress) as follow, in_python():
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
     return StoredRun(place)
 
@@ -237,7 +243,8 @@ def resume(path: str | Path, *, stop: threading.Event | None = None, accept_othe
     """
     from ..runs import recording
 
-    recording.resume(path_of("path", path), stop=stop, accept_other_version=accept_other_version)
+    with in_python():
+        recording.resume(path_of("path", path), stop=stop, accept_other_version=accept_other_version)
     return StoredRun(path)
 
 

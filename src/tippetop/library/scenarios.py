@@ -60,7 +60,7 @@ def problem_of(
             tables["run"]["events"] = [*tables["run"]["events"], *(event.name for event in own)]
         return build.problem(tables, chosen)
     except InputError as error:
-        raise InputError([_in_python(sentence) for sentence in error.sentences]) from None
+        raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
 
 
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[dict[str, Any], System | None]:

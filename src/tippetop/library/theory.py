@@ -16,9 +16,11 @@ from ..mechanics.theory.nutation import Nutation
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import RADIAN_PER_SECOND, SECOND
+from ..problem import Problem
 from .bodies import HeavyTop, TippeTop, Top
 from .laws import record_of
 from .run import Run
+from .sources import problem_behind, top_of
 
 
 if TYPE_CHECKING:
@@ -27,12 +29,13 @@ if TYPE_CHECKING:
 LARGEST_MISMATCH = 1e-6  # of cos(theta) where pieces of a reconstruction meet; a good one has 1e-9 and less
 
 
-def thresholds(top: TippeTop | HeavyTop) -> dict[str, Threshold]:
+def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Threshold]:
     """The numbers that separate the regimes of a top.
 
     Parameters
     ----------
-    top : TippeTop or HeavyTop
+    top : TippeTop, HeavyTop, Run, Problem or str
+        The body, or what has one: a run, a problem, the name of a preset, a TOML file.
 
     Returns
     -------
@@ -50,18 +53,20 @@ def thresholds(top: TippeTop | HeavyTop) -> dict[str, Threshold]:
     -----
     Rutstam (2010), theorem 3.3.2, eqs. 4.29, 4.30, 5.54.
     """
-    if isinstance(top, HeavyTop):
-        sleeping = limits.sleeping_spin(top.body())
+    body = top_of(top, TippeTop, HeavyTop)
+    if isinstance(body, HeavyTop):
+        sleeping = limits.sleeping_spin(body.body())
         return {"spin_sleeping": Threshold(sleeping, RADIAN_PER_SECOND, "upright spin of a fixed tip stable above")}
-    return limits.thresholds(_tippe_top(top))
+    return limits.thresholds(body.body())
 
 
-def regime(top: TippeTop, lam: float) -> Regime:
+def regime(top: TippeTop | Run | Problem | str, lam: float) -> Regime:
     """Which asymptotic states of a gliding tippe top are stable for a value of Jellett's integral.
 
     Parameters
     ----------
-    top : TippeTop
+    top : TippeTop, Run, Problem or str
+        The body, or what has one, as for `thresholds`.
     lam : float
         Jellett's integral lambda [kg m^3/s].
 
@@ -80,17 +85,21 @@ def regime(top: TippeTop, lam: float) -> Regime:
     -----
     Rutstam (2010), section 3.3.
     """
-    return regimes.regime(finite("lam", lam), _tippe_top(top))
+    return regimes.regime(finite("lam", lam), top_of(top, TippeTop).body())
 
 
-def linear_modes(top: Top, law: Any = None, *, omega3: float, inverted: bool = False) -> np.ndarray:
+def linear_modes(
+    top: Top | Run | Problem | str, law: Any = None, *, omega3: float, inverted: bool = False
+) -> np.ndarray:
     """The rates p of u_x + i u_y ~ exp(p t) near a spinning state.
 
     Parameters
     ----------
-    top : TippeTop or HeavyTop
+    top : TippeTop, HeavyTop, Run, Problem or str
+        The body, or what has one, as for `thresholds`.
     law : friction law, optional
-        With one, the contact glides; without, it is at rest (pure rolling, or a fixed tip).
+        A record such as `Viscous(mu=0.3)`. With one, the contact glides; without, it is at rest (pure rolling, or a
+        fixed tip) - but a run, a problem or a preset has its own law.
     omega3 : float
         Spin about the axis [rad/s].
     inverted : bool
@@ -106,16 +115,16 @@ def linear_modes(top: Top, law: Any = None, *, omega3: float, inverted: bool = F
     InputError
         If the body spins in no such state, or the law is not known.
     """
-    if not isinstance(top, TippeTop | HeavyTop):
-        raise InputError([f"the body must be a TippeTop or a HeavyTop, but is {top!r:.60}."])
-    spin = finite("omega3", omega3)
-    if law is None:
-        return modes.rolling_modes(spin, top.body(), inverted=inverted)
-    return modes.linear_modes(spin, top.body(record_of(law, top.system())), inverted=inverted)
+    body, spin, problem = top_of(top, TippeTop, HeavyTop), finite("omega3", omega3), problem_behind(top)
+    if law is not None:
+        return modes.linear_modes(spin, body.body(record_of(law, body.system())), inverted=inverted)
+    if problem is not None and problem.system.frictional:
+        return modes.linear_modes(spin, body.body(problem.friction), inverted=inverted)
+    return modes.rolling_modes(spin, body.body(), inverted=inverted)
 
 
 def nutation(
-    top: TippeTop | HeavyTop,
+    top: TippeTop | HeavyTop | Run | Problem | str,
     *,
     energy: float,
     theta: float,
@@ -128,7 +137,8 @@ def nutation(
 
     Parameters
     ----------
-    top : TippeTop or HeavyTop
+    top : TippeTop, HeavyTop, Run, Problem or str
+        The body, or what has one, as for `thresholds`.
     energy : float
         The modified energy E~ [J].
     theta : float
@@ -148,23 +158,35 @@ def nutation(
     InputError
         If a momentum is missing.
 
+    Warns
+    -----
+    UserWarning
+        If the energy is not above the potential anywhere: the period is then NaN.
+
     Notes
     -----
     One point; `turning_angles` takes whole arrays. Rutstam (2010), eqs. 4.21, 2.38.
     """
-    if not isinstance(top, TippeTop | HeavyTop):
-        raise InputError([f"the body must be a TippeTop or a HeavyTop, but is {top!r:.60}."])
-    given = (("D", D), ("lam", lam)) if isinstance(top, TippeTop) else (("Lz", Lz), ("L3", L3))
+    body = top_of(top, TippeTop, HeavyTop)
+    given = (("D", D), ("lam", lam)) if isinstance(body, TippeTop) else (("Lz", Lz), ("L3", L3))
     missing = [f"`{name}` must be given, but is missing." for name, value in given if value is None]
     if missing:
         raise InputError(missing)
-    system, b = top.system(), top.body()
+    system, b = body.system(), body.body()
     momenta = [finite(name, value) for name, value in given]
     energy, theta = finite("energy", energy), finite("theta", theta)
     assert system.potential is not None
     assert system.theta_inertia is not None
     inertia, potential = system.theta_inertia, system.potential
-    return one_dimensional.nutation(lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, theta)
+    result = one_dimensional.nutation(lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, theta)
+    if math.isnan(result.period):
+        warnings.warn(
+            f"the energy {energy:.17g} J is not above the effective potential at any angle, so that nothing swings: it "
+            "is that of steady motion, to rounding, or belongs to other momenta; both angles are theta, the period is "
+            "NaN.",
+            stacklevel=2,
+        )
+    return result
 
 
 def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
@@ -191,8 +213,7 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
     Warns
     -----
     UserWarning
-        If `mismatch` is above 1e-6: the rows are too few, or the run does not determine its turnings. Rolling tops with
-        constant D and E~ were seen to disagree by 0.01 even with 800 rows per nutation.
+        If `mismatch` is above 1e-6: the rows are too few, or the run does not determine its turnings.
 
     Notes
     -----
@@ -241,9 +262,3 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
         },
         {"mismatch": solution.mismatch},
     )
-
-
-def _tippe_top(top: Any) -> Any:
-    if not isinstance(top, TippeTop):
-        raise InputError([f"the body must be a TippeTop, but is {top!r:.60}."])
-    return top.body()

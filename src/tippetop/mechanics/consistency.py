@@ -35,8 +35,6 @@ def inconsistencies(system: System) -> list[str]:
                 for to in way.to
                 if to not in system.phases
             ]
-    if system.away_from_poles not in ("", *system.forms):
-        faults.append(f"`{system.name}` must have the form {system.away_from_poles!r} of away_from_poles, but has not.")
     quantities = {quantity.name for quantity in system.quantities}
     faults += [
         f"`{system.name}` must have the quantity {n!r}, but has not." for n in system.integrals if n not in quantities

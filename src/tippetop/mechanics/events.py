@@ -16,11 +16,11 @@ NOISE_FLOOR = 100 * np.finfo(float).eps
 """Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16."""
 
 AT_POLE = 1e-9
-"""Internal time in which the axis passes a pole: where its closest approach is less than this times its speed, z' = 0 is
-a passage of a planar motion through the pole, where theta = |..| has a kink, and no turning."""
+"""Internal time in which the axis passes a pole: where its closest approach is less than this times its speed, z' = 0
+is a passage of a planar motion through the pole, where theta = |..| has a kink, and no turning."""
 
 NEAR_POLE = 1e-6
-"""Internal time within which the closest approach must be: a zero of z' that is known no better than 1e-7 is still it."""
+"""Internal time within which the closest approach must be: a zero of z' known no better than 1e-7 is still it."""
 
 ON_ZERO = 1e-9
 """An event function, of order one, that is smaller than this at t = 0 starts on its zero, which is no event."""

@@ -6,7 +6,7 @@ k may depend on the sliding speed and on z = cos(theta), which says where on the
 import re
 from typing import Any, NamedTuple
 
-from ..errors import InputError
+from ..errors import InputError, names_its_faults
 from .operand import Operand, exp, formula, select, sqrt
 from .system import Parameter
 from .units import METRE_PER_SECOND, ONE, SECOND_PER_METRE
@@ -163,7 +163,7 @@ def add(name: str, law: Law) -> None:
     if faults := _faults(name, law):
         raise InputError(faults)
     LAWS[name] = law
-    SLIP[law.record] = law.coefficient
+    SLIP[law.record] = names_its_faults(law.coefficient, f"the friction law `{name}`")
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_-]*"

@@ -1,5 +1,6 @@
 """What a formula may be fed: a number, an array, a heyoka expression, or a scalar inside numba."""
 
+import inspect
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar
@@ -169,7 +170,7 @@ def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> 
     def chosen(record: type) -> Callable:
         return choices.get(record, otherwise) or choices[record]
 
-    selected.for_numba = chosen  # type: ignore[attr-defined]
+    selected.for_numba = lambda record: inspect.unwrap(chosen(record))  # type: ignore[attr-defined]
     if _teach is None:
         _waiting.append(selected)
     else:

@@ -76,7 +76,7 @@ def _same(value: Any) -> Any:
     return value
 
 
-@dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
+@dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
 class System:
     """A mechanical system: everything that the rest of the package needs to know of it."""
 
@@ -106,10 +106,18 @@ class System:
     outlook: Callable | None = None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
     motion: Callable | None = None  # motion(b, start) -> the name of the motion, where theory has one
     borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
-    away_from_poles: str = ""  # the cheapest form, where V and E~ keep the motion away from the poles; none: the first
     long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
     inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
+
+    def __repr__(self) -> str:
+        return f"<System {self.name}: {self.title}>"
+
+    def __copy__(self) -> "System":
+        return self
+
+    def __deepcopy__(self, memo: Any) -> "System":
+        return self
 
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.

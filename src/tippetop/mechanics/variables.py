@@ -16,6 +16,23 @@ INTEGRAL_SCALE = 2.0**-32
 """Factor on integrals among the variables: too small to control the step; a power of two, so that it costs no bit."""
 
 
+LONG_NAMES = {
+    "s": "sin(theta)",
+    "z": "cos(theta)",
+    "z_dot": "time derivative of cos(theta)",
+    "D": "Routh's function",
+    "lam": "Jellett's integral",
+    "L3": "angular momentum along the axis",
+    "rx_dot": "horizontal velocity of the centre of mass, x component",
+    "ry_dot": "horizontal velocity of the centre of mass, y component",
+    **{f"u{x}": f"unit vector 3hat along the axis, {x} component" for x in "xyz"},
+    **{f"L{x}": f"angular momentum about the contact point, {x} component" for x in "xyz"},
+    "vx": "velocity of the contact point, x component",
+    "vy": "velocity of the contact point, y component",
+}
+"""Of variables of forms that are no columns of a run."""
+
+
 @dataclass(frozen=True)
 class Variables:
     """The variables of an integrator, in order: the state record of a form, then its integrals times `INTEGRAL_SCALE`.
@@ -93,7 +110,8 @@ class Variables:
     def coefficients(self, name: str, coefficients: Any) -> Any:
         """Taylor coefficients (n, order + 1) of an integral, whole again, among those of all variables, (n, variables,
         order + 1)."""
-        return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
+        with np.errstate(over="ignore"):  # wider numbers, where a motion ends in a singularity
+            return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
 
 
 @lru_cache

@@ -4,7 +4,7 @@
 of a run is computed there, and a single run is the case n = 1.
 """
 
-from .choice import AUTO, CLEARANCE, Choice
+from .choice import AUTO, Choice, choice
 from .faults import key_faults, variation_faults
 from .many import Problems
 from .one import PRECISIONS, ROUNDING, UNTIL, Problem
@@ -12,13 +12,13 @@ from .one import PRECISIONS, ROUNDING, UNTIL, Problem
 
 __all__ = [
     "AUTO",
-    "CLEARANCE",
     "PRECISIONS",
     "ROUNDING",
     "UNTIL",
     "Choice",
     "Problem",
     "Problems",
+    "choice",
     "key_faults",
     "variation_faults",
 ]

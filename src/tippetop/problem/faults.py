@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import suggestion
+
 
 if TYPE_CHECKING:
     from .many import Problems
@@ -29,9 +31,17 @@ def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -
         Empty if all may vary together.
     """
     keys, known = list(keys), [*also, *base.rules]
-    faults = [f"`{key}` must be one of {', '.join(known)}, but is not." for key in keys if key not in base.rules]
+    faults = [
+        f"`{key}` must be one of {', '.join(known)}, but is not.{suggestion(key.rpartition('.')[2], _short(known))}"
+        for key in keys
+        if key not in base.rules
+    ]
     names = [name for table, _, name in (key.partition(".") for key in keys) if table == "initial"]
     return faults + base.system.clashes(given_names(base.system.replaced(base.initial, dict.fromkeys(names))), "varies")
+
+
+def _short(keys: Iterable[str]) -> list[str]:
+    return [key.rpartition(".")[2] for key in keys]
 
 
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:

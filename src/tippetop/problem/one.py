@@ -1,6 +1,7 @@
 """One run: a checked body, a start and a span, all in SI units."""
 
-from dataclasses import dataclass, field, replace
+import dataclasses
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..mechanics.system import Form, Parameter, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
-from .choice import Choice, choice, regular_form
+from .choice import Choice, choice
 from .faults import given_names
 from .many import Problems
 
@@ -24,7 +25,7 @@ ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 UNTIL = Parameter(SECOND, "end of the run", above=0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Problem:
     """One run. Built and checked by `scenario`; everything further in trusts it. All numbers in SI units."""
 
@@ -42,11 +43,18 @@ class Problem:
     output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
-    auto: bool = field(default=False, compare=False)  # whether the form was chosen, not named
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
             object.__setattr__(self, "times", ListedTimes(self.times))
+
+    def __reduce__(self) -> Any:
+        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "form"}
+        return _again, (self.form.name, given)
+
+    def __repr__(self) -> str:
+        start = ", ".join(f"{name} = {value:.6g}" for name, value in self.initial.items())
+        return f"<Problem of {self.system.name}, {self.form.name} form: {start}; until {self.until:.6g} s>"
 
     @cached_property
     def number(self) -> Any:
@@ -101,14 +109,10 @@ class Problem:
                     faults.append(unknown_key(key, known, self.rules))
         return faults + self.system.clashes(given_names(self.initial))
 
-    @cached_property
+    @property
     def choice(self) -> Choice:
-        """The form that `form = "auto"` takes, and why; of a run whose start is free of faults."""
-        return choice(self)
-
-    def for_many(self) -> "Problem":
-        """The problem as the base of many: a form that was chosen for its start gives way to one that serves all."""
-        return replace(self, form=regular_form(self), auto=False) if self.auto else self
+        """The form that `form = "auto"` takes, and why."""
+        return choice(self.system)
 
     def start_faults(self) -> list[str]:
         """Why there is no motion from the start, in sentences; of numbers that are right one by one."""
@@ -149,3 +153,8 @@ class Problem:
     def internal_time(self, t: Any) -> Any:
         """Times in internal units, exactly."""
         return t / float(self.scales.of(SECOND))
+
+
+def _again(form: str, given: dict[str, Any]) -> Problem:
+    """The problem of a pickle."""
+    return Problem(form=given["system"].forms[form], **given)

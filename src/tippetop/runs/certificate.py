@@ -25,9 +25,10 @@ def broken_promises(report: dict[str, Any], tolerance: float, precision: str) ->
         return []
     growth = math.sqrt(max(1.0, report["t_end"] / GROWS_AFTER))
     return [
-        f"the drift of {name.replace('_', ' ')} must be at most {bound:.1e}, but is {drift:.1e}."
+        f"the drift of {name.replace('_', ' ')} must be at most {bound:.1e}, but is {number:.1e}."
         for name, drift in report["drift"].items()
-        if not drift <= (bound := PROMISED.get(name, PROMISED_OTHERWISE) * growth)
+        if not (number := math.nan if drift is None else drift)  # as JSON has what is not finite
+        <= (bound := PROMISED.get(name, PROMISED_OTHERWISE) * growth)
     ]
 
 

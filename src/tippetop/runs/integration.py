@@ -79,18 +79,20 @@ class Integration:
         problem, request = self.problem, _Request(self, sink)
         if self.fresh and problem.output != "times":
             self.write(sink, np.array([0.0]), self.first)
-        self.status = self._ended_at_start() if self.fresh else None
+        if self.fresh:
+            self.status = self._ended_at_start()
         steps = SETTLED_SLICE if problem.stop_when == "settled" else STEPS_PER_SLICE
-        while self.status is None:
+        ended = self.status is not None
+        while not ended:
             clock, before = time.perf_counter(), request.seconds
             piece = self.driver.advance(request, steps)
             self.seconds["integrate"] += time.perf_counter() - clock - (request.seconds - before)
             self.fresh = False
             self._follow(piece, sink)
-            if self.status is not None:
-                break
-            if problem.stop_when == "settled" and self._settled_long():
+            if self.status is None and problem.stop_when == "settled" and self._settled_long():
                 self.status = Status.SETTLED
+            ended = self.status is not None
+            if ended:
                 break
             sink.slice_done(self)
             if progress is not None:
@@ -147,6 +149,7 @@ class Integration:
             **self.monitor.report(),
             **self.log.report(),
             "theta_end": theta_end,
+            **({} if self.driver.compiled.machine or self.problem.precision != "double" else {"steps_by": "heyoka"}),
             **self._outcome(),
         }
 

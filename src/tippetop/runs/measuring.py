@@ -17,8 +17,15 @@ MOST = 1.0  # [s] that a piece may take
 FIRST_STEPS, FIRST_ROWS = 100, 1000  # of the first piece, roughly
 
 
+FEWEST = 10  # steps of a piece that say how long steps are
+
+
 class _TooLong(Exception):
-    """A piece took longer than it may."""
+    """A piece took longer than it may; `seconds` to the whole end, by how far it came."""
+
+    def __init__(self, seconds: float):
+        super().__init__(seconds)
+        self.seconds = seconds
 
 
 def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.perf_counter) -> dict[str, float]:
@@ -37,7 +44,7 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     -------
     dict
         `steps` and `seconds` of the whole run, in memory; `compiling`, the seconds that compiling took now: the
-        integrator is kept on disk. Nothing where the beginning itself takes too long.
+        integrator is kept on disk. Without `steps` where the beginning has too few of them, or takes too long.
     """
     shortest = problem.until * min(1.0, FIRST_STEPS / max(steps, 1.0), FIRST_ROWS / max(len(problem.times), 1))
     try:
@@ -56,11 +63,12 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
             if ended or until >= problem.until or took >= WORTH:
                 break
             until = min(problem.until, until * min(8.0, max(2.0, WORTH / max(took, 1e-3))))
-    except _TooLong:
-        return {}
-    whole = 1.0 if ended else problem.until / until
+    except _TooLong as reached:
+        return {"seconds": round(reached.seconds, 4)}
+    whole, count = 1.0 if ended else problem.until / until, solution.report["steps"]
+    steps_of_all = {"steps": round(count * whole)} if count >= FEWEST or whole == 1.0 else {}
     return {
-        "steps": round(solution.report["steps"] * whole),
+        **steps_of_all,
         "seconds": round(fixed + took * whole, 4),
         "compiling": round(max(compiling, 0.0), 2),
     }
@@ -73,12 +81,15 @@ def _piece(problem: Problem, until: float, clock: Callable[[], float]) -> Soluti
         times = replace(times, until=until)
     else:
         times = ListedTimes(times.times[times.times <= until])
-    began: list[float] = []
+    first: list[tuple[float, float]] = []  # clock and time after the first slice, which comes after compiling
 
     def watch(integration: Integration) -> None:
-        began.append(clock())  # the first slice comes after compiling
-        if began[-1] - began[0] > MOST:
-            raise _TooLong
+        now, t = clock(), integration.t_end
+        if not first:
+            first.append((now, t))
+        seconds, advance = now - first[0][0], t - first[0][1]
+        if seconds > MOST:
+            raise _TooLong(seconds * problem.until / max(advance, 1e-300))
 
     solution = solve(replace(problem, until=until, times=times), watch)
     solution.columns()

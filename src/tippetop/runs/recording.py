@@ -21,7 +21,7 @@ from ..store.checkpoint import CHECKPOINT
 from ..store.chunks import Appender
 from ..store.files import LOCK, Lock
 from ..store.root import attributes as read_attributes
-from ..store.root import finite, new_store
+from ..store.root import finish, finite, new_store
 from . import attributes
 from .events import EventTable, event_columns
 from .integration import Integration
@@ -120,20 +120,21 @@ class Recorder:
             "begun_with": self.begun_with,
             "rows": self.trajectory.rows,
             "events": self.log.rows,
+            "digests": [appender.digest() for appender in (self.trajectory, self.log)],
             **state,
         }
         checkpoint.write(self.lock.folder, record, self.of)
 
-    def finish(self, root: Any) -> dict[str, Any]:
+    def finish(self) -> dict[str, Any]:
         """Writes what waits and the root attributes, takes the checkpoint away; gives the attributes back."""
         attrs = _attributes(self.integration)
         if self.begun_with:
             attrs["begun_with"] = self.begun_with
-        self._now(lambda: self._close(root, attrs))
+        self._now(lambda: self._close(attrs))
         return attrs
 
-    def _close(self, root: Any, attrs: dict[str, Any]) -> None:
-        root.update_attributes(attrs)
+    def _close(self, attrs: dict[str, Any]) -> None:
+        finish(self.lock.folder, attrs)
         files.remove_scratch(self.lock.folder)
         (self.lock.folder / CHECKPOINT).unlink(missing_ok=True)
         self.lock.remove()
@@ -235,6 +236,7 @@ def resume(
     with contextlib.ExitStack() as held:
         with files.writing(target):
             lock = held.enter_context(Lock(target))
+        files.remove_stale(target)
         kept = _checkpoint(target, accept_other_version)
         integration = Integration(build.problem(build.tables_of(attrs)), stop)
         _compare(target, integration, kept)
@@ -291,13 +293,13 @@ def _run(
 ) -> tuple[Integration, dict[str, Any]]:
     folder = lock.folder
     with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"), lock.guarded():
-        root, tables_of_run = tables.open_root(folder, "trajectory", "events")
+        _, tables_of_run = tables.open_root(folder, "trajectory", "events")
         trajectory, events = map(Appender, tables_of_run)
         with Recorder(integration, trajectory, events, lock, stop) as recorder:
             if kept is not None:
                 _go_back(recorder, kept)
             integration.run(recorder, progress)
-            return integration, recorder.finish(root)
+            return integration, recorder.finish()
 
 
 def _go_back(recorder: Recorder, kept: dict[str, Any]) -> None:
@@ -310,10 +312,13 @@ def _go_back(recorder: Recorder, kept: dict[str, Any]) -> None:
             f"`{target}` must have a whole checkpoint of this release to be resumed, but: {error}."
         ) from None
     files.remove_scratch(target)
-    for appender, rows in ((recorder.trajectory, kept["rows"]), (recorder.log, kept["events"])):
+    tables_of_run = ((recorder.trajectory, kept["rows"]), (recorder.log, kept["events"]))
+    for (appender, rows), digest in zip(tables_of_run, kept["digests"], strict=True):
         appender.cut(rows)
         chunks.verify(appender.arrays)
         appender.reload(rows)
+        if appender.digest() != digest:
+            raise StoreError(f"`{target}` must hold the {rows} acknowledged rows, but some of them are others.")
 
 
 def _attributes(integration: Integration) -> dict[str, Any]:

@@ -88,6 +88,10 @@ class Summary(Record):
         The name of a heavy top's motion; what eps decides. Only where they apply.
     """
 
+    def __repr__(self) -> str:
+        numbers = (f"{name}={value!r}" for name, value in self.items() if isinstance(value, int | float))
+        return f"<Summary: {self.reason}; {', '.join(numbers)}; {', '.join(n for n in self if n != 'reason')}>"
+
     status: str
     reason: str
     t_end: float

@@ -6,7 +6,7 @@ from typing import Any
 from ..engine.observables import Observables
 from ..store import tables
 from ..store.chunks import Appender
-from ..store.root import new_store
+from ..store.root import finish, new_store
 from .events import EventTable, event_columns
 from .recording import EVENTS_PER_CHUNK, rows_per_chunk
 from .run import Solution
@@ -35,3 +35,4 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
         for appender in (trajectory, events):
             appender.flush()
             appender.sync()
+        finish(scratch, {})

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -15,7 +14,7 @@ from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
-from ..problem import AUTO, PRECISIONS, ROUNDING, Problem
+from ..problem import AUTO, PRECISIONS, ROUNDING, Problem, choice
 from ..sampling import EvenTimes, ListedTimes
 from .reading import override, read
 from .schema import RunTable, scenario_model
@@ -55,7 +54,7 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
     values = scenario.friction.model_dump() if system.frictional else {}
     built = Problem(
         system=system,
-        form=system.forms.get(scenario.form, next(iter(system.forms.values()))),
+        form=choice(system).form if scenario.form == AUTO else system.forms[scenario.form],
         parameters=parameters,
         friction=law.record(**{name: values[name] for name in law.parameters}),
         initial=initial,
@@ -72,7 +71,7 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
     faults = [*built.faults(), *_pole_faults(built), *_run_faults(system, run)] or built.start_faults()
     if faults:
         raise InputError(faults)
-    return replace(built, form=built.choice.form, auto=True) if scenario.form == AUTO else built
+    return built
 
 
 def system_of(tables: dict[str, Any]) -> System:

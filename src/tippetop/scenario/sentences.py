@@ -45,7 +45,8 @@ def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) ->
         if model is not None:
             keys += [f"{name}.{key}" for key in model.model_fields]
     friction = tables.get("friction")
-    law = system.laws.get(friction.get("law")) if isinstance(friction, dict) else None
+    given = friction.get("law") if isinstance(friction, dict) else None
+    law = system.laws.get(given) if isinstance(given, str) else None
     return keys + ([f"friction.{key}" for key in ("law", *law.parameters)] if law else [])
 
 

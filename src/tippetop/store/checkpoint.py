@@ -20,6 +20,7 @@ FIELDS: dict[str, Any] = {
     "cpu": str,
     "rows": int,
     "events": int,
+    "digests": list,
     "integration": dict,
     "report": dict,
     "reason": str,

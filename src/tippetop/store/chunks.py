@@ -1,5 +1,7 @@
 """Columns in chunks on disk: growing row by row, checked, and read thinly where there are more than memory holds."""
 
+import hashlib
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,7 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
+from . import seal
 from .files import synced
 from .tables import create_table, read_member
 
@@ -25,6 +28,7 @@ class Appender:
         self.written, self.waiting = 0, 0  # rows in full chunks, rows in memory
         self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
         self.unflushed = False
+        self.checksums: dict[tuple[str, int], bytes] = {}  # of full chunks
         self.unsynced: set[int] = set()  # first rows of the chunks that may not have reached the disk
 
     @classmethod
@@ -71,7 +75,7 @@ class Appender:
             return
         for array in self.arrays.values():
             folder = array.store_path.store.root.joinpath(array.store_path.path)
-            files = [folder / _chunk_file(array, start) for start in sorted(self.unsynced)]
+            files = [chunk_file(array, start) for start in sorted(self.unsynced)]
             folders = {parent for file in files for parent in file.parents if parent.is_relative_to(folder)}
             for path in (*files, *folders, folder / "zarr.json"):
                 synced(path)
@@ -95,6 +99,14 @@ class Appender:
         for array in self.arrays.values():
             array.resize((rows, *array.shape[1:]))
 
+    def digest(self) -> str:
+        """A digest of all rows that were appended: of full chunks the checksums in their files, and those that wait.
+
+        Flags are passed over: `mark` may change them before the next checkpoint. Raises OSError.
+        """
+        waiting = {name: buffer[: self.waiting] for name, buffer in self.buffers.items()}
+        return _digest(self.arrays, self.written, waiting, self.checksums)
+
     def reload(self, rows: int) -> None:
         """Takes the rows that do not fill a chunk back into memory."""
         self.written = rows // self.chunk * self.chunk
@@ -104,27 +116,55 @@ class Appender:
         self.unflushed = True
 
 
+def digest_of_rows(arrays: dict[str, Any], rows: int) -> str:
+    """The digest that an appender of so many rows would give. Raises what codecs raise."""
+    chunk = next(iter(arrays.values())).chunks[0]
+    written = rows // chunk * chunk
+    return _digest(arrays, written, {name: array[written:rows] for name, array in arrays.items()}, {})
+
+
+def _digest(
+    arrays: dict[str, Any],
+    written: int,
+    waiting: dict[str, np.ndarray],
+    checksums: dict[tuple[str, int], bytes],
+) -> str:
+    whole = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        if array.dtype == bool:
+            continue
+        for start in range(0, written, array.chunks[0]):
+            if (name, start) not in checksums:
+                checksums[name, start] = seal.checksum(chunk_file(array, start))
+            whole.update(checksums[name, start])
+        whole.update(name.encode() + np.ascontiguousarray(waiting[name]).tobytes())
+    return whole.hexdigest()
+
+
 def verify(arrays: dict[str, Any]) -> None:
     """Reads every chunk of some arrays. Raises StoreError, which names the array and the rows that cannot be read."""
     for array in arrays.values():
-        for start in range(0, array.shape[0], array.chunks[0]):
-            readable(array, start)
+        for first in itertools.product(*(range(0, n, c) for n, c in zip(array.shape, array.chunks, strict=True))):
+            readable(array, *first)
 
 
-def readable(array: Any, start: int) -> None:
-    """Reads the chunk of an array that begins at row `start`. Raises StoreError if it is missing or damaged."""
-    end = min(start + array.chunks[0], array.shape[0])
+def readable(array: Any, *first: int) -> np.ndarray:
+    """The chunk of an array that begins at these indices, those that are left out 0. Raises StoreError if it is missing
+    or damaged."""
+    start, end = first[0], min(first[0] + array.chunks[0], array.shape[0])
     try:
-        if not array.store_path.store.root.joinpath(array.store_path.path, _chunk_file(array, start)).is_file():
+        if not chunk_file(array, *first).is_file():
             raise OSError("the file of the chunk is missing")
-        array[start:end]
+        return array[tuple(slice(i, i + c) for i, c in zip(first, array.chunks, strict=False))]
     except Exception as error:  # codecs raise what they like
         raise StoreError(f"`{array.path}` must be readable in rows {start} to {end}, but: {error}.") from None
 
 
-def _chunk_file(array: Any, start: int) -> str:
-    """The name of the file of the chunk that begins at row `start`, below the array's folder."""
-    return "/".join(["c", str(start // array.chunks[0]), *("0" for _ in array.shape[1:])])
+def chunk_file(array: Any, *first: int) -> Path:
+    """The file of the chunk that begins at these indices, those that are left out 0."""
+    begins = [*first, *[0] * (array.ndim - len(first))]
+    names = [str(i // c) for i, c in zip(begins, array.chunks, strict=True)]
+    return array.store_path.store.root.joinpath(array.store_path.path, "c", *names)
 
 
 def pieces(path: str | Path, group: str, names: list[str], rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:

@@ -24,6 +24,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
     if to not in FORMATS:
         raise InputError([f"--to must be one of {', '.join(FORMATS)}, but is `{to}`."])
     attrs = root.attributes(store)
+    root.refuse_other_rows(store, attrs)
     groups = [attrs["content"]] if "content" in attrs else ["trajectory", "events"]
     if not DIMENSIONS.keys() >= set(groups):
         raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")

@@ -39,7 +39,7 @@ def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
 
 @contextlib.contextmanager
 def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
-    """Gives an empty scratch file beside `path`, which becomes `path` when the block ends well, on the disk itself, and
+    """Gives an empty scratch file near `path`, which becomes `path` when the block ends well, on the disk itself, and
     vanishes when not.
 
     Raises
@@ -50,11 +50,12 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         The disk; see `writing`.
     """
     path = Path(path)
+    remove_stale(path)
     if not overwrite and os.path.lexists(path):
         raise _exists(path)
-    scratch = scratch_name(path)
-    os.close(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
-    try:
+    with _scratch_folder(path) as folder:
+        scratch = folder / path.name
+        os.close(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield scratch
         synced(scratch)
         if overwrite:
@@ -62,9 +63,6 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         else:
             _rename_new_file(scratch, path)
         synced(path.parent)
-    finally:
-        with contextlib.suppress(OSError):
-            scratch.unlink()
 
 
 @contextlib.contextmanager
@@ -85,15 +83,12 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     replaced = path.exists()
     if replaced and not overwrite:
         raise _exists(path)
-    scratch = scratch_name(path)
     with contextlib.ExitStack() as stack:
         lock = stack.enter_context(Lock(path)) if replaced else None
         if lock is not None and lock.made:
             stack.callback(lock.remove)  # a store that stays has no lock that it had not before
         remove_stale(path)
-        scratch.mkdir()
-        stack.callback(shutil.rmtree, scratch, ignore_errors=True)
-        stack.callback(os.close, _held(scratch))  # until it is renamed or gone: a killed writer leaves it free
+        scratch = stack.enter_context(_scratch_folder(path))
         yield scratch
         if lock is None:
             rename_new(scratch, path)
@@ -109,6 +104,24 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
             old.rename(path)
             raise
         shutil.rmtree(old, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _scratch_folder(path: Path) -> Iterator[Path]:
+    """An empty folder beside `path`, held until the block ends, when it goes with all that is in it. Raises OSError."""
+    while True:
+        scratch = scratch_name(path)
+        scratch.mkdir()
+        try:
+            descriptor = _held(scratch)  # until it is gone or this process is: a killed writer leaves it free
+            break
+        except (FileNotFoundError, BlockingIOError):  # in between another process took it for stale
+            continue
+    try:
+        yield scratch
+    finally:
+        os.close(descriptor)
+        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _held(folder: Path) -> int:
@@ -192,7 +205,7 @@ def replace_text(path: Path, text: str) -> None:
 
 def synced(path: Path) -> None:
     """Waits until the disk itself has a file, or what a folder says of its files."""
-    descriptor = os.open(path, os.O_RDONLY)
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # not to wait where a pipe came to be
     try:
         os.fsync(descriptor)
     except OSError as error:

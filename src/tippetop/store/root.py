@@ -1,7 +1,6 @@
 """The root attributes of a store: what it holds, and whether tippetop wrote it."""
 
 import contextlib
-import json
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from ..arguments import path_of
 from ..columns import with_coordinates
 from ..errors import StoreError
-from . import checkpoint, files, skeleton
+from . import checkpoint, chunks, files, seal, skeleton, tables
 
 
 if TYPE_CHECKING:
@@ -43,13 +42,37 @@ def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     return stored | {"report": record["report"], "reason": record["reason"]}
 
 
+def refuse_other_rows(path: str | Path, attrs: dict[str, Any]) -> None:
+    """Raises StoreError if rows that the checkpoint of an unfinished run acknowledges are others; a finished store has
+    its seal."""
+    if "content" in attrs or attrs["status"] != "running":
+        return
+    try:
+        record = checkpoint.read(Path(path), skeleton.root_of(path))
+    except FileNotFoundError:  # it just finished, or never began
+        return
+    for group, rows, digest in zip(
+        ("trajectory", "events"), (record["rows"], record["events"]), record["digests"], strict=True
+    ):
+        try:
+            here = chunks.digest_of_rows(tables.read_member(path, group), rows)
+        except Exception as error:  # codecs raise what they like
+            raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+        if here != digest:
+            raise StoreError(f"`{path}` must hold the {rows} acknowledged rows of `{group}`, but some are others.")
+
+
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
-    """Adds root attributes to a finished store."""
-    place = Path(path) / "zarr.json"
-    content = json.loads(place.read_text(encoding="utf-8"))
-    content["attributes"] |= finite(more)
-    with files.writing(place):
-        files.replace_text(place, json.dumps(content, indent=2, allow_nan=False))
+    """Adds root attributes to a finished store, whose seal then is another one. Raises StoreError."""
+    skeleton.read(path)
+    with files.writing(Path(path) / seal.DOCUMENT):
+        finish(path, more)
+
+
+def finish(path: str | Path, more: dict[str, Any]) -> None:
+    """Gives a store that is whole its last root attributes, and its seal, in one step. Raises OSError."""
+    content = skeleton.root_of(path).get("content", "run")
+    seal.put(Path(path), skeleton.sealed_members(content), finite(more))
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":
@@ -75,6 +98,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     import xarray as xr
 
     attrs = attributes(path_of("path", path))
+    refuse_other_rows(path, attrs)
     try:
         table = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
         return with_coordinates(table)

@@ -6,83 +6,34 @@ release of ours writes.
 
 import json
 import math
+import os
 from collections.abc import Mapping
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from ..errors import StoreError
+from . import seal
+from .patterns import ATTRIBUTES, OPTIONAL, REPORT, RUN, WORDS
 from .provenance import FORMAT, FORMAT_VERSION
+from .seal import DOCUMENT
 
 
-DOCUMENT = "zarr.json"
 GROUPS = {"run": ("trajectory", "events"), "sweep": ("sweep",), "surface": ("surface",), "potential": ("potential",)}
+OF_CHUNKS = ("chunk_status", "chunk_checksum")  # of a sweep
 SIZES = {"float64": 8, "int64": 8, "int32": 4, "int16": 2, "int8": 1, "bool": 1}  # [bytes]
 CODECS = (["bytes", "blosc", "crc32c"], ["bytes", "zstd"])  # the second: surfaces of release 0.1
 MOST_CHUNK, MOST_ELEMENTS = 1 << 30, 1 << 42  # bytes of a chunk (ours: 8 MiB); elements of an array laid out ahead
-NUMBER = (int, float)
-WORDS: dict[str, Any] = {"title": str, "versions": {str: str}, "cpu": str}  # every store
-ATTRIBUTES: dict[str, dict[str, Any]] = {
-    "run": {
-        "status": str,
-        "reason": str,
-        "source": str,
-        "system": str,
-        "form": str,
-        "parameters": {str: NUMBER},
-        "initial": {str: (*NUMBER, bool)},
-        "run": dict,
-        "tolerance": NUMBER,
-        "precision": str,
-        "units": {str: str},
-        "final_state": {str: (*NUMBER, None)},
-        "report": dict,
-    },
-    "sweep": {
-        "status": str,
-        "reason": str,
-        "plan": dict,
-        "tops": int,
-        "chunk": int,
-        "dimensions": [str],
-        "shape": [int],
-        "coordinates": [str],
-        "columns": [str],
-    },
-    "surface": {"system": str, "parameters": {str: NUMBER}, "axes": {str: [NUMBER]}},
-    "potential": {"system": str, "parameters": {str: NUMBER}},
-}
-REPORT: dict[str, Any] = {  # of a run; `?`: where the system has it
-    "t_end": NUMBER,
-    "steps": int,
-    "drift": {str: (*NUMBER, None)},
-    "event_counts": {str: int},
-    "theta_end": (*NUMBER, None),
-    "normal_force?": {str: (*NUMBER, None)},
-    "inversion?": {str: (*NUMBER, None)},
-    "nutational_band?": {str: (*NUMBER, None)},
-}
-OPTIONAL: dict[str, Any] = {"friction?": {str: (str, *NUMBER)}, "certificate?": dict, "auto_form?": {str: str}}
-RUN: dict[str, Any] = {
-    "until": NUMBER,
-    "events": [str],
-    "on_liftoff": str,
-    "precision": str,
-    "tolerance": NUMBER,
-    "stop_when": str,
-    "output_step?": NUMBER,
-    "output_times?": [NUMBER],
-    "output?": str,
-    "orientation?": bool,
-}
+DEEPEST = 8  # folders in one another
 
 
 def root_of(path: str | Path) -> dict[str, Any]:
     """The root attributes as they stand in a store. Raises StoreError if there is none of ours."""
     place = Path(path)
     try:
-        stored = _document(place)["attributes"]
-        if stored["format"] != FORMAT:
+        document = _document(place)
+        stored = document["attributes"]
+        if stored["format"] != FORMAT or document["zarr_format"] != 3 or document["node_type"] != "group":
             raise KeyError("format")
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise StoreError(f"`{path}` {_no_store(place, error)}.") from None
@@ -114,6 +65,7 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     try:
         if not isinstance(content, str) or content not in GROUPS:
             raise _Fault("content", f"must be one of {', '.join(list(GROUPS)[1:])}")
+        _readable(place)
         _like(attrs, WORDS | ATTRIBUTES[content], "")
         if content == "run":
             _like(attrs["report"], REPORT, "report.")
@@ -129,6 +81,8 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
                 _surface(place / group, arrays, attrs, whole=whole)
             else:
                 _bounded(place / group, arrays)
+        if whole and seal.SEAL in attrs and attrs.get("status") != "running":
+            _sealed(place, attrs, content)
     except _Fault as fault:
         raise StoreError(f"`{path}` must be a whole store, but is damaged: {fault}.") from None
     return attrs
@@ -145,16 +99,48 @@ def members(place: Path, group: str) -> dict[str, dict[str, Any]]:
     return stored
 
 
-def compare(place: Path, group: str, wanted: Mapping[str, dict[str, Any]]) -> None:
-    """Compares a group with the metadata that it must have, all but the number of rows. Raises StoreError."""
+def compare(place: Path, group: str, wanted: Mapping[str, dict[str, Any]], *, rows: bool = False) -> None:
+    """Compares a group with the metadata that it must have; the number of rows too, if so. Raises StoreError."""
     stored = members(place, group)
     if odd := sorted(stored.keys() ^ wanted.keys()):
         state = "is missing" if odd[0] in wanted else "is no column of it"
         raise _Fault(place / group, f"must have the columns of its scenario, but `{odd[0]}` {state}")
     for name, document in wanted.items():
-        mine, yours = ({**each, "shape": each["shape"][1:]} for each in (document, stored[name]))
+        mine, yours = ({**each, "shape": each["shape"][0 if rows else 1 :]} for each in (document, stored[name]))
         if differ := [key for key in mine if json.dumps(mine[key]) != json.dumps(yours.get(key))]:
             raise _Fault(place / group / name, f"must be the column of its scenario, but differs in {differ[0]}")
+
+
+def sealed_members(content: str) -> tuple[str, ...]:
+    """Groups and arrays of a store that its seal covers."""
+    return (*GROUPS[content], *OF_CHUNKS) if content == "sweep" else GROUPS[content]
+
+
+def _sealed(place: Path, attrs: dict[str, Any], content: str) -> None:
+    """Compares a finished store with its seal."""
+    try:
+        here = seal.of(place, attrs, sealed_members(content))
+    except (OSError, ValueError) as error:
+        raise _Fault(place, f"must be readable, but: {error}") from None
+    if here != attrs[seal.SEAL]:
+        raise _Fault(place, "must hold what its seal says, but a number of its metadata or a chunk is another")
+
+
+def _readable(folder: Path, depth: int = 0) -> None:
+    """Refuses what a reader would wait for, or read for ever: pipes, devices, links to nowhere, folders without end."""
+    if depth > DEEPEST:
+        raise _Fault(folder, f"must not be deeper than {DEEPEST} folders")
+    try:
+        with os.scandir(folder) as entries:
+            for entry in entries:
+                if entry.is_dir():
+                    _readable(Path(entry.path), depth + 1)
+                elif not entry.is_file():
+                    raise _Fault(entry.path, "must be a file or a folder")
+    except _Fault:
+        raise
+    except OSError as error:
+        raise _Fault(folder, f"must be readable, but: {error.strerror or error}") from None
 
 
 class _Fault(StoreError):
@@ -165,7 +151,10 @@ class _Fault(StoreError):
 
 
 def _document(folder: Path) -> dict[str, Any]:
-    return json.loads((folder / DOCUMENT).read_text(encoding="utf-8"))
+    place = folder / DOCUMENT
+    if place.exists() and not place.is_file():
+        raise OSError(f"`{place}` is no plain file")
+    return json.loads(place.read_text(encoding="utf-8"))
 
 
 def _node(folder: Path, kind: str) -> dict[str, Any]:
@@ -260,9 +249,12 @@ def _rows(folder: Path, arrays: dict[str, Any], *, running: bool, whole: bool) -
         if array["shape"][1:] != chunk[1:] or array["dimension_names"][0] != arrays["time"]["dimension_names"][0]:
             raise _Fault(folder / name, "must be a column of its table")
         needed = -(-lengths[name] // chunk[0])
-        there = _files(folder / name, needed)
-        if there < needed - (1 if running else 0) and (whole or needed > there + 1):
-            raise _Fault(folder / name, f"must have {needed} chunks for its {lengths[name]} rows, but has {there}")
+        places = ((folder / name).joinpath("c", str(i), *["0"] * (len(chunk) - 1)) for i in range(needed))
+        missing = next((i for i, place in enumerate(places) if not place.is_file()), needed)
+        if missing < needed - (1 if running else 0) and (whole or needed > missing + 1):
+            raise _Fault(
+                folder / name, f"must have {needed} chunks for its {lengths[name]} rows, but chunk {missing} is missing"
+            )
     if not running and len(set(lengths.values())) > 1:
         odd = next(name for name, n in lengths.items() if n != lengths["time"])
         raise _Fault(folder / odd, f"must have {lengths['time']} rows, but has {lengths[odd]}")
@@ -285,13 +277,13 @@ def _laid_out(place: Path, group: str, arrays: dict[str, Any], attrs: dict[str, 
         raise _Fault("shape", "must have a number for each of `dimensions`")
     if odd := sorted(arrays.keys() ^ {*attrs["coordinates"], *attrs["columns"]}):
         raise _Fault(place / group / odd[0], "must be a column, and in the root attributes")
-    of_chunks = _array(place / "chunk_status")
-    for name, array in [*arrays.items(), ("chunk_status", of_chunks)]:
-        rows, size = (-(-tops // chunk), None) if array is of_chunks else (tops, chunk)
+    of_chunks = {name: _array(place / name) for name in OF_CHUNKS}
+    for name, array in [*arrays.items(), *of_chunks.items()]:
+        rows, size = (-(-tops // chunk), None) if name in of_chunks else (tops, chunk)
         grid = array["chunk_grid"]["configuration"]["chunk_shape"]
         if array["shape"] != [rows, *grid[1:]] or (size is not None and grid[0] != size):
             raise _Fault(name, f"must have {rows} rows, but has the shape {array['shape']}")
-        folder = place / name if array is of_chunks else place / group / name
+        folder = place / name if name in of_chunks else place / group / name
         if whole and _files(folder, -(-rows // grid[0])) < -(-rows // grid[0]):
             raise _Fault(folder, "must have all of its chunks")
 

@@ -12,6 +12,7 @@ import zarr
 from ..columns import Column
 from ..errors import StoreError
 from . import files
+from .own import OwnStore
 
 
 ZarrError = zarr.errors.BaseZarrError
@@ -27,7 +28,7 @@ def codecs() -> list[Any]:
 
 def create_root(folder: Path, attributes: dict[str, Any]) -> Any:
     """The root group of a new store."""
-    return zarr.open_group(store=str(folder), mode="a", zarr_format=3, attributes=attributes)
+    return zarr.open_group(store=OwnStore(folder), mode="a", zarr_format=3, attributes=attributes)
 
 
 def every_chunk() -> Any:
@@ -41,7 +42,7 @@ def open_root(folder: Path, *members: str, write_empty: bool = True) -> tuple[An
     `every_chunk`. Raises StoreError if there is a link in it."""
     files.refuse_links(folder)
     with every_chunk() if write_empty else contextlib.nullcontext():
-        root: Any = zarr.open_group(store=str(folder), mode="r+", zarr_format=3)
+        root: Any = zarr.open_group(store=OwnStore(folder), mode="r+", zarr_format=3)
         return root, [_opened(root[name]) for name in members]
 
 
@@ -53,18 +54,21 @@ def read_member(path: str | Path, name: str) -> Any:
         raise StoreError(f"`{path}` must hold a readable group `{name}`, but: {error}.") from None
 
 
-def metadata(columns: Mapping[str, Column], sizes: Mapping[str, tuple[int, int]]) -> dict[str, dict[str, Any]]:
+def metadata(
+    columns: Mapping[str, Column], sizes: Mapping[str, tuple[int, int]], fill: Mapping[str, Any] | None = None
+) -> dict[str, dict[str, Any]]:
     """Name -> metadata of the arrays that `create_table` would make, as their `zarr.json` says it."""
     group: Any = zarr.create_group(store=zarr.storage.MemoryStore(), zarr_format=3)
     prototype = zarr.core.buffer.default_buffer_prototype()
     return {
         name: json.loads(array.metadata.to_buffer_dict(prototype)["zarr.json"].to_bytes())
-        for name, array in create_table(group, columns, sizes).items()
+        for name, array in create_table(group, columns, sizes, fill=fill).items()
     }
 
 
 def _opened(member: Any) -> Any:
-    return dict(member.arrays()) if isinstance(member, zarr.Group) else member
+    """An array, or the arrays of a group: in the order of their names, whatever order the disk lists them in."""
+    return dict(sorted(member.arrays())) if isinstance(member, zarr.Group) else member
 
 
 def create_table(

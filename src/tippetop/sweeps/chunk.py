@@ -45,7 +45,7 @@ def columns(
 ) -> dict[str, Column]:
     """The rows of tops as labelled columns; `status` is among them whatever is kept."""
     oriented = any(_group(name) == ORIENTATION for name in keep or [])
-    measured = ensemble.measure(ensemble.vary(base, numbers, orientation=oriented), threads=threads)
+    measured = ensemble.measure(ensemble.vary(base, numbers, orientation=oriented), threads=threads, wanted=keep)
     with np.errstate(all="ignore"):  # of invalid tops
         table = {**outcomes.table(measured), **_final_states(measured)}
     return {name: column for name, column in table.items() if name == "status" or keep is None or _kept(name, keep)}

@@ -26,8 +26,8 @@ NEEDED = {
     "normal-force": ("normal_force_min", "normal_force_max"),
 }
 """What is mapped, and what is added to it where a sweep has but one axis."""
-LIFTED = "lifted off"
-"""Beside `inversion`: the cells whose tops lifted off before they could invert, bool."""
+ENDS = "class"
+"""Beside `inversion`: the most frequent class in the cells without a time, NaN in the others."""
 
 
 @dataclass(frozen=True)
@@ -89,9 +89,8 @@ def make_map(path: Path, kind: str) -> Map:
         values = table[name].values / _weight(plan, numbers) if kind == "normal-force" else table[name].values
         fields[name] = _gathered(name, cells, values[chosen], math.prod(shape)).reshape(shape)
     if kind == "inversion" and "class" in table:
-        gone = table["class"].values[chosen] == CLASSES.index("lifted-off")
-        lifted = _gathered("class", cells, np.where(gone, CLASSES.index("lifted-off"), 0), math.prod(shape))
-        fields[LIFTED] = np.where(np.isnan(fields[wanted[0]]), lifted.reshape(shape), 0) == CLASSES.index("lifted-off")
+        ends = _gathered("class", cells, table["class"].values[chosen], math.prod(shape)).reshape(shape)
+        fields[ENDS] = np.where(np.isnan(fields[wanted[0]]), ends, np.nan)
     if len(cells) and np.bincount(cells).max() > 1:
         how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
         notes.append(f"{how} of the tops in a cell")

@@ -89,7 +89,7 @@ class Plan:
         sentences += _design_faults(shape)
         base = None
         try:
-            base = build.problem(_base(shape, folder)).for_many()
+            base = build.problem(_base(shape, folder))
         except InputError as error:
             sentences += error.sentences
         if base is not None:

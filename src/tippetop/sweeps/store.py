@@ -1,10 +1,12 @@
 """A sweep on disk: columns with a row per top, written chunk by chunk; the store knows what is done.
 
-A chunk's columns are written first, then its status. What is opened again is read once: a chunk whose files are damaged
-or missing is to be done again. Nothing in the store tells who computed what or when: equal sweeps make equal files.
+A chunk's columns are written first, then a number made of the checksums of their files, then its status. What is opened
+again is read once: a chunk whose files are damaged, missing or others is to be done again. Nothing in the store tells
+who computed what or when: equal sweeps make equal files.
 """
 
 import contextlib
+import hashlib
 import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -15,16 +17,17 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, provenance, skeleton, tables
-from ..store.chunks import readable
+from ..store import files, provenance, seal, skeleton, tables
+from ..store.chunks import chunk_file, readable
 from ..store.files import Lock
 from ..store.root import attributes as read_attributes
-from ..store.root import finite, new_store
+from ..store.root import finish, finite, new_store
 from . import chunk, derived
 from .plan import Plan
 
 
 GROUP = "sweep"
+CHUNK_STATUS, CHUNK_CHECKSUM = "chunk_status", "chunk_checksum"
 RUNS = "runs"
 FAILED = "failed.json"  # while there are failed chunks: number -> sentence
 TODO, DONE, BROKEN = 0, 1, 2
@@ -41,7 +44,8 @@ class SweepStore:
 
     def __init__(self, plan: Plan, lock: Lock):
         self.folder, self.plan, self.lock = lock.folder, plan, lock
-        self.root, (self.arrays, self.chunk_status) = tables.open_root(self.folder, GROUP, "chunk_status")
+        members = (GROUP, CHUNK_STATUS, CHUNK_CHECKSUM)
+        self.root, (self.arrays, self.chunk_status, self.checksums) = tables.open_root(self.folder, *members)
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
 
     def __enter__(self) -> "SweepStore":
@@ -70,6 +74,10 @@ class SweepStore:
             status = self.chunk_status[:]
         except Exception:  # codecs raise what they like; a chunk whose files are all whole is done
             status = np.full(self.plan.chunks, DONE)
+        try:
+            self.checksums[:]
+        except Exception:  # then none is known to be whole
+            self.checksums[:] = 0
         sound = np.where([s == DONE and self._sound(k) for k, s in enumerate(status)], DONE, TODO)
         self.chunk_status[:] = sound
         if not sound.all():
@@ -80,9 +88,9 @@ class SweepStore:
         try:
             for array in self.arrays.values():
                 readable(array, chunk * self.plan.chunk)
-        except StoreError:
+            return checksum(self.arrays, chunk * self.plan.chunk) == self.checksums[chunk]
+        except (StoreError, OSError):
             return False
-        return True
 
     def todo(self) -> list[int]:
         """Chunks that are not done."""
@@ -96,6 +104,7 @@ class SweepStore:
         def work() -> None:
             for name, array in self.arrays.items():
                 array[tops[0] : tops[-1] + 1] = values[name]
+            self.checksums[chunk] = checksum(self.arrays, tops[0])
             self.chunk_status[chunk] = DONE
 
         self._now(work)
@@ -114,11 +123,34 @@ class SweepStore:
         """Says that the sweep is whole."""
 
         def work() -> None:
-            self.root.update_attributes({"status": "finished", "reason": "every top was run"})
+            finish(self.folder, {"status": "finished", "reason": "every top was run"})
             files.remove_scratch(self.folder)
             self.lock.remove()
 
         self._now(work)
+
+
+def checksum(arrays: dict[str, Any], first: int) -> int:
+    """A number made of the checksums of the files of the chunk that begins with top `first`. Raises OSError."""
+    whole = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        whole.update(name.encode() + seal.checksum(chunk_file(array, first)))
+    return int.from_bytes(whole.digest()[:8], "little", signed=True)
+
+
+def refuse_damage(folder: Path, attrs: dict[str, Any]) -> None:
+    """Raises StoreError if a chunk of an unfinished sweep is not what was written; a finished one has its seal."""
+    if attrs["status"] != BEGUN["status"]:
+        return
+    status, known, arrays = (tables.read_member(folder, name) for name in (CHUNK_STATUS, CHUNK_CHECKSUM, GROUP))
+    try:
+        for k in np.flatnonzero(status[:] == DONE):
+            if checksum(arrays, int(k) * attrs["chunk"]) != known[int(k)]:
+                raise OSError(f"chunk {k} is another")
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(
+            f"`{folder}` must be a whole store, but is damaged: {error}. The sweep's own command computes it again."
+        ) from None
 
 
 @contextlib.contextmanager
@@ -207,7 +239,10 @@ def _created(folder: Path, plan: Plan) -> Lock:
         flags = {"flag_values": list(range(3)), "flag_meanings": " ".join(CHUNK_STATUSES), "units": "1"}
         status = Column(("chunk",), np.zeros(0, np.int8), {"long_name": "state of a chunk of tops", **flags})
         sizes = {"chunk": (plan.chunks, min(plan.chunks, STATUSES_PER_FILE))}
-        tables.create_table(root, {"chunk_status": status}, sizes)["chunk_status"][:] = TODO
+        tables.create_table(root, {CHUNK_STATUS: status}, sizes)[CHUNK_STATUS][:] = TODO
+        words = {"long_name": "made of the checksums of the chunk's files", "units": "1"}
+        checksums = {CHUNK_CHECKSUM: Column(("chunk",), np.zeros(0, np.int64), words)}
+        tables.create_table(root, checksums, sizes)[CHUNK_CHECKSUM][:] = 0
     lock.folder = folder
     return lock
 

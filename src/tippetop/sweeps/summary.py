@@ -10,7 +10,7 @@ from ..ensembles import ensemble
 from ..errors import InputError, StoreError
 from ..store import root, tables
 from .plan import Plan
-from .store import CHUNK_STATUSES, GROUP, RUNS, failures
+from .store import CHUNK_STATUSES, GROUP, RUNS, failures, refuse_damage
 
 
 FAULTS = 5  # invalid tops whose faults are printed
@@ -19,6 +19,7 @@ FAULTS = 5  # invalid tops whose faults are printed
 def open_sweep(path: str | Path) -> Any:
     """The table of a sweep, dimension `top`, read when needed; what varies is its coordinates. Raises StoreError."""
     table = root.open_group(path, GROUP)
+    refuse_damage(Path(path), table.attrs)
     return table.set_coords(table.attrs["coordinates"])[table.attrs["columns"]]
 
 

@@ -15,7 +15,7 @@ from ..problem import Problem
 from ..progress import reporting
 from ..runs import recording
 from ..scenario import build
-from ..store import chunks, provenance, root, tables
+from ..store import chunks, files, provenance, root, tables
 from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
@@ -163,7 +163,7 @@ def whole_run(place: Path) -> None:
 def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
     """Runs the tops that the plan wants whole, each into a store of its own."""
     for top in store.plan.runs:
-        place = store.folder / RUNS / str(top)
+        place = files.own_folder(store.folder / RUNS) / str(top)
         if not place.exists():
             recording.record(store.plan.problem(top), place, stop=stop)
         elif root.attributes(place)["status"] == "running":

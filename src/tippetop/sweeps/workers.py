@@ -83,22 +83,24 @@ def local_cluster(workers: int) -> Iterator[Any]:
         "distributed.scheduler.http.routes": [],  # what they answer needs no key: nothing is served
         "distributed.worker.http.routes": [],
     }
-    with (
-        dask.config.set(settings),
-        LocalCluster(
-            protocol="tls://",
-            security=Security.temporary(),
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",  # None would still open port 8787
-            scheduler_kwargs={"dashboard": False},
-            memory_limit=0,
-        ) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):
-        client.register_plugin(Quiet())
+    options: dict[str, Any] = {
+        "protocol": "tls://",
+        "security": Security.temporary(),
+        "n_workers": workers,
+        "threads_per_worker": 1,
+        "processes": True,
+        "host": "127.0.0.1",
+        "dashboard_address": "127.0.0.1:0",  # None would still open port 8787
+        "scheduler_kwargs": {"dashboard": False},
+        "memory_limit": 0,
+    }
+    with dask.config.set(settings), contextlib.ExitStack() as held:
+        try:
+            cluster = held.enter_context(LocalCluster(**options))
+            client = held.enter_context(Client(cluster, set_as_default=False))
+            client.register_plugin(Quiet())
+        except (OSError, RuntimeError) as error:  # a process of ours was killed before it could answer
+            raise SchedulerLost from error
         yield client
 
 

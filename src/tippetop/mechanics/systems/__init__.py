@@ -4,6 +4,8 @@ Entry points are looked for when a name is asked for that is not known (a scan t
 `tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the entry point's name.
 """
 
+import copyreg
+import pickle
 import re
 import warnings
 from collections.abc import Callable
@@ -76,6 +78,26 @@ def find(name: str) -> System | None:
     if name not in SYSTEMS:
         load_entry_points()
     return SYSTEMS.get(name)
+
+
+def by_name(name: str) -> System:
+    """The system of a name, as a pickle has it. Raises InputError if this process does not know it."""
+    if (system := find(name)) is None:
+        raise InputError([f"the system `{name}` is not known in this process: register it first."])
+    return system
+
+
+def _pickled(system: System) -> tuple:
+    """A pickle has the names of systems, not their formulas."""
+    if SYSTEMS.get(system.name) is not system:
+        raise pickle.PicklingError(
+            f"a `{system.name}` that is not registered, or has events or columns of your own, cannot be pickled: its "
+            "formulas are functions. Save the run, or pickle what `run` was given."
+        )
+    return by_name, (system.name,)
+
+
+copyreg.pickle(System, _pickled)
 
 
 @cache

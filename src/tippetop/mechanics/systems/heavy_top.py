@@ -176,10 +176,12 @@ def fixed_rates(q, b):
 
 @formula
 def vertical_reaction(q, carried, b):
-    """Vertical reaction at the tip, m (g - c z'') [N]; z'' from I1* z' = L_x u_y - L_y u_x."""
-    u_dot, rates = tip_axis_rate(q, b), fixed_rates(q, b)
-    turn = rates.Lx * q.uy - rates.Ly * q.ux + q.Lx * u_dot.y - q.Ly * u_dot.x
-    return b.m * (b.g - b.c * turn / tip_inertia(b))
+    """Vertical reaction at the tip, m (g - c z'') [N], with I1* z'' = (L_A' x 3hat)_z + (L_A x (L_A x 3hat))_z/I1*.
+
+    Not by 3hat': what shares products with the equations of motion changes how they are compiled, and so their bits."""
+    turn = q.Lz * (q.Lx * q.ux + q.Ly * q.uy) - q.uz * (q.Lx * q.Lx + q.Ly * q.Ly)
+    weight, inertia = b.m * b.g * b.c * ((1 - q.uz) * (1 + q.uz)), tip_inertia(b)
+    return b.m * (b.g - b.c * ((weight + turn / inertia) / inertia))
 
 
 class Angles(NamedTuple):

@@ -84,8 +84,9 @@ def gliding_heavy_top(b: Body, start: Start) -> Outlook:
     if is_frictionless(b.friction):
         return Outlook(f"without friction the upright spin is {'un' if growth > GROWS else ''}stable", "", _sleeping(b))
     how = "spirals out slowly" if _sleeps(b, start) else "topples"
+    rate = f" (growth rate {growth:.3g} per second)" if math.isfinite(growth) else ""
     return Outlook(
-        f"upright spin unstable at every speed (growth rate {growth:.3g} per second): the top {how}",
+        f"upright spin unstable at every speed{rate}: the top {how}",
         "falls to the plane in the end" + UNLESS,
         _sleeping(b),
     )

@@ -43,7 +43,6 @@ ROLLING_TIPPE_TOP = of_one_phase(
     momenta=("routh", "jellett"),
     landscape=tippe_top.LANDSCAPE,
     outlook=outlook.rolling_tippe_top,
-    away_from_poles="reduced",
     long_form="reduced",
     classes=tippe_top.TIPPE_TOP.classes,
 )

@@ -4,6 +4,7 @@ The equation of first order, z'^2 = Q(z, t) with z = cos(theta), has a branch po
 Q_t vanish together, which fixes time and angle of the turning; the smooth solution through it is a power series. From
 there the equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outwards, forward and backward in time:
 towards a turning it would lose what it knows, away from it errors do not grow. Half-way the pieces must meet.
+Where nothing depends on time, Q_t = 0 for every angle, and the equation of second order is all that is needed.
 """
 
 from typing import Any, NamedTuple
@@ -17,6 +18,7 @@ COMPLEX_STEP = 1e-30
 ORDER = 10  # of the power series at a turning
 REACH = 0.06  # of the time between turnings, where the series hands over
 MEET = 0.5  # of the largest z'^2 of a swing: where the piece from the next turning takes over
+CONSTANT = 1e-11  # relative: momenta and energy that vary less than this are constants of the motion
 QUARTER = np.pi / 4  # the phase that is left there, where z'' = z' in units of the frequency
 
 
@@ -57,6 +59,8 @@ def reconstruct(
         z at the times. Nothing else of the run is read.
     """
     equation = _Equation(system, b, times, momenta, energy, period)
+    if all(np.ptp(values) <= CONSTANT * np.abs(values).max() for values in (energy, *momenta)):
+        return equation.conserving(times, z)
     out, known, mismatch = np.full(len(times), np.nan), float(times[0]), 0.0
     turnings: list[Any] = []
     reach = REACH * period / 2
@@ -105,6 +109,26 @@ class _Equation:
     def along_t(self, z: Any, t: Any) -> Any:
         """Q_t."""
         return self.square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
+
+    def conserving(self, times: np.ndarray, z: float) -> Reconstruction:
+        """The motion where nothing depends on time: Q_t = 0 says nothing of the turnings, and z'' = Q_z/2 needs no
+        turnings, as it has no branch points. `mismatch` is that of z'^2 = Q, in the largest z'^2."""
+        from scipy.integrate import solve_ivp
+
+        def rates(t: float, y: np.ndarray) -> list[float]:
+            return [y[1], self.along_z(y[0], start) / 2]
+
+        def turning(t: float, y: np.ndarray) -> float:
+            return float(y[1])
+
+        start = float(times[0])
+        solution = solve_ivp(
+            rates, (start, float(times[-1])), [z, 0.0], "DOP853", times, events=turning, rtol=1e-12, atol=1e-14
+        )
+        square = solution.y[1] ** 2
+        mismatch = float(np.abs(square - self.square(solution.y[0], start)).max() / max(square.max(), 1e-300))
+        turnings = solution.t_events[0]
+        return Reconstruction(solution.y[0], turnings[turnings > start + 1e-6 * self.period], mismatch)
 
     def motion(self, t: float, y: np.ndarray) -> np.ndarray:
         """The rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""

@@ -24,9 +24,14 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     Returns
     -------
     ndarray
-        Complex rates [1/s], (3,), fastest growth first: the state is unstable iff the first has a positive real part.
+        Complex rates [1/s], (3,), fastest growth first: the state is unstable iff the first has a positive real part;
+        NaN where a number of the linear motion exceeds the doubles.
     """
-    modes = np.linalg.eigvals(_gliding(omega3, b, -1 if inverted else 1))
+    with np.errstate(all="ignore"):
+        matrix = _gliding(omega3, b, -1 if inverted else 1)
+    if not np.isfinite(matrix).all():
+        return np.full(3, complex(np.nan, np.nan))
+    modes = np.linalg.eigvals(matrix)
     return modes[np.argsort(-modes.real)]
 
 
@@ -74,7 +79,10 @@ def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool =
     """
     up = -1 if inverted else 1
     if gliding:
-        modes = np.linalg.eigvals(_gliding(omega3, b, up))
+        with np.errstate(all="ignore"):
+            matrix = _gliding(omega3, b, up)
+        finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
+        modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # NaN beyond the doubles would end all
         return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
     h = b.R - up * b.c  # of the roots of `rolling_modes`: a discriminant
     return (omega3 * (b.I3 + b.m * h * b.R)) ** 2 < -4 * up * b.m * b.g * b.c * (b.I1 + b.m * h**2)

@@ -1,0 +1,47 @@
+"""What may stand for a top: a body, a run of it, a problem, or the name of a scenario."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..errors import InputError, a_system
+from ..problem import Problem
+from .bodies import Cylinder, HeavyTop, TippeTop, Top
+from .run import Run
+from .scenarios import problem_of
+
+
+KINDS = (TippeTop, HeavyTop, Cylinder)
+
+
+def problem_behind(source: Any) -> Problem | None:
+    """The problem of a run, of a problem, of a preset, a TOML file or the tables of a scenario; None of a body.
+
+    Raises InputError."""
+    if isinstance(source, Top):
+        return None
+    if isinstance(source, Run):
+        return source.problem
+    if isinstance(source, Problem):
+        return source
+    if isinstance(source, str | Mapping) or hasattr(source, "__fspath__"):
+        return problem_of(source)
+    raise InputError(
+        [f"the body must be {_words(KINDS)}, a Run, a Problem or the name of a preset, but is {source!r:.60}."]
+    )
+
+
+def top_of(source: Any, *kinds: type[Top]) -> Any:
+    """The body of what stands for a top. Raises InputError if it is of none of these kinds."""
+    problem = problem_behind(source)
+    if problem is None:
+        if isinstance(source, kinds):
+            return source
+        raise InputError([f"the body must be {_words(kinds)}, but is {source!r:.60}."])
+    for kind in kinds:
+        if problem.system.name in (kind.gliding, kind.resting):
+            return kind(**{name: float(value) for name, value in problem.parameters.items()})
+    raise InputError([f"the body must be {_words(kinds)}, but is that of {a_system(problem.system.name)}."])
+
+
+def _words(kinds: tuple[type, ...]) -> str:
+    return " or ".join(f"a {kind.__name__}" for kind in kinds)

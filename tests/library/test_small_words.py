@@ -1,0 +1,172 @@
+"""What the library answers to people: what may stand for a top, short representations, pickles, faults that name."""
+
+import copy
+import pickle
+import warnings
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.library.run import _meaning
+from tippetop.mechanics import friction, systems
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.variables import Variables
+
+
+TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
+
+
+@pytest.fixture(scope="module")
+def run() -> tt.Run:
+    return tt.run("inverting", until=0.05)
+
+
+def test_a_run_a_problem_and_a_preset_stand_for_their_body(run: tt.Run) -> None:
+    for source in (run, run.problem, "inverting", "rolling"):
+        assert tt.thresholds(source) == tt.thresholds(TOP), source
+        assert tt.regime(source, 4e-6) == tt.regime(TOP, 4e-6)
+    assert tt.thresholds("heavy-top").keys() == {"spin_sleeping"}
+    nutation = {"energy": 0.043, "theta": 1.0, "D": 3.3e-4, "lam": 2.2e-6}
+    assert tt.nutation(run, **nutation) == tt.nutation(TOP, **nutation)
+
+
+def test_a_run_has_its_law_and_a_rolling_one_none(run: tt.Run) -> None:
+    np.testing.assert_array_equal(
+        tt.linear_modes(run, omega3=155.0), tt.linear_modes(TOP, tt.Viscous(mu=0.3), omega3=155.0)
+    )
+    np.testing.assert_array_equal(tt.linear_modes("rolling", omega3=155.0), tt.linear_modes(TOP, omega3=155.0))
+    other = tt.Viscous(mu=0.1)
+    np.testing.assert_array_equal(tt.linear_modes(run, other, omega3=155.0), tt.linear_modes(TOP, other, omega3=155.0))
+
+
+def test_what_is_no_top_is_refused_in_a_sentence() -> None:
+    for source, sentence in (
+        ("rolling-cylinder", "must be a TippeTop or a HeavyTop, but is that of a rolling cylinder"),
+        (3.0, "a Run, a Problem or the name of a preset, but is 3.0"),
+        (tt.Cylinder(m=1.0, R=1.0, alpha=0.1, I=0.4, g=9.8), "must be a TippeTop or a HeavyTop, but is Cylinder"),
+        ("invertin", "neither a TOML file nor a preset"),
+    ):
+        with pytest.raises(tt.InputError, match=sentence):
+            tt.thresholds(source)
+    with pytest.raises(tt.InputError, match=r"must be a record such as Coulomb\(\.\.\.\), but is 'coulomb'"):
+        tt.linear_modes(TOP, "coulomb", omega3=3.0)
+
+
+def test_the_orientation_can_be_left_out() -> None:
+    rows = tt.run("inverting", until=0.01, orientation=False).trajectory
+    assert "psi" not in rows
+    assert "orientation" not in rows
+    assert "psi" in tt.run("inverting", until=0.01, orientation=True).trajectory
+
+
+def test_representations_are_short_and_name_things(run: tt.Run) -> None:
+    for thing, parts in (
+        (run.problem.system, ("System", "tippe-top")),
+        (run.problem, ("tippe-top", "vector", "theta = 0.1", "until 0.05 s")),
+        (run.summary, ("finished", "steps=", "drift", "final_state")),
+    ):
+        text = repr(thing)
+        assert len(text) < 500
+        assert all(part in text for part in parts), text
+
+
+def test_every_integrated_variable_has_a_unit_and_a_meaning(run: tt.Run) -> None:
+    for system in SYSTEMS.values():
+        for form in system.forms.values():
+            variables = Variables(form)
+            for name in variables.units:
+                assert _meaning(name, system, variables)["long_name"], (system.name, form.name, name)
+    gliding = SYSTEMS["gliding-heavy-top"]
+    about = _meaning("Lx", gliding, Variables(gliding.forms["contact"]))["long_name"]
+    assert about == "angular momentum about the contact point, x component"
+    assert run.final["Lz"].attrs == {
+        "units": "kg m2 s-1",
+        "long_name": "angular momentum about the centre of mass, space frame, z component",
+    }
+
+
+def test_nutation_says_why_there_is_no_period() -> None:
+    with pytest.warns(UserWarning, match="not above the effective potential at any angle"):
+        assert np.isnan(tt.nutation(TOP, energy=-1.0, theta=1.0, D=3e-4, lam=4e-6).period)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert tt.nutation(TOP, energy=0.043, theta=1.0, D=3.3e-4, lam=2.2e-6).period > 0
+
+
+def test_stores_are_overwritten_in_the_words_of_the_call(run: tt.Run, tmp_path: Path) -> None:
+    for call in (lambda: run.save(tmp_path), lambda: tt.run("inverting", until=0.01, out=tmp_path)):
+        with pytest.raises(tt.StoreError, match="overwrite=True") as raised:
+            call()
+        assert "--" not in str(raised.value)
+    finished = run.save(tmp_path / "run.zarr")
+    with pytest.raises(tt.StoreError):
+        tt.resume(finished)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: tt.run("inverting", untill=3), r"run\(\) has no argument `untill`. Did you mean `until`\?"),
+        (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "has no argument `alfa`. Did you mean `alpha`"),
+        (lambda: tt.Coulomb(mu=0.3, epsilon=1e-3), "has no argument `epsilon`. Did you mean `eps`"),
+    ],
+)
+def test_a_mistyped_keyword_is_answered_with_the_nearest(call, sentence: str) -> None:
+    with pytest.raises(TypeError, match=sentence):
+        call()
+
+
+def test_a_mistyped_variation_is_answered_with_the_nearest() -> None:
+    with pytest.raises(tt.InputError, match=r"Did you mean `omega3`\?"):
+        tt.ensemble("inverting", {"omga3": [100.0, 200.0]}, until=0.1)
+
+
+def test_formulas_that_fail_name_themselves_and_keep_the_cause() -> None:
+    def wrong(scalars, b):
+        return scalars.height
+
+    unit = tt.SYSTEMS["tippe-top"].quantities[0].unit
+    for options, words in (
+        ({"events": tt.Event("mine", "mine", wrong)}, "the event `mine`"),
+        ({"columns": tt.Quantity("own", "o", unit, "own", wrong)}, "the column `own`"),
+    ):
+        with pytest.raises(tt.InputError, match=f"the formula of {words} fails: AttributeError") as raised:
+            tt.run("inverting", until=0.1, **options)
+        assert isinstance(raised.value.__cause__, AttributeError)
+
+
+class Odd(NamedTuple):
+    mu: Any
+
+
+def test_a_law_that_fails_names_itself() -> None:
+    def coefficient(v2, z, law):
+        return law.nu
+
+    tt.register(tt.Law(Odd, {"mu": friction.LAWS["viscous"].parameters["mu"]}, "odd", coefficient), "odd")
+    try:
+        with pytest.raises(tt.InputError, match="the formula of the friction law `odd` fails") as raised:
+            tt.run("inverting", friction=Odd(0.3), until=0.1)
+        assert isinstance(raised.value.__cause__, AttributeError)
+    finally:
+        del friction.LAWS["odd"], friction.SLIP[Odd]
+        systems.REGISTERED_HERE.discard(Odd)
+
+
+def test_runs_problems_and_systems_are_pickled_by_name(run: tt.Run) -> None:
+    for precision in ("double", "longdouble"):
+        made = tt.run("inverting", until=0.02, precision=precision)
+        again = pickle.loads(pickle.dumps(made))
+        assert again.problem.system is made.problem.system
+        assert again.problem.form is made.problem.form
+        assert again.trajectory.identical(made.trajectory)
+        assert again.summary.to_dict() == made.summary.to_dict()
+    assert copy.deepcopy(run.problem).system is run.problem.system
+    own = tt.run("inverting", until=0.02, events=tt.Event("mine", "mine", lambda s, b: s.z - 0.5))
+    for thing in (own, own.problem, own.problem.system):
+        with pytest.raises(pickle.PicklingError, match="cannot be pickled: its formulas are functions"):
+            pickle.dumps(thing)
+        assert copy.copy(thing.problem if thing is own else thing) is not None
