@@ -132,7 +132,9 @@ def end_step(motion, events, rules, tallies, log, samples, scratch):
         if tally.status == RUNNING and motion.h[lane] == motion.limit[lane]:
             tally.status = FINISHED
         ended = ended or tally.status != RUNNING
-        if tally.steps % rules.every == 0 and tally.upto == 1.0 and len(samples.lane) > 0:
+        if not (tally.steps % rules.every == 0 or tally.steps <= rules.first) or tally.upto < 1.0:
+            continue
+        if len(samples.lane) > 0:
             at = samples.filled[0]
             samples.lane[at] = lane
             for i in range(len(motion.state)):

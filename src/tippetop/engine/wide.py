@@ -71,7 +71,7 @@ class SliceDriver(Driver):
         ended, self.reached = self._status(outcome), reached
         self._rows(output, request, float(reached), ended is not None, ends)
         counts = np.arange(before + 1, 1 + int(self.tally["steps"]))
-        sampled = ends[: len(counts)][counts % self.rules.every == 0]
+        sampled = ends[: len(counts)][(counts % self.rules.every == 0) | (counts <= self.rules.first)]
         return self._slice(len(counts), reached, last, sampled, passages, ended)
 
     def _slice(

@@ -213,4 +213,4 @@ def rules(base: Problem) -> StopRules:
     """When a top ends before its time, other than by an event."""
     lasting = [i for i, event in enumerate(base.system.events) if event.lasting] if base.stop_when == "settled" else []
     way = base.system.events[lasting[0]].direction if lasting else 0
-    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, EVERY)
+    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, EVERY, 0)
