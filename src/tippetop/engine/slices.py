@@ -138,7 +138,7 @@ class Driver(ABC):
     def snapshot(self) -> dict[str, Any]:
         """What a run needs to continue bit by bit."""
         return {
-            "state": self.state,
+            "state": self.state.copy(),
             "time": list(self.clock),
             "tally": [self.tally[name].item() for name in self.tallies.lane.dtype.names],
             "functions": self.tallies.functions[:, :, 0].tolist(),

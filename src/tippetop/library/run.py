@@ -264,6 +264,42 @@ class StoredRun(Run):
     def _datasets(self) -> "dict[str, xr.Dataset]":
         return {name: root.open_group(self.path, name) for name in ("trajectory", "events")}
 
+    def replay(self, start: float, until: float, step: float, *, accept_other_version: bool = False) -> "xr.Dataset":
+        """Integrates a part of the run again, from the nearest keyframe.
+
+        Parameters
+        ----------
+        start, until : float
+            Times of the first and the last row [s].
+        step : float
+            Time between two rows [s].
+        accept_other_version : bool
+            Whether to replay what other versions or another processor made: bits may differ.
+
+        Returns
+        -------
+        xarray.Dataset
+            As `trajectory`: the rows that the run would have stored at these times, bit by bit.
+
+        Raises
+        ------
+        InputError
+            If the times are not within the run, or too many for the memory.
+        StoreError
+            If the run is not finished, has no keyframes and a start too far away, or is of other versions.
+
+        Examples
+        --------
+        >>> import tippetop as tt
+        >>> run = tt.run("inverting", until=1e5, output="keyframes", out="RUN.zarr")
+        >>> run.replay(5e4, 5e4 + 1.0, 1e-3).theta.plot()
+        """
+        from ..runs import replay
+
+        times = [finite(name, value) for name, value in (("start", start), ("until", until), ("step", step))]
+        columns = replay.columns(self.path, *times, accept_other_version=accept_other_version)
+        return attributes.dataset(columns, self.attributes)
+
     def _problem(self) -> Problem | None:
         return None
 

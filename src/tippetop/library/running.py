@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arguments import instance, path_of
+from ..arguments import finite, instance, path_of
+from ..errors import InputError
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
@@ -37,7 +38,8 @@ def run(
     until: float | None = None,
     output_step: float | None = None,
     output_times: Sequence[float] | np.ndarray | None = None,
-    output: Literal["times", "events", "steps"] | None = None,
+    output: Literal["times", "events", "steps", "keyframes"] | None = None,
+    keyframe_steps: int | None = None,
     events: Iterable[str | Event] | str | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = (),
     precision: Literal["double", "longdouble", "quad"] | None = None,
@@ -76,7 +78,10 @@ def run(
         End of the run [s]; a preset has one.
     output_step, output_times, output
         When rows are wanted: every so many seconds; at these times [s], (n,), ascending; or at the "events", or the
-        ends of the "steps". By default 1001 rows.
+        ends of the "steps". By default 1001 rows. With `out` also "keyframes" and no rows: `StoredRun.replay` makes
+        those of any part.
+    keyframe_steps : int, optional
+        Steps of the integrator from one keyframe to the next, by default 8192.
     events : iterable of str or Event, optional
         Names of the kinds that are logged, by default all; an empty list logs none. An Event is one of your own: it is
         added to the system and logged, beside the kinds that are named, and beside all kinds if none is named. Its
@@ -137,6 +142,7 @@ def run(
             output_step=output_step,
             output_times=output_times,
             output=output,
+            keyframe_steps=keyframe_steps,
             precision=precision,
             tolerance=tolerance,
             on_liftoff=on_liftoff,
@@ -168,6 +174,8 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
     Run
     """
     instance("problem", problem, Problem, "a Problem, as `load` gives it")
+    if problem.output == "keyframes":
+        raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
     with _following(progress) as follow:
         return Run(solve(problem, follow))
 
@@ -212,13 +220,21 @@ def open(path: str | Path) -> "Run | xr.Dataset":
     return root.open_group(path, content)
 
 
-def resume(path: str | Path, *, stop: threading.Event | None = None, accept_other_version: bool = False) -> StoredRun:
-    """Continues an interrupted run of a store to its end: bit by bit as if it had not been interrupted.
+def resume(
+    path: str | Path,
+    *,
+    until: float | None = None,
+    stop: threading.Event | None = None,
+    accept_other_version: bool = False,
+) -> StoredRun:
+    """Continues an interrupted run of a store to its end, or a finished one to a later end: bit by bit one run.
 
     Parameters
     ----------
     path : path-like
         The store.
+    until : float, optional
+        A later end of the run [s].
     stop : threading.Event, optional
         As for `run`.
     accept_other_version : bool
@@ -230,14 +246,17 @@ def resume(path: str | Path, *, stop: threading.Event | None = None, accept_othe
 
     Raises
     ------
+    InputError
+        If the run is as long as `until` already.
     StoreError
-        If the run is finished, or another process writes it.
+        If the run is finished and there is no `until`, or it ended before its time, or another process writes it.
     Interrupted
         If `stop` was set.
     """
-    from ..runs import recording
+    from ..runs.extending import continued
 
-    recording.resume(path_of("path", path), stop=stop, accept_other_version=accept_other_version)
+    end = None if until is None else finite("until", until)
+    continued(path_of("path", path), end, stop=stop, accept_other_version=accept_other_version)
     return StoredRun(path)
 
 

@@ -155,7 +155,7 @@ def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
     if not isinstance(base, dict):  # the check of the scenario says so
         return
     if given.keys() & set(OUTPUT):
-        base = {key: value for key, value in base.items() if key not in OUTPUT}
+        base = {key: value for key, value in base.items() if key not in (*OUTPUT, "keyframe_steps")}
     tables["run"] = {**base, **given}
     if until is not None:
         until = plain(until)

@@ -7,12 +7,13 @@ of a run is computed there, and a single run is the case n = 1.
 from .choice import AUTO, CLEARANCE, Choice
 from .faults import key_faults, variation_faults
 from .many import Problems
-from .one import PRECISIONS, ROUNDING, UNTIL, Problem
+from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
 
 
 __all__ = [
     "AUTO",
     "CLEARANCE",
+    "KEYFRAME_STEPS",
     "PRECISIONS",
     "ROUNDING",
     "UNTIL",

@@ -21,6 +21,7 @@ from .many import Problems
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
+KEYFRAME_STEPS = 8192  # 20 to 60 ms of computing: what a replay does before its first row; 0.1 kB a step are 10 of rows
 UNTIL = Parameter(SECOND, "end of the run", above=0)
 
 
@@ -39,7 +40,8 @@ class Problem:
     on_liftoff: str = "stop"
     precision: str = "double"
     tolerance: float = 0.0  # 0 is the rounding unit of the precision
-    output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
+    output: str = "times"  # rows at `times`, at the "events", at the ends of the "steps"; or "keyframes" and no rows
+    keyframe_steps: int = KEYFRAME_STEPS  # from one keyframe to the next
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
     auto: bool = field(default=False, compare=False)  # whether the form was chosen, not named

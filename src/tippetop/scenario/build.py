@@ -15,7 +15,7 @@ from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
-from ..problem import AUTO, PRECISIONS, ROUNDING, Problem
+from ..problem import AUTO, KEYFRAME_STEPS, PRECISIONS, ROUNDING, Problem
 from ..sampling import EvenTimes, ListedTimes
 from .reading import override, read
 from .schema import RunTable, scenario_model
@@ -66,6 +66,7 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
         precision=run.precision,
         tolerance=run.tolerance,
         output=run.output,
+        keyframe_steps=run.keyframe_steps or KEYFRAME_STEPS,
         stop_when=run.stop_when,
         orientation=run.orientation,
     )
@@ -149,6 +150,8 @@ def resolved(problem: Problem) -> dict[str, Any]:
 
 def _output(problem: Problem) -> dict[str, Any]:
     """The keys of [run] that say when rows are wanted."""
+    if problem.output == "keyframes":
+        return {"output": problem.output, "keyframe_steps": problem.keyframe_steps}
     if problem.output != "times":
         return {"output": problem.output}
     if isinstance(problem.times, EvenTimes):
@@ -194,6 +197,11 @@ def _run_faults(system: System, run: RunTable) -> list[str]:
         faults.append(
             f'`run.output` must be "times" where `run.{given}` is given, but is "{run.output}": remove one '
             f"(--set run.{given}=)."
+        )
+    if run.output != "keyframes" and run.keyframe_steps is not None:
+        faults.append(
+            f'`run.output` must be "keyframes" where `run.keyframe_steps` is given, but is "{run.output}": remove one '
+            "(--set run.keyframe_steps=)."
         )
     times = run.output_times or []
     if any(b <= a for a, b in itertools.pairwise(times)):

@@ -3,7 +3,7 @@
 import contextlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,9 +45,18 @@ def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
     """Adds root attributes to a finished store."""
+    _replace(path, lambda attrs: attrs | finite(more))
+
+
+def replace_attributes(path: str | Path, attrs: dict[str, Any]) -> None:
+    """Gives a store other root attributes, in one step."""
+    _replace(path, lambda _: finite(attrs))
+
+
+def _replace(path: str | Path, change: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
     place = Path(path) / "zarr.json"
     content = json.loads(place.read_text(encoding="utf-8"))
-    content["attributes"] |= finite(more)
+    content["attributes"] = change(content["attributes"])
     with files.writing(place):
         files.replace_text(place, json.dumps(content, indent=2, allow_nan=False))
 

@@ -62,7 +62,12 @@ REPORT: dict[str, Any] = {  # of a run; `?`: where the system has it
     "inversion?": {str: (*NUMBER, None)},
     "nutational_band?": {str: (*NUMBER, None)},
 }
-OPTIONAL: dict[str, Any] = {"friction?": {str: (str, *NUMBER)}, "certificate?": dict, "auto_form?": {str: str}}
+OPTIONAL: dict[str, Any] = {
+    "friction?": {str: (str, *NUMBER)},
+    "certificate?": dict,
+    "auto_form?": {str: str},
+    "replay?": {str: (str, *NUMBER)},
+}
 RUN: dict[str, Any] = {
     "until": NUMBER,
     "events": [str],
@@ -73,6 +78,7 @@ RUN: dict[str, Any] = {
     "output_step?": NUMBER,
     "output_times?": [NUMBER],
     "output?": str,
+    "keyframe_steps?": int,
     "orientation?": bool,
 }
 
@@ -119,7 +125,7 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
             _like(attrs["report"], REPORT, "report.")
             _like(attrs["run"], RUN, "run.")
             _like(attrs, OPTIONAL, "")
-        for group in GROUPS[content]:
+        for group in (*GROUPS[content], *(["keyframes"] if has_keyframes(attrs) else [])):
             arrays = members(place, group)
             if content == "run":
                 _rows(place / group, arrays, running=attrs["status"] == "running", whole=whole)
@@ -132,6 +138,11 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     except _Fault as fault:
         raise StoreError(f"`{path}` must be a whole store, but is damaged: {fault}.") from None
     return attrs
+
+
+def has_keyframes(attrs: Mapping[str, Any]) -> bool:
+    """Whether a store with these root attributes is that of a run with keyframes; the rows of a replay are none."""
+    return "content" not in attrs and attrs["run"].get("output") == "keyframes" and "replay" not in attrs
 
 
 def members(place: Path, group: str) -> dict[str, dict[str, Any]]:
