@@ -50,13 +50,12 @@ def run(
     """
     from ..errors import InputError
     from ..progress import Bar
-    from ..runs import attributes
-    from ..scenario import build
+    from ..runs import attributes, starting
     from ..scenario.suspicions import suspicions
     from ..store import root
     from .text import following, warn
 
-    problem = build.load(scenario, set_, until)
+    problem = starting.load(scenario, set_, until)
     warn(suspicions(problem))
     if figure is not None:
         check_picture(figure, "--figure")

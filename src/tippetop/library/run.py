@@ -253,7 +253,7 @@ class StoredRun(Run):
     @cached_property
     def problem(self) -> Problem:
         """What was integrated, built again from the store. Raises InputError if this process does not know it."""
-        return build.problem(build.tables_of(self.attributes))
+        return build.stored(self.attributes)
 
     @cached_property
     def attributes(self) -> dict[str, Any]:

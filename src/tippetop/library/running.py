@@ -30,7 +30,7 @@ def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
     *,
-    start: Mapping[str, Any] | None = None,
+    start: Mapping[str, Any] | str | Path | None = None,
     initial: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
@@ -66,7 +66,8 @@ def run(
         The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3 [rad/s], nu_x, nu_y [m/s],
         x, y [m]; what is not named is zero. psi_dot [rad/s] may stand for omega3, centre_at_rest (a bool) for nu_x and
         nu_y. psi turns the body about its axis: of the motion it changes the columns psi and orientation alone. A
-        cylinder has theta, theta_dot, x and, where it glides, nu_x. The two arguments are the same.
+        cylinder has theta, theta_dot, x and, where it glides, nu_x. The two arguments are the same. `start` may also
+        be the store of a finished run of the same body: this one starts at t = 0 where that ended, exactly.
     parameters : mapping, optional
         Numbers of the body that replace those of the source, SI units.
     system : str or System, optional

@@ -5,7 +5,7 @@ Everything that is computed of a run is computed here; a single run is the case 
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -210,3 +210,15 @@ class Problems:
             valid &= ~bad
         valid.flags.writeable = False
         return valid, sorted(faults)
+
+
+@dataclass(frozen=True, eq=False)
+class StartedFrom(Problems):
+    """A run that starts in a given state, (variables, 1), internal, whatever its initial data say of it."""
+
+    state: np.ndarray = field(default_factory=lambda: np.zeros((0, 1)))
+
+    @cached_property
+    def start(self) -> np.ndarray:
+        """The state."""
+        return self.state

@@ -7,7 +7,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from ..errors import unknown_key
+from ..errors import InputError, unknown_key
 from ..mechanics.friction import LAWS, Law
 from ..mechanics.operand import refill
 from ..mechanics.system import Form, Parameter, System
@@ -16,7 +16,7 @@ from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
 from .choice import Choice, choice, regular_form
 from .faults import given_names
-from .many import Problems
+from .many import Problems, StartedFrom
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
@@ -44,6 +44,7 @@ class Problem:
     keyframe_steps: int = KEYFRAME_STEPS  # from one keyframe to the next
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
+    origin: dict[str, Any] | None = None  # the end of another run, where it starts exactly; `initial` says it rounded
     auto: bool = field(default=False, compare=False)  # whether the form was chosen, not named
 
     def __post_init__(self) -> None:
@@ -110,6 +111,8 @@ class Problem:
 
     def for_many(self) -> "Problem":
         """The problem as the base of many: a form that was chosen for its start gives way to one that serves all."""
+        if self.origin is not None:
+            raise InputError(["`initial.from` must be the start of a single run, but many are asked for."])
         return replace(self, form=regular_form(self), auto=False) if self.auto else self
 
     def start_faults(self) -> list[str]:
@@ -119,7 +122,11 @@ class Problem:
     @cached_property
     def alone(self) -> Problems:
         """This run as the one of its `Problems`."""
-        return Problems(self, {}, self.orientation)
+        origin, names = self.origin, self.variables.names
+        if origin is None or origin["form"] != self.form.name or not set(names) <= set(origin["state"]):
+            return Problems(self, {}, self.orientation)
+        state = np.array([[sum(map(self.number, origin["state"][name]))] for name in names], dtype=self.number)
+        return StartedFrom(self, {}, self.orientation, state)
 
     def body(self, number: Any = float) -> Any:
         """The record that formulas take, in SI units."""

@@ -44,6 +44,7 @@ def attributes(problem: Problem, status: "Status", reason: str, final: Any, repo
         "status": status.value,
         "reason": reason,
         **resolved(problem),
+        **({"start": problem.origin} if problem.origin else {}),
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
         "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},
@@ -61,7 +62,7 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
         "reason": attrs["reason"],
         **attrs["report"],
         **tables_of(attrs),
-        **{key: attrs[key] for key in ("auto_form", "certificate", "begun_with", "replay") if key in attrs},
+        **{key: attrs[key] for key in ("auto_form", "certificate", "begun_with", "replay", "start") if key in attrs},
         **{key: attrs[key] for key in ("tolerance", "precision", "final_state", "versions", "cpu")},
     }
 

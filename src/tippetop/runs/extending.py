@@ -83,7 +83,7 @@ def extend(
                 held.callback(lock.remove)  # a store that stays as it was has no lock
             attrs = root.attributes(target)
             kept = _ending(target, attrs, until, accept_other_version)
-            integration = Integration(build.problem(build.ending(build.tables_of(attrs), until)), stop)
+            integration = Integration(build.stored(attrs, until), stop)
             kept = _unfinished(target, integration, kept)
         return recording.run_into(integration, lock, progress, stop, kept)
 

@@ -246,7 +246,7 @@ def resume(
         with files.writing(target):
             lock = held.enter_context(Lock(target))
         kept = same_here(target, _checkpoint(target), accept_other_version)
-        integration = Integration(build.problem(build.tables_of(attrs)), stop)
+        integration = Integration(build.stored(attrs), stop)
         compare(target, integration, kept)
         return run_into(integration, lock, progress, stop, kept)
 

@@ -117,7 +117,7 @@ def _integration(path: Path, times: EvenTimes, accept_other_version: bool) -> In
     if attrs["status"] == Status.RUNNING.value:
         raise StoreError(f"`{path}` must be finished to be replayed, but is not: tippetop resume {path}.")
     recording.same_here(path, attrs, accept_other_version, "replayed")
-    problem = build.problem(build.tables_of(attrs))
+    problem = build.stored(attrs)
     _refuse(times, max(attrs["report"]["t_end"], problem.until if attrs["status"] == Status.FINISHED.value else 0.0))
     integration = Integration(replace(problem, output="times", times=times))
     if skeleton.has_keyframes(attrs):

@@ -1,8 +1,8 @@
 """What a run needs to be continued, in a JSON record with a digest of itself and of the root attributes it belongs to.
 
-`checkpoint.json` of an unfinished run says what is acknowledged; `end.json` of a finished one keeps where its last slice
-began, and its end. The root attributes hold the scenario, precision, tolerance, versions and processor; the record
-holds the fingerprint of the equations. A digest finds damage and edits, not a forger, who makes a new digest.
+`checkpoint.json` of an unfinished run says what is acknowledged; `end.json` of a finished one keeps where its last
+slice began, and its end. The root attributes hold the scenario, precision, tolerance, versions and processor; the
+record holds the fingerprint of the equations. A digest finds damage and edits, not a forger, who makes a new digest.
 """
 
 import hashlib

@@ -67,6 +67,7 @@ OPTIONAL: dict[str, Any] = {
     "certificate?": dict,
     "auto_form?": {str: str},
     "replay?": {str: (str, *NUMBER)},
+    "start?": {str: (str, dict, *NUMBER)},
 }
 RUN: dict[str, Any] = {
     "until": NUMBER,
