@@ -5,6 +5,7 @@ import os
 import shutil
 import signal
 from pathlib import Path
+from typing import Any
 
 import pytest
 from stores import acknowledged, assert_same, ended, files, start_process, wait_until
@@ -14,7 +15,7 @@ from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.runs import extending, recording, resuming
 from tippetop.scenario import build
-from tippetop.store import provenance, renaming, root
+from tippetop.store import provenance, renaming, root, seal
 
 
 TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # for ever
@@ -32,6 +33,11 @@ OUTPUT = {
 def made(store: Path, until: float, *sets: str) -> Path:
     recording.record(build.load("inverting", [*TURNING, *sets], until), store)
     return store
+
+
+def said(store: Path) -> dict[str, Any]:
+    """The root attributes as they stand there."""
+    return json.loads((store / "zarr.json").read_text())["attributes"]
 
 
 @pytest.mark.parametrize("kind", list(OUTPUT))
@@ -88,12 +94,42 @@ def test_killed_while_it_is_continued_it_is_resumed(moment: str, tmp_path: Path)
     prelude = "import tippetop.runs.recording as r; r.COMMIT_EVERY = 0.0"
     process = start_process("resume", str(store), "--until", "400", prelude=prelude)
     least = 0 if moment == "at once" else 7000
-    wait_until(lambda: acknowledged(store) > least and '"status": "running"' in (store / "zarr.json").read_text(), process)
+    wait_until(lambda: acknowledged(store) > least and said(store)["status"] == "running", process)
     process.send_signal(signal.SIGKILL)
     ended(process)
     assert root.attributes(store)["status"] == "running"
     assert outcome(["resume", str(store)]) == 0
     assert_same(store, whole)
+
+
+def test_while_it_is_continued_it_has_no_seal_and_its_rows_are_bound_to_the_checkpoint(tmp_path: Path) -> None:
+    store = made(tmp_path / "run.zarr", 20.0, *OUTPUT["keyframes"])
+    assert "seal" in said(store)
+    with pytest.raises(KeyboardInterrupt):
+        extending.extend(store, 400.0, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+    assert said(store)["status"] == "running"
+    assert "seal" not in said(store)
+    digests = json.loads((store / "checkpoint.json").read_text())["digests"]
+    assert sorted(digests) == ["events", "keyframes", "trajectory"]
+    one, other = (store / "keyframes" / name / "c" / "0" for name in ("time", "step"))
+    whole = one.read_bytes(), other.read_bytes()
+    one.write_bytes(whole[1])
+    with pytest.raises(StoreError, match="acknowledged rows, but some of them are others"):
+        tt.resume(store)
+    one.write_bytes(whole[0])
+    tt.resume(store)
+    assert "seal" in said(store)
+    one.write_bytes(whole[1])
+    with pytest.raises(StoreError, match="seal"):
+        tt.open(store)
+
+
+def test_a_store_between_two_seals_is_continued_too(tmp_path: Path) -> None:
+    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+    seal.remove(store)  # as one that was killed just before larger chunks had their seal
+    assert tt.open(store).summary.status == "finished"
+    tt.resume(store, until=4.0)
+    assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
 
 
 @pytest.mark.parametrize("step", ["exchange", "compare", "write", "replace_attributes"])
@@ -183,5 +219,6 @@ def test_a_replay_is_not_continued(tmp_path: Path) -> None:
     words = ["--from", "1", "--until", "2", "--step", "0.1", "--out", str(tmp_path / "rows.zarr")]
     assert outcome(["replay", str(store), *words]) == 0
     assert not os.path.exists(tmp_path / "rows.zarr" / "end.json")
+    assert said(tmp_path / "rows.zarr")["seal"] != said(store)["seal"]
     with pytest.raises(StoreError, match="is a replay"):
         tt.resume(tmp_path / "rows.zarr", until=6.0)
