@@ -28,7 +28,7 @@ _NAMES = {
     "library.running": "datasets integrate open resume run",
     "library.theory": "linear_modes nutation reconstruct regime thresholds",
     "runs.results": "Summary",
-    "scenario.build": "load",
+    "runs.starting": "load",
     "scenario.reading": "presets",
     "store.root": "open_group",
     "sweeps.summary": "gridded",

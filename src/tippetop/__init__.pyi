@@ -43,7 +43,7 @@ from .mechanics.systems import SYSTEMS as SYSTEMS
 from .mechanics.units import Unit as Unit
 from .problem import Problem as Problem
 from .runs.results import Summary as Summary
-from .scenario.build import load as load
+from .runs.starting import load as load
 from .scenario.reading import presets as presets
 from .store.root import open_group as open_group
 from .sweeps.summary import gridded as gridded

@@ -8,25 +8,26 @@ import numpy as np
 
 @dataclass(frozen=True)
 class EvenTimes:
-    """The times 0, step, 2 step, ..., and `until` itself as the last one [s]."""
+    """The times start, start + step, start + 2 step, ..., and `until` itself as the last one [s]."""
 
     step: float
     until: float
+    start: float = 0.0
 
     def __len__(self) -> int:
-        whole = int(self.until / self.step * (1 + 1e-12))
-        return whole + 1 + (self.until - whole * self.step > 1e-9 * self.step)
+        whole = int((self.until - self.start) / self.step * (1 + 1e-12))
+        return whole + 1 + (self.until - self.start - whole * self.step > 1e-9 * self.step)
 
     def __getitem__(self, rows: slice) -> np.ndarray:
         first, last, _ = rows.indices(len(self))
-        times = np.arange(first, last) * self.step
+        times = self.start + np.arange(first, last) * self.step
         if last == len(self) and len(times):
             times[-1] = self.until
         return times
 
     def count(self, t: float, *, inclusive: bool) -> int:
         """How many of the times lie before t, or at t too."""
-        near = min(max(0, int(t / self.step) - 1), len(self))
+        near = min(max(0, int((t - self.start) / self.step) - 1), len(self))
         side: Any = "right" if inclusive else "left"
         return near + int(np.searchsorted(self[near : near + 4], t, side=side))
 

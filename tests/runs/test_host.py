@@ -16,7 +16,7 @@ from stores import assert_same
 import tippetop
 from tippetop.errors import Interrupted, StoreError
 from tippetop.problem import Problem
-from tippetop.runs import recording
+from tippetop.runs import recording, resuming
 from tippetop.scenario import build
 from tippetop.store.files import Lock
 from tippetop.sweeps.plan import Plan
@@ -77,8 +77,8 @@ def test_a_run_stops_and_continues_in_any_thread(undisturbed: Path, tmp_path: Pa
     assert 0 < json.loads((store / "checkpoint.json").read_text())["report"]["t_end"] < 20
     stop.clear()
     with pytest.raises(Interrupted):
-        elsewhere(lambda: recording.resume(store, progress=after(2, stop.set), stop=stop))
-    elsewhere(lambda: recording.resume(store))
+        elsewhere(lambda: resuming.resume(store, progress=after(2, stop.set), stop=stop))
+    elsewhere(lambda: resuming.resume(store))
     assert_same(store, undisturbed)
 
 
@@ -88,7 +88,7 @@ def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(undisturbed:
         recording.record(problem(), store, progress=after(3, lambda: signal.raise_signal(signal.SIGINT)))
     Lock(store).release()
     assert [thread for thread in threading.enumerate() if thread.name.startswith("store")] == []
-    recording.resume(store)
+    resuming.resume(store)
     assert_same(store, undisturbed)
 
 
@@ -180,7 +180,7 @@ def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(tmp_path: Path, mon
         recording.record(problem(), store, progress=move)
     assert len(slices) == 3
     monkeypatch.undo()
-    recording.resume(moved)  # what it had is all there
+    resuming.resume(moved)  # what it had is all there
 
 
 OF_THE_PROCESS = {"signal.signal", "setLevel", "disable", "mallopt", "set_logger_level_critical", "environ", "putenv"}

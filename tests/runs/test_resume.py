@@ -23,7 +23,7 @@ from tippetop.cli import outcome
 from tippetop.engine.status import Status
 from tippetop.errors import StoreError
 from tippetop.problem import Problem
-from tippetop.runs import recording
+from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
@@ -203,10 +203,10 @@ def test_a_damaged_chunk_is_said_on_resume(tmp_path: Path, monkeypatch: pytest.M
     for damage in (whole[: len(whole) // 2], whole[:100] + b"\x00" + whole[101:]):
         chunk.write_bytes(damage)
         with pytest.raises(StoreError, match=r"theta.* must be readable in rows 5000 to"):
-            recording.resume(store)
+            resuming.resume(store)
     chunk.unlink()
     with pytest.raises(StoreError, match="missing"):
-        recording.resume(store)
+        resuming.resume(store)
 
 
 def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -215,11 +215,11 @@ def test_a_damaged_checkpoint_or_other_equations_are_refused(tmp_path: Path, mon
     kept = place.read_text()
     place.write_text(kept[: len(kept) // 2])
     with pytest.raises(StoreError, match="must have a whole checkpoint"):
-        recording.resume(store)
+        resuming.resume(store)
     place.write_text(kept)
     edited(store, lambda record: record["integration"].update(equations="0" * 16))
     with pytest.raises(StoreError, match="equations"):
-        recording.resume(store)
+        resuming.resume(store)
 
 
 def edited(store: Path, edit: Callable[[dict], None]) -> None:
@@ -239,7 +239,7 @@ def test_numbers_of_a_checkpoint_that_were_changed_are_refused(
     place = record if key in record else record["integration"]
     place[key] -= 1
     (store / "checkpoint.json").write_text(json.dumps(record))
-    for read in (recording.resume, root.attributes):
+    for read in (resuming.resume, root.attributes):
         with pytest.raises(StoreError, match="its digest is another"):
             read(store)
 
@@ -254,7 +254,7 @@ def test_a_scenario_that_was_changed_under_its_checkpoint_is_refused(
     document["attributes"][table][key] = value
     (store / "zarr.json").write_text(json.dumps(document))
     with pytest.raises(StoreError, match="its root attributes were changed"):
-        recording.resume(store)
+        resuming.resume(store)
 
 
 @pytest.mark.parametrize("damage", ["removed", "metadata", "dtype", "units", "short", "extra"])
@@ -280,7 +280,7 @@ def test_what_is_there_is_compared_with_what_must_be_there(
     before = files(store)
     monkeypatch.setattr(Integration, "run", never)
     with pytest.raises(StoreError, match=r"theta|another"):
-        recording.resume(store)
+        resuming.resume(store)
     assert {name: b for name, b in files(store).items() if name != LOCK} == {
         n: b for n, b in before.items() if n != LOCK
     }
@@ -357,7 +357,7 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
 
     with pytest.raises(errors.Interrupted):
         recording.record(short, broken, progress=stop)
-    recording.resume(broken)
+    resuming.resume(broken)
     assert_same(broken, whole)
 
 
@@ -482,5 +482,5 @@ def test_acknowledged_rows_that_were_exchanged_are_refused(tmp_path: Path, monke
     other.write_bytes(mine)
     monkeypatch.setattr(Integration, "run", never)
     with pytest.raises(StoreError, match="acknowledged rows, but some of them are others"):
-        recording.resume(store)
+        resuming.resume(store)
     assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 5

@@ -67,7 +67,7 @@ def test_a_store_of_another_format_version_is_refused(tmp_path: Path) -> None:
 def test_a_checkpoint_is_whole_and_of_its_store(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         checkpoint.read(tmp_path, {"a": 1})
-    record = {"versions": {}, "cpu": "", "rows": 1, "events": 0, "digests": [], "integration": {}}
+    record = {"versions": {}, "cpu": "", "rows": 1, "events": 0, "keyframes": 0, "digests": {}, "integration": {}}
     record["begun_with"] = []
     checkpoint.write(
         tmp_path, record | {"report": {"t_end": 2.5}, "reason": "interrupted"}, checkpoint.digest({"a": 1})

@@ -1,4 +1,4 @@
-"""`tippetop run, resume`: integrate a scenario, store it, draw it, print its summary."""
+"""`tippetop run, resume, replay`: integrate a scenario, store it, draw it, print its summary."""
 
 from __future__ import annotations
 
@@ -48,17 +48,19 @@ def run(
     window
         Certify only the first so many seconds.
     """
+    from ..errors import InputError
     from ..progress import Bar
-    from ..runs import attributes
-    from ..scenario import build
+    from ..runs import attributes, starting
     from ..scenario.suspicions import suspicions
     from ..store import root
     from .text import following, warn
 
-    problem = build.load(scenario, set_, until)
+    problem = starting.load(scenario, set_, until)
     warn(suspicions(problem))
     if figure is not None:
         check_picture(figure, "--figure")
+        if problem.output == "keyframes":
+            raise InputError(['`run.output` must keep rows to be drawn by --figure, but is "keyframes".'])
     if out is None:
         from ..runs.run import solve
 
@@ -84,29 +86,80 @@ def run(
 def resume(
     store: Path,
     *,
+    until: float | None = None,
     accept_other_version: Annotated[bool, Parameter(negative=())] = False,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
-    """Continue an interrupted run; the finished store equals that of an undisturbed one, bit by bit.
+    """Continue an interrupted run, or a finished one to a later end; the store equals that of one run, bit by bit.
 
     Parameters
     ----------
     store
-        The store of the interrupted run.
+        The store of the run.
+    until
+        A later end of the run [s]: what is finished is continued too.
     accept_other_version
         Continue also what other versions or another processor began: bits may differ, and the store names both.
     as_json
         Print the result as one JSON object.
     """
     from ..progress import Bar
-    from ..runs.recording import resume as continued
+    from ..runs.extending import continued
     from .text import following
 
     with Bar("s", "t = {done:.4g} s") as bar:
         integration, attrs = _interruptible(
-            lambda stop: continued(store, following(bar), stop=stop, accept_other_version=accept_other_version), store
+            lambda stop: continued(store, until, following(bar), stop=stop, accept_other_version=accept_other_version),
+            store,
         )
     return _say(attrs, integration.seconds, {"store": store}, as_json)
+
+
+def replay(
+    store: Path,
+    *,
+    from_: Annotated[float, Parameter(name="--from")],
+    until: float,
+    step: float,
+    out: Path,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    accept_other_version: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Integrate a part of a stored run again, from its nearest keyframe: the rows it would have stored, bit by bit.
+
+    Parameters
+    ----------
+    store
+        The store of a finished run: with keyframes (run.output = "keyframes"), or so short that its start is near.
+    from_
+        Time of the first row [s].
+    until
+        Time of the last row [s].
+    step
+        Time between two rows [s].
+    out
+        Store to write, a zarr folder; must not exist yet (or say --overwrite).
+    overwrite
+        Replace an existing store.
+    accept_other_version
+        Replay also what other versions or another processor made: bits may differ.
+    as_json
+        Print the result as one JSON object.
+    """
+    from ..runs.replay import into_store
+    from .text import console
+
+    report = into_store(store, from_, until, step, out, overwrite=overwrite, accept_other_version=accept_other_version)
+    if as_json:
+        print(json.dumps(report, allow_nan=False))
+        return 0
+    seconds = f"{report['steps']} steps, integrated in {1e3 * report['seconds']:.1f} ms"
+    console().print(
+        f"{report['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {report['began']:.9g} s: {seconds}"
+    )
+    console().print(f"store  {out}")
+    return 0
 
 
 def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
@@ -188,4 +241,4 @@ def check_picture(path: Path, option: str) -> None:
         raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
 
 
-COMMANDS: list[Any] = [run, resume]
+COMMANDS: list[Any] = [run, resume, replay]

@@ -88,7 +88,7 @@ def check(
     """
     from rich.table import Table
 
-    from ..runs import forecast
+    from ..runs import forecast, starting
     from ..runs.measuring import measured
     from ..runs.summary import form_sentence, regularisation
     from ..scenario import build, reading
@@ -101,7 +101,7 @@ def check(
         from . import sweep
 
         return sweep.examine(tables, Path(scenario).parent, as_json)
-    problem = build.problem(tables)
+    problem = starting.problem(tables, starting.folder_of(scenario))
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
     facts["warnings"] = warn(suspicions(problem))
     if try_ or problem.precision == "double":  # wider numbers compile for a minute

@@ -10,7 +10,8 @@ from cyclopts.exceptions import UnknownCommandError
 from ..errors import nearest, suggestion
 
 
-RUN = ["until", "output_step", "output_times", "output", "stop_when", "events", "on_liftoff", "precision", "tolerance"]
+RUN = ["until", "output_step", "output_times", "output", "keyframe_steps", "stop_when", "events", "on_liftoff"]
+RUN += ["precision", "tolerance"]
 NUMBERS = {float: "a number", int: "a whole number"}
 
 

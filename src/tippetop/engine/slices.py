@@ -141,7 +141,7 @@ class Driver(ABC):
     def snapshot(self) -> dict[str, Any]:
         """What a run needs to continue bit by bit."""
         return {
-            "state": self.state,
+            "state": self.state.copy(),
             "time": list(self.clock),
             "tally": list(self.tallies.lane[0].item()),
             "functions": self.tallies.functions[:, :, 0].tolist(),

@@ -101,6 +101,8 @@ def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
     chosen = FIGURES[kind]
     if chosen.needs not in groups["trajectory"]:
         raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
+    if not len(groups["trajectory"]["time"].values):
+        raise InputError([f"`{kind}` is drawn of rows, and this run keeps none: replay a part of it."])
     given: Any = (groups["trajectory"], groups["events"], attrs)
     if chosen.prepare is not None:
         from ..landscape import along_run

@@ -263,7 +263,7 @@ class StoredRun(Run):
     @cached_property
     def problem(self) -> Problem:
         """What was integrated, built again from the store. Raises InputError if this process does not know it."""
-        return build.problem(build.tables_of(self.attributes))
+        return build.stored(self.attributes)
 
     @cached_property
     def attributes(self) -> dict[str, Any]:
@@ -273,6 +273,42 @@ class StoredRun(Run):
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
         return {name: root.open_group(self.path, name) for name in ("trajectory", "events")}
+
+    def replay(self, start: float, until: float, step: float, *, accept_other_version: bool = False) -> "xr.Dataset":
+        """Integrates a part of the run again, from the nearest keyframe.
+
+        Parameters
+        ----------
+        start, until : float
+            Times of the first and the last row [s].
+        step : float
+            Time between two rows [s].
+        accept_other_version : bool
+            Whether to replay what other versions or another processor made: bits may differ.
+
+        Returns
+        -------
+        xarray.Dataset
+            As `trajectory`: the rows that the run would have stored at these times, bit by bit.
+
+        Raises
+        ------
+        InputError
+            If the times are not within the run, or too many for the memory.
+        StoreError
+            If the run is not finished, has no keyframes and a start too far away, or is of other versions.
+
+        Examples
+        --------
+        >>> import tippetop as tt
+        >>> run = tt.run("inverting", until=1e5, output="keyframes", out="RUN.zarr")
+        >>> run.replay(5e4, 5e4 + 1.0, 1e-3).theta.plot()
+        """
+        from ..runs import replay
+
+        times = [finite(name, value) for name, value in (("start", start), ("until", until), ("step", step))]
+        columns = replay.columns(self.path, *times, accept_other_version=accept_other_version)
+        return attributes.dataset(columns, self.attributes)
 
     def _problem(self) -> Problem | None:
         return None

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arguments import in_python, instance, named_arguments, path_of
+from ..arguments import finite, in_python, instance, named_arguments, path_of
+from ..errors import InputError
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
@@ -30,7 +31,7 @@ def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
     *,
-    start: Mapping[str, Any] | None = None,
+    start: Mapping[str, Any] | str | Path | None = None,
     initial: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
@@ -38,7 +39,8 @@ def run(
     until: float | None = None,
     output_step: float | None = None,
     output_times: Sequence[float] | np.ndarray | None = None,
-    output: Literal["times", "events", "steps"] | None = None,
+    output: Literal["times", "events", "steps", "keyframes"] | None = None,
+    keyframe_steps: int | None = None,
     events: Iterable[str | Event] | str | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = (),
     precision: Literal["double", "longdouble", "quad"] | None = None,
@@ -66,7 +68,8 @@ def run(
         The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3 [rad/s], nu_x, nu_y [m/s],
         x, y [m]; what is not named is zero. psi_dot [rad/s] may stand for omega3, centre_at_rest (a bool) for nu_x and
         nu_y. psi turns the body about its axis: of the motion it changes the columns psi and orientation alone. A
-        cylinder has theta, theta_dot, x and, where it glides, nu_x. The two arguments are the same.
+        cylinder has theta, theta_dot, x and, where it glides, nu_x. The two arguments are the same. `start` may also
+        be the store of a finished run of the same body: this one starts at t = 0 where that ended, exactly.
     parameters : mapping, optional
         Numbers of the body that replace those of the source, SI units.
     system : str or System, optional
@@ -78,7 +81,10 @@ def run(
         End of the run [s]; a preset has one.
     output_step, output_times, output
         When rows are wanted: every so many seconds; at these times [s], (n,), ascending; or at the "events", or the
-        ends of the "steps". By default 1001 rows.
+        ends of the "steps". By default 1001 rows. With `out` also "keyframes" and no rows: `StoredRun.replay` makes
+        those of any part.
+    keyframe_steps : int, optional
+        Steps of the integrator from one keyframe to the next, by default 8192.
     events : iterable of str or Event, optional
         Names of the kinds that are logged, by default all; an empty list logs none. An Event is one of your own: it is
         added to the system and logged, beside the kinds that are named, and beside all kinds if none is named. Its
@@ -142,6 +148,7 @@ def run(
             output_step=output_step,
             output_times=output_times,
             output=output,
+            keyframe_steps=keyframe_steps,
             precision=precision,
             tolerance=tolerance,
             on_liftoff=on_liftoff,
@@ -174,6 +181,8 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
     Run
     """
     instance("problem", problem, Problem, "a Problem, as `load` gives it")
+    if problem.output == "keyframes":
+        raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
     with _following(progress) as follow:
         return Run(solve(problem, follow))
 
@@ -218,13 +227,21 @@ def open(path: str | Path) -> "Run | xr.Dataset":
     return root.open_group(path, content)
 
 
-def resume(path: str | Path, *, stop: threading.Event | None = None, accept_other_version: bool = False) -> StoredRun:
-    """Continues an interrupted run of a store to its end: bit by bit as if it had not been interrupted.
+def resume(
+    path: str | Path,
+    *,
+    until: float | None = None,
+    stop: threading.Event | None = None,
+    accept_other_version: bool = False,
+) -> StoredRun:
+    """Continues an interrupted run of a store to its end, or a finished one to a later end: bit by bit one run.
 
     Parameters
     ----------
     path : path-like
         The store.
+    until : float, optional
+        A later end of the run [s].
     stop : threading.Event, optional
         As for `run`.
     accept_other_version : bool
@@ -236,15 +253,18 @@ def resume(path: str | Path, *, stop: threading.Event | None = None, accept_othe
 
     Raises
     ------
+    InputError
+        If the run is as long as `until` already.
     StoreError
-        If the run is finished, or another process writes it.
+        If the run is finished and there is no `until`, or it ended before its time, or another process writes it.
     Interrupted
         If `stop` was set.
     """
-    from ..runs import recording
+    from ..runs.extending import continued
 
+    end = None if until is None else finite("until", until)
     with in_python():
-        recording.resume(path_of("path", path), stop=stop, accept_other_version=accept_other_version)
+        continued(path_of("path", path), end, stop=stop, accept_other_version=accept_other_version)
     return StoredRun(path)
 
 

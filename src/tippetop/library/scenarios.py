@@ -9,6 +9,7 @@ from ..errors import InputError
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
+from ..runs import starting
 from ..scenario import build, reading
 from ..scenario.numbers import plain
 from .bodies import Top
@@ -23,7 +24,7 @@ def problem_of(
     source: Any,
     friction: Any = None,
     *,
-    start: Mapping[str, Any] | None = None,
+    start: Any = None,
     initial: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
@@ -47,8 +48,11 @@ def problem_of(
             tables["friction"] = plain(table_of(friction, chosen.laws))
         _merge(tables, "parameters", parameters)
         for name, given in (("start", start), ("initial", initial)):
+            if isinstance(given, str | os.PathLike):
+                given = {"from": os.fspath(given)}
             if given is not None and not isinstance(given, Mapping):
-                raise InputError([f"`{name}` must be a mapping such as dict(theta=0.1), but is {given!r}."])
+                words = "a mapping such as dict(theta=0.1), or the store of a run"
+                raise InputError([f"`{name}` must be {words}, but is {given!r:.60}."])
             _start(tables, given or {}, chosen)
         if form is not None:
             tables["form"] = form
@@ -58,7 +62,7 @@ def problem_of(
         chosen = extended(chosen, own, own_columns)
         if own and named is None and "events" in tables.get("run", {}):
             tables["run"]["events"] = [*tables["run"]["events"], *(event.name for event in own)]
-        return build.problem(tables, chosen)
+        return starting.problem(tables, starting.folder_of(source), chosen)
     except InputError as error:
         raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
 
@@ -144,7 +148,9 @@ def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> 
     base = tables.get("initial", {})
     if not isinstance(base, dict):  # the check of the scenario says so
         return
-    if given or base:
+    if "from" in given:  # where another run ended: nothing that the base says of the start
+        tables["initial"] = dict(given)
+    elif given or base:
         tables["initial"] = system.replaced(base, plain(given))
 
 
@@ -155,7 +161,7 @@ def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
     if not isinstance(base, dict):  # the check of the scenario says so
         return
     if given.keys() & set(OUTPUT):
-        base = {key: value for key, value in base.items() if key not in OUTPUT}
+        base = {key: value for key, value in base.items() if key not in (*OUTPUT, "keyframe_steps")}
     tables["run"] = {**base, **given}
     if until is not None:
         until = plain(until)

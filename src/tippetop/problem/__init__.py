@@ -7,11 +7,12 @@ of a run is computed there, and a single run is the case n = 1.
 from .choice import AUTO, Choice, choice
 from .faults import key_faults, variation_faults
 from .many import Problems
-from .one import PRECISIONS, ROUNDING, UNTIL, Problem
+from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
 
 
 __all__ = [
     "AUTO",
+    "KEYFRAME_STEPS",
     "PRECISIONS",
     "ROUNDING",
     "UNTIL",

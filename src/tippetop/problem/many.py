@@ -5,7 +5,7 @@ Everything that is computed of a run is computed here; a single run is the case 
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -57,6 +57,8 @@ class Problems:
             If a key or a shape is wrong.
         """
         sentences = variation_faults(base, columns)
+        if base.origin is not None:
+            sentences = ["`initial.from` must be the start of a single run, but many are asked for."]
         if sentences:
             raise InputError(sentences)
         return cls(base, {key: np.array(values, dtype=float) for key, values in columns.items()}, orientation)
@@ -210,3 +212,15 @@ class Problems:
             valid &= ~bad
         valid.flags.writeable = False
         return valid, sorted(faults)
+
+
+@dataclass(frozen=True, eq=False)
+class StartedFrom(Problems):
+    """A run that starts in a given state, (variables, 1), internal, whatever its initial data say of it."""
+
+    state: np.ndarray = field(default_factory=lambda: np.zeros((0, 1)))
+
+    @cached_property
+    def start(self) -> np.ndarray:
+        """The state."""
+        return self.state

@@ -17,11 +17,12 @@ from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
 from .choice import Choice, choice
 from .faults import given_names
-from .many import Problems
+from .many import Problems, StartedFrom
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
+KEYFRAME_STEPS = 8192  # 20 to 60 ms of computing: what a replay does before its first row; 0.1 kB a step are 10 of rows
 UNTIL = Parameter(SECOND, "end of the run", above=0)
 
 
@@ -40,9 +41,11 @@ class Problem:
     on_liftoff: str = "stop"
     precision: str = "double"
     tolerance: float = 0.0  # 0 is the rounding unit of the precision
-    output: str = "times"  # rows at `times`, at the "events", or at the ends of the "steps"
+    output: str = "times"  # rows at `times`, at the "events", at the ends of the "steps"; or "keyframes" and no rows
+    keyframe_steps: int = KEYFRAME_STEPS  # from one keyframe to the next
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
+    origin: dict[str, Any] | None = None  # the end of another run, where it starts exactly; `initial` says it rounded
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
@@ -121,7 +124,11 @@ class Problem:
     @cached_property
     def alone(self) -> Problems:
         """This run as the one of its `Problems`."""
-        return Problems(self, {}, self.orientation)
+        origin, names = self.origin, self.variables.names
+        if origin is None or origin["form"] != self.form.name or not set(names) <= set(origin["state"]):
+            return Problems(self, {}, self.orientation)
+        state = np.array([[sum(map(self.number, origin["state"][name]))] for name in names], dtype=self.number)
+        return StartedFrom(self, {}, self.orientation, state)
 
     def body(self, number: Any = float) -> Any:
         """The record that formulas take, in SI units."""

@@ -22,13 +22,15 @@ def groups(run: "Solution") -> dict[str, dict[str, Column]]:
 
 def datasets(run: "Solution") -> dict[str, Any]:
     """The groups of the store as labelled Datasets, in memory."""
+    attrs = attributes(run.problem, run.status, run.reason, run.final, run.report)
+    return {name: dataset(columns, attrs) for name, columns in groups(run).items()}
+
+
+def dataset(columns: dict[str, Column], attrs: dict[str, Any]) -> Any:
+    """Columns as a labelled Dataset."""
     import xarray as xr
 
-    attrs = attributes(run.problem, run.status, run.reason, run.final, run.report)
-    return {
-        name: with_coordinates(xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs))
-        for name, columns in groups(run).items()
-    }
+    return with_coordinates(xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs))
 
 
 def attributes(problem: Problem, status: "Status", reason: str, final: Any, report: dict[str, Any]) -> dict[str, Any]:
@@ -42,6 +44,7 @@ def attributes(problem: Problem, status: "Status", reason: str, final: Any, repo
         "status": status.value,
         "reason": reason,
         **resolved(problem),
+        **({"start": problem.origin} if problem.origin else {}),
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
         "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},
@@ -59,7 +62,7 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
         "reason": attrs["reason"],
         **attrs["report"],
         **tables_of(attrs),
-        **{key: attrs[key] for key in ("auto_form", "certificate", "begun_with") if key in attrs},
+        **{key: attrs[key] for key in ("auto_form", "certificate", "begun_with", "replay", "start") if key in attrs},
         **{key: attrs[key] for key in ("tolerance", "precision", "final_state", "versions", "cpu")},
     }
 

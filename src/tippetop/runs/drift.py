@@ -31,7 +31,7 @@ class Monitor:
 
     def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
         """Takes in step ends (n, variables) of a slice of so many steps, and the extremes of the force so far."""
-        for name, values in self._invariants(rows).items():
+        for name, values in self._invariants(rows).items() if len(rows) else ():
             start = self._start[name]
             self.drift[name] = max(self.drift[name], float(np.max(np.abs(values - start) / size(start))))
         self.force = force
@@ -57,7 +57,7 @@ class Monitor:
 
     def snapshot(self) -> dict[str, Any]:
         """What a checkpoint keeps."""
-        return {"drift": self.drift, "force": list(self.force), "steps": self.steps}
+        return {"drift": dict(self.drift), "force": list(self.force), "steps": self.steps}
 
     def restore(self, kept: dict[str, Any]) -> None:
         """Continues from a checkpoint; the start is that of the problem."""

@@ -172,6 +172,11 @@ class EventLog:
         rows = [self.tally.lasting[event.name][0] for event in self.lasting if self._holds(event, last)]
         return [*marks, *(row for row in rows if row >= 0)]
 
+    def open_rows(self) -> list[int]:
+        """Rows of the log that are not significant yet, and may be so in the end."""
+        waiting = [self.confirmation.row] if self.confirmation.sign else []
+        return [row for row in (*waiting, *(row for row, _ in self.tally.lasting.values())) if row >= 0]
+
     def report(self) -> dict[str, Any]:
         """Counts, inversion and band, as `info --json` has them; and what events of a system's own keep."""
         tally = self.tally

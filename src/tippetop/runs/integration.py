@@ -16,6 +16,7 @@ from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..store import hexfloat
+from . import keyframes
 from .drift import Monitor
 from .event_log import EventLog
 from .sinks import Sink
@@ -23,6 +24,8 @@ from .sinks import Sink
 
 ROWS_PER_BLOCK = 1 << 16  # 12 MB of 24 columns: what a sink takes at once
 SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
+
+State = dict[str, Any]
 
 
 class Integration:
@@ -60,6 +63,7 @@ class Integration:
         self.log = EventLog(problem, self.view, self.first)
         self.filled, self.t_end, self.fresh = 0, 0.0, True
         self.status: Status | None = None
+        self.last_slice: State | None = None  # where the last slice began: a longer run continues from there
 
     def run(self, sink: Sink, progress: Callable[["Integration"], None] | None = None) -> None:
         """Continues to the end. What the sink has taken after a slice is what a snapshot then stands for.
@@ -76,33 +80,46 @@ class Integration:
         Interrupted
             If the sink does, between two slices.
         """
-        problem, request = self.problem, _Request(self, sink)
-        if self.fresh and problem.output != "times":
+        problem, request = self.problem, Request(self, sink)
+        if self.fresh and not self.filled and problem.output in ("events", "steps"):
             self.write(sink, np.array([0.0]), self.first)
-        if self.fresh:
-            self.status = self._ended_at_start()
-        steps = SETTLED_SLICE if problem.stop_when == "settled" else STEPS_PER_SLICE
-        ended = self.status is not None
-        while not ended:
+        self.status = self.ended_at_start() if self.fresh else None
+        while self.status is None:
+            if sink.keeps_rows:
+                self.last_slice = self._state()
             clock, before = time.perf_counter(), request.seconds
-            piece = self.driver.advance(request, steps)
+            piece = self.driver.advance(request, self._steps())
             self.seconds["integrate"] += time.perf_counter() - clock - (request.seconds - before)
             self.fresh = False
-            self._follow(piece, sink)
-            if self.status is None and problem.stop_when == "settled" and self._settled_long():
-                self.status = Status.SETTLED
-            ended = self.status is not None
-            if ended:
+            if self.follow(piece, sink) is not None:
                 break
+            if problem.stop_when == "settled" and self._done_of(SETTLED_SLICE) == 0 and self._settled_long():
+                self.status = Status.SETTLED
+                break
+            if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
+                sink.keyframe(keyframes.columns(self))
             sink.slice_done(self)
             if progress is not None:
                 progress(self)
-        self._fill(sink)
+        self.fill(sink)
         sink.events(self.log.empty, self.log.finish(self.last))
         if problem.output == "events":
             self.write(sink, np.array([self.t_end]), self.last)
 
-    def _ended_at_start(self) -> Status | None:
+    def _steps(self) -> int:
+        """The steps of the next slice: up to a multiple of what one has, so that nothing depends on where it began."""
+        problem = self.problem
+        most = SETTLED_SLICE if problem.stop_when == "settled" else STEPS_PER_SLICE
+        left = most - self._done_of(most)
+        if problem.output != "keyframes":
+            return left
+        return min(left, problem.keyframe_steps - self._done_of(problem.keyframe_steps))
+
+    def _done_of(self, steps: int) -> int:
+        """How many steps were made since the last multiple of so many."""
+        return self.monitor.steps % steps
+
+    def ended_at_start(self) -> Status | None:
         """How a run ends before its first step: a quantity that must not be negative is so from the start."""
         events = self.problem.system.events
         for event, value in zip(events, self.driver.at_start, strict=True):
@@ -110,18 +127,22 @@ class Integration:
                 return Status.of_event(event.ends)
         return None
 
-    def _follow(self, piece: Slice, sink: Sink) -> None:
+    def follow(self, piece: Slice, sink: Sink) -> Status | None:
+        """Takes in a slice; gives how it ended the run, or None. Of its states the samples count, and the end of the
+        run: where a slice ends does not show."""
         self.status, self.last = piece.status, piece.last
         self.t_end = float(piece.time) * self.second
-        self.monitor.follow(np.concatenate([piece.samples, piece.last]), self.driver.extremes(), piece.steps)
+        seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
+        self.monitor.follow(seen, self.driver.extremes(), piece.steps)
         table, marks, states = self.log.take(piece.passages)
         sink.events(table, marks)
         if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # it ended in the midst of a step
             self.write(sink, np.array([self.t_end]), self.last)
         elif self.problem.output == "events" and len(table.time):
             self.write(sink, table.time, states)
+        return self.status
 
-    def _fill(self, sink: Sink) -> None:
+    def fill(self, sink: Sink) -> None:
         """Rows at the end of the run that no step has: the last good state."""
         if self.problem.output != "times" or not sink.keeps_rows:
             return
@@ -201,16 +222,25 @@ class Integration:
 
     def snapshot(self) -> dict[str, Any]:
         """All that is needed to continue bit by bit, as plain JSON data."""
-        return hexfloat.encode(
-            {
-                "equations": fingerprint(self.driver),
-                "driver": self.driver.snapshot(),
-                "filled": self.filled,
-                "t_end": self.t_end,
-                "monitor": self.monitor.snapshot(),
-                "log": self.log.snapshot(),
-            }
-        )
+        return self._encoded(self._state())
+
+    def ending(self) -> dict[str, Any]:
+        """What the store of a finished run keeps for those who continue it, as plain JSON data: the last slice's
+        beginning, which no end has shortened, and the end."""
+        end = hexfloat.encode({"state": self.last[0], "t_end": self.t_end})
+        return {"slice": self._encoded(self.last_slice) if self.last_slice else {}, "end": end}
+
+    def _state(self) -> State:
+        return {
+            "driver": self.driver.snapshot(),
+            "filled": self.filled,
+            "t_end": self.t_end,
+            "monitor": self.monitor.snapshot(),
+            "log": self.log.snapshot(),
+        }
+
+    def _encoded(self, state: State) -> dict[str, Any]:
+        return hexfloat.encode({"equations": fingerprint(self.driver), **state})
 
     def restore(self, kept: dict[str, Any]) -> None:
         """Continues from a snapshot. Raises ValueError if it was made of other equations.
@@ -239,7 +269,7 @@ class Integration:
         self.log.restore(hexfloat.decode(kept["log"]))
 
 
-class _Request:
+class Request:
     """The rows that the sink of an integration wants."""
 
     def __init__(self, integration: Integration, sink: Sink):

@@ -13,16 +13,14 @@ import numpy as np
 
 from ..columns import Column
 from ..engine.status import Status
-from ..errors import Interrupted, StoreError
+from ..errors import Interrupted
 from ..problem import Problem
-from ..scenario import build
-from ..store import checkpoint, chunks, files, provenance, skeleton, tables
-from ..store.checkpoint import CHECKPOINT
+from ..store import checkpoint, files, provenance, skeleton, tables
+from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
-from ..store.files import LOCK, Lock
-from ..store.root import attributes as read_attributes
+from ..store.files import Lock
 from ..store.root import finish, finite, new_store
-from . import attributes
+from . import attributes, keyframes
 from .events import EventTable, event_columns
 from .integration import Integration
 
@@ -46,13 +44,12 @@ class Recorder:
     def __init__(
         self,
         integration: Integration,
-        trajectory: Appender,
-        events: Appender,
+        tables_of_run: dict[str, Appender],
         lock: Lock,
         stop: threading.Event | None = None,
     ):
         self.integration, self.lock, self.stop = integration, lock, stop
-        self.trajectory, self.log = trajectory, events
+        self.tables = tables_of_run
         self.of = checkpoint.digest(skeleton.root_of(lock.folder))
         self.begun_with: list[dict[str, Any]] = []  # versions and processors of those that wrote it before
         self.behind: deque[Future] = deque()
@@ -65,14 +62,18 @@ class Recorder:
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self._later(lambda: self.trajectory.append(self.integration.view.columns(times, states())))
+        self._later(lambda: self.tables["trajectory"].append(self.integration.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
         if len(table.time):
-            self._later(lambda: self.log.append(event_columns(table)))
+            self._later(lambda: self.tables["events"].append(event_columns(table)))
         if marks:
-            self._later(lambda: self.log.mark("significant", marks))
+            self._later(lambda: self.tables["events"].mark("significant", marks))
+
+    def keyframe(self, columns: dict[str, Column]) -> None:
+        """Takes a keyframe."""
+        self._later(lambda: self.tables["keyframes"].append(columns))
 
     def _later(self, work: Callable[[], None]) -> None:
         """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
@@ -88,7 +89,7 @@ class Recorder:
 
         def flushed() -> None:
             self.lock.check()
-            for appender in (self.trajectory, self.log):
+            for appender in self.tables.values():
                 appender.flush()
                 appender.sync()
             work()
@@ -116,24 +117,26 @@ class Recorder:
     def _acknowledge(self, state: dict[str, Any]) -> None:
         record = {
             "format_version": provenance.FORMAT_VERSION,
-            **_here(),
+            **here(),
             "begun_with": self.begun_with,
-            "rows": self.trajectory.rows,
-            "events": self.log.rows,
-            "digests": [appender.digest() for appender in (self.trajectory, self.log)],
+            **{count: self.tables[name].rows if name in self.tables else 0 for name, count in ROWS.items()},
+            "digests": {name: appender.digest() for name, appender in self.tables.items()},
             **state,
         }
         checkpoint.write(self.lock.folder, record, self.of)
 
     def finish(self) -> dict[str, Any]:
         """Writes what waits and the root attributes, takes the checkpoint away; gives the attributes back."""
-        attrs = _attributes(self.integration)
+        attrs = attributes_of(self.integration)
         if self.begun_with:
             attrs["begun_with"] = self.begun_with
-        self._now(lambda: self._close(attrs))
+        ending = self.integration.ending()
+        self._now(lambda: self._close(attrs, ending))
         return attrs
 
-    def _close(self, attrs: dict[str, Any]) -> None:
+    def _close(self, attrs: dict[str, Any], ending: dict[str, Any]) -> None:
+        of = checkpoint.digest_of_finished({**skeleton.root_of(self.lock.folder), **attrs})
+        checkpoint.write(self.lock.folder, ending, of, END)
         finish(self.lock.folder, attrs)
         files.remove_scratch(self.lock.folder)
         (self.lock.folder / CHECKPOINT).unlink(missing_ok=True)
@@ -191,137 +194,50 @@ def record(
     with contextlib.ExitStack() as held:
         with new_store(target, overwrite=overwrite) as scratch:
             integration = Integration(problem, stop)
-            root = tables.create_root(scratch, _attributes(integration))
+            root = tables.create_root(scratch, attributes_of(integration))
             lock = held.enter_context(Lock(scratch))
-            trajectory, events = (Appender.created(root, *table) for table in _tables(integration))
-            with Recorder(integration, trajectory, events, lock) as recorder:
+            appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
+            with Recorder(integration, appenders, lock) as recorder:
                 recorder.commit()
         lock.folder = Path(target)
-        return _run(integration, lock, progress, stop)
+        return run_into(integration, lock, progress, stop)
 
 
-def _tables(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
+def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
     """The groups of a run: name, columns without rows, rows of a chunk."""
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, rows_per_chunk(integration.problem)
     yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
+    if integration.problem.output == "keyframes":
+        yield "keyframes", keyframes.empty(integration), keyframes.PER_CHUNK
 
 
-def resume(
-    target: Path,
-    progress: Progress | None = None,
-    *,
-    stop: threading.Event | None = None,
-    accept_other_version: bool = False,
-) -> tuple[Integration, dict[str, Any]]:
-    """Continues an interrupted run, in any thread: arguments and results as those of `record`.
-
-    With `accept_other_version` also one that other versions or another processor began: its bits may differ from those
-    of an undisturbed run, and the store names both.
-
-    Raises
-    ------
-    StoreError
-        The store is finished, damaged, being written, or cannot be written.
-    Interrupted
-        `stop` was set.
-    InputError
-        The scenario in the store is not one of this release.
-    """
-    target, attrs = files.own_folder(target), read_attributes(target)
-    if attrs["status"] != Status.RUNNING.value:
-        for left in (CHECKPOINT, LOCK):  # killed after its last word, before it could tidy up
-            (target / left).unlink(missing_ok=True)
-        raise StoreError(f"`{target}` must be unfinished to be resumed, but: {attrs['reason']}.")
-    with contextlib.ExitStack() as held:
-        with files.writing(target):
-            lock = held.enter_context(Lock(target))
-        files.remove_stale(target)
-        kept = _checkpoint(target, accept_other_version)
-        integration = Integration(build.problem(build.tables_of(attrs)), stop)
-        _compare(target, integration, kept)
-        return _run(integration, lock, progress, stop, kept)
-
-
-def _here() -> dict[str, Any]:
+def here() -> dict[str, Any]:
     """What the bits of a run depend on beside its scenario."""
     return {"versions": provenance.versions(), "cpu": provenance.cpu()}
 
 
-def _checkpoint(target: Path, accept_other_version: bool) -> dict[str, Any]:
-    """The checkpoint of a store, `begun_with` as it is from here on. Raises StoreError."""
-    try:
-        kept = checkpoint.read(target, skeleton.root_of(target))
-    except FileNotFoundError:
-        raise StoreError(f"`{target}` must have a checkpoint to be resumed, but has none.") from None
-    before, here = {key: kept[key] for key in _here()}, _here()
-    if before == here:
-        return kept
-    if not accept_other_version:
-        differ = [
-            f"{name} {before['versions'].get(name)} (here {version})"
-            for name, version in here["versions"].items()
-            if before["versions"].get(name) != version
-        ]
-        differ += [f"processor {before['cpu']} (here {here['cpu']})"] if before["cpu"] != here["cpu"] else []
-        raise StoreError(
-            f"`{target}` must be resumed by the versions and processor that wrote it: {', '.join(differ)}; "
-            "its bits may differ with --accept-other-version."
-        )
-    return kept | {"begun_with": [*kept["begun_with"], before]}
-
-
-def _compare(target: Path, integration: Integration, kept: dict[str, Any]) -> None:
-    """Compares what is there with what must be there: every column, its metadata, its acknowledged rows."""
-    for (name, columns, chunk), rows in zip(_tables(integration), (kept["rows"], kept["events"]), strict=True):
-        dimension = next(iter(columns.values())).dims[0]
-        skeleton.compare(target, name, tables.metadata(columns, {dimension: (0, chunk)}))
-        for column, document in skeleton.members(target, name).items():
-            if document["shape"][0] < rows:
-                raise StoreError(
-                    f"`{target}`: `{name}/{column}` must hold the {rows} acknowledged rows, "
-                    f"but has {document['shape'][0]}."
-                )
-
-
-def _run(
+def run_into(
     integration: Integration,
     lock: Lock,
     progress: Progress | None,
     stop: threading.Event | None,
-    kept: dict[str, Any] | None = None,
+    begin: Callable[[Recorder], None] | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
+    """Integrates into a store that is there, whose lock is held: from its start, or from where `begin` puts it."""
     folder = lock.folder
     with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"), lock.guarded():
-        _, tables_of_run = tables.open_root(folder, "trajectory", "events")
-        trajectory, events = map(Appender, tables_of_run)
-        with Recorder(integration, trajectory, events, lock, stop) as recorder:
-            if kept is not None:
-                _go_back(recorder, kept)
+        names = [name for name, *_ in tables_of_run(integration)]
+        _, members = tables.open_root(folder, *names)
+        with Recorder(integration, dict(zip(names, map(Appender, members), strict=True)), lock, stop) as recorder:
+            if begin is not None:
+                begin(recorder)
             integration.run(recorder, progress)
             return integration, recorder.finish()
 
 
-def _go_back(recorder: Recorder, kept: dict[str, Any]) -> None:
-    """Brings a store back to its checkpoint: rows that were not acknowledged go, the rest is read once and checked."""
-    target, recorder.begun_with = recorder.lock.folder, kept["begun_with"]
-    try:
-        recorder.integration.restore(kept["integration"])
-    except (ValueError, LookupError, TypeError, AttributeError) as error:
-        raise StoreError(
-            f"`{target}` must have a whole checkpoint of this release to be resumed, but: {error}."
-        ) from None
-    files.remove_scratch(target)
-    tables_of_run = ((recorder.trajectory, kept["rows"]), (recorder.log, kept["events"]))
-    for (appender, rows), digest in zip(tables_of_run, kept["digests"], strict=True):
-        appender.cut(rows)
-        chunks.verify(appender.arrays)
-        appender.reload(rows)
-        if appender.digest() != digest:
-            raise StoreError(f"`{target}` must hold the {rows} acknowledged rows, but some of them are others.")
-
-
-def _attributes(integration: Integration) -> dict[str, Any]:
+def attributes_of(integration: Integration) -> dict[str, Any]:
+    """The root attributes of a store, as far as its run has come."""
     status = integration.status or Status.RUNNING
     report, last = integration.report(), integration.last[0]
     return finite(attributes.attributes(integration.problem, status, integration.reason(), last, report))

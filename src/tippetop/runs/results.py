@@ -124,7 +124,7 @@ class Summary(Record):
 def summary_of(attrs: Mapping[str, Any], problem: Problem | None = None) -> Summary:
     """The summary of a run, from the root attributes of its store and, where it is at hand, its problem."""
     try:
-        comments = forecast.comments(problem or build.problem(build.tables_of(dict(attrs))))
+        comments = forecast.comments(problem or build.stored(dict(attrs)))
     except InputError:  # of a system, law or event that this process does not know
         comments = {}
     return Summary(attributes.info(dict(attrs)) | finite(comments))

@@ -32,6 +32,7 @@ class Solution:
     final: np.ndarray  # last good internal state
     report: dict[str, Any]
     seconds: dict[str, float]  # where the time went: compile, integrate
+    last_slice: dict[str, Any] | None = None  # where it began: what a longer run continues from
 
     def columns(self) -> dict[str, Any]:
         """The rows as named SI columns."""
@@ -90,4 +91,5 @@ def solve(problem: Problem, progress: Callable[[Integration], None] | None = Non
         integration.last[0],
         integration.report(),
         integration.seconds,
+        integration.last_slice,
     )

@@ -4,10 +4,12 @@ from pathlib import Path
 from typing import Any
 
 from ..engine.observables import Observables
-from ..store import tables
+from ..store import checkpoint, skeleton, tables
+from ..store.checkpoint import END
 from ..store.chunks import Appender
 from ..store.root import finish, new_store
 from .events import EventTable, event_columns
+from .integration import Integration
 from .recording import EVENTS_PER_CHUNK, rows_per_chunk
 from .run import Solution
 
@@ -17,7 +19,9 @@ ROWS_AT_ONCE = 1 << 16  # of which columns are made at a time
 
 def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, overwrite: bool = False) -> None:
     """Writes a store whole or not at all; `attributes` are its root attributes. Raises StoreError."""
-    view = Observables(solution.problem)
+    view, integration = Observables(solution.problem), Integration(solution.problem)
+    integration.last_slice, integration.last = solution.last_slice, solution.final[None, :]
+    integration.t_end = solution.report["t_end"]
     with new_store(target, overwrite=overwrite) as scratch:
         root = tables.create_root(scratch, attributes)
         empty = view.columns(solution.times[:0], solution.rows[:0])
@@ -35,4 +39,6 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
         for appender in (trajectory, events):
             appender.flush()
             appender.sync()
+        of = checkpoint.digest_of_finished(skeleton.root_of(scratch))
+        checkpoint.write(scratch, integration.ending(), of, END)
         finish(scratch, {})

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
+from ..columns import Column
 from .events import EventTable
 
 
@@ -23,6 +24,9 @@ class Sink(Protocol):
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes new rows of the event log, and indices of rows that are significant after all."""
+
+    def keyframe(self, columns: dict[str, Column]) -> None:
+        """Takes a keyframe, as a row of its table."""
 
     def slice_done(self, integration: "Integration") -> None:
         """Called after every slice: the moment to commit, and to raise if the run has to stop."""
@@ -47,6 +51,9 @@ class Memory:
         """Takes rows of the event log."""
         self.tables.append(table)
         self.marks += marks
+
+    def keyframe(self, columns: dict[str, Column]) -> None:
+        """Drops it: they are for stores."""
 
     def slice_done(self, integration: "Integration") -> None:
         """Nothing to commit."""

@@ -14,7 +14,7 @@ from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
-from ..problem import AUTO, PRECISIONS, ROUNDING, Problem, choice
+from ..problem import AUTO, KEYFRAME_STEPS, PRECISIONS, ROUNDING, Problem, choice
 from ..sampling import EvenTimes, ListedTimes
 from .reading import override, read
 from .schema import RunTable, scenario_model
@@ -31,10 +31,11 @@ MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
 # --- checking -------------------------------------------------------------------------------------------------------
 
 
-def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
+def problem(tables: dict[str, Any], known: System | None = None, origin: dict[str, Any] | None = None) -> Problem:
     """The checked Problem of a scenario's tables. Raises InputError with every fault that was found.
 
-    `known` is the record of the system, where it is not the registered one of that name."""
+    `known` is the record of the system, where it is not the registered one of that name; `origin` the exact state in
+    which the run starts, where that is the end of another."""
     system = known or system_of(tables)
     law = tables["friction"].get("law") if isinstance(tables.get("friction"), dict) else None
     if isinstance(law, str) and law not in system.laws:
@@ -65,8 +66,10 @@ def problem(tables: dict[str, Any], known: System | None = None) -> Problem:
         precision=run.precision,
         tolerance=run.tolerance,
         output=run.output,
+        keyframe_steps=run.keyframe_steps or KEYFRAME_STEPS,
         stop_when=run.stop_when,
         orientation=run.orientation,
+        origin=origin,
     )
     faults = [*built.faults(), *_pole_faults(built), *_run_faults(system, run)] or built.start_faults()
     if faults:
@@ -86,26 +89,8 @@ def system_of(tables: dict[str, Any]) -> System:
 
 
 def load(source: str | Path, assignments: list[str] | None = None, until: float | None = None) -> Problem:
-    """The checked Problem of a TOML file or a preset.
-
-    Parameters
-    ----------
-    source : str or path
-        A TOML file, or the name of a preset.
-    assignments : list of str, optional
-        `table.key=value` texts, as the command line's `--set` takes them.
-    until : float, optional
-        Another end of the run [s]; output times beyond it go.
-
-    Returns
-    -------
-    Problem
-
-    Raises
-    ------
-    InputError
-        With one sentence for everything that is wrong.
-    """
+    """The checked Problem of a TOML file or a preset, with `--set` assignments and another end: as `tippetop.load`, but
+    of a run that does not start from another. Raises InputError."""
     tables = override(read(str(path_of("source", source))), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 
@@ -123,6 +108,12 @@ def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
     """The tables that a store's root attributes hold: what `resolved` wrote."""
     names = ("system", "form", "parameters", "friction", "initial", "run")
     return {name: attrs[name] for name in names if name in attrs}
+
+
+def stored(attrs: dict[str, Any], until: float | None = None) -> Problem:
+    """The Problem of a store's root attributes, or one with another end. Raises InputError."""
+    tables = tables_of(attrs)
+    return problem(tables if until is None else ending(tables, until), origin=attrs.get("start"))
 
 
 def resolved(problem: Problem) -> dict[str, Any]:
@@ -148,6 +139,8 @@ def resolved(problem: Problem) -> dict[str, Any]:
 
 def _output(problem: Problem) -> dict[str, Any]:
     """The keys of [run] that say when rows are wanted."""
+    if problem.output == "keyframes":
+        return {"output": problem.output, "keyframe_steps": problem.keyframe_steps}
     if problem.output != "times":
         return {"output": problem.output}
     if isinstance(problem.times, EvenTimes):
@@ -193,6 +186,11 @@ def _run_faults(system: System, run: RunTable) -> list[str]:
         faults.append(
             f'`run.output` must be "times" where `run.{given}` is given, but is "{run.output}": remove one '
             f"(--set run.{given}=)."
+        )
+    if run.output != "keyframes" and run.keyframe_steps is not None:
+        faults.append(
+            f'`run.output` must be "keyframes" where `run.keyframe_steps` is given, but is "{run.output}": remove one '
+            "(--set run.keyframe_steps=)."
         )
     times = run.output_times or []
     if any(b <= a for a, b in itertools.pairwise(times)):

@@ -34,7 +34,8 @@ class RunTable(Table):
     until: _number(UNTIL)  # type: ignore[valid-type]
     output_step: Annotated[float, Field(gt=0)] | None = None
     output_times: list[Annotated[float, Field(ge=0)]] | None = None
-    output: Literal["times", "events", "steps"] = "times"
+    output: Literal["times", "events", "steps", "keyframes"] = "times"
+    keyframe_steps: Annotated[int, Field(ge=1)] | None = None
     stop_when: Literal["until", "settled"] = "until"
     events: list[str] | None = None
     on_liftoff: Literal["stop", "continue"] = "stop"

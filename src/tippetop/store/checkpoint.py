@@ -1,7 +1,8 @@
-"""The checkpoint of a run: what is acknowledged, with a digest of itself and of the root attributes that it belongs to.
+"""What a run needs to be continued, in a JSON record with a digest of itself and of the root attributes it belongs to.
 
-The root attributes hold the scenario, precision, tolerance, versions and processor; the record holds the fingerprint of
-the equations. A digest finds damage and edits, not a forger, who makes a new digest.
+`checkpoint.json` of an unfinished run says what is acknowledged; `end.json` of a finished one keeps where its last
+slice began, and its end. The root attributes hold the scenario, precision, tolerance, versions and processor; the
+record holds the fingerprint of the equations. A digest finds damage and edits, not a forger, who makes a new digest.
 """
 
 import hashlib
@@ -13,18 +14,24 @@ from ..errors import StoreError
 from . import files
 
 
-CHECKPOINT = "checkpoint.json"
+CHECKPOINT, END = "checkpoint.json", "end.json"
 SCENARIO, DIGEST = "root_attributes", "digest"
-FIELDS: dict[str, Any] = {
-    "versions": dict,
-    "cpu": str,
-    "rows": int,
-    "events": int,
-    "digests": list,
-    "integration": dict,
-    "report": dict,
-    "reason": str,
-    "begun_with": list,
+LATER = ("certificate", "seal")  # root attributes that come to a finished store, and say nothing of how it was made
+ROWS = {"trajectory": "rows", "events": "events", "keyframes": "keyframes"}  # what a checkpoint calls those of a group
+FIELDS: dict[str, dict[str, Any]] = {
+    CHECKPOINT: {
+        "versions": dict,
+        "cpu": str,
+        "rows": int,
+        "events": int,
+        "keyframes": int,
+        "digests": dict,
+        "integration": dict,
+        "report": dict,
+        "reason": str,
+        "begun_with": list,
+    },
+    END: {"slice": dict, "end": dict},
 }
 
 
@@ -33,33 +40,37 @@ def digest(value: Any) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
-def write(folder: Path, record: dict[str, Any], of: str) -> None:
+def digest_of_finished(attributes: dict[str, Any]) -> str:
+    """The digest of the root attributes of a finished store, whatever was added to them later."""
+    return digest({key: value for key, value in attributes.items() if key not in LATER})
+
+
+def write(folder: Path, record: dict[str, Any], of: str, name: str = CHECKPOINT) -> None:
     """Writes a record whole or not at all; `of` is the digest of the root attributes. Raises OSError."""
     bound = {**record, SCENARIO: of}
-    files.replace_text(folder / CHECKPOINT, json.dumps({**bound, DIGEST: digest(bound)}, allow_nan=False))
+    files.replace_text(folder / name, json.dumps({**bound, DIGEST: digest(bound)}, allow_nan=False))
 
 
-def read(folder: Path, attributes: dict[str, Any]) -> dict[str, Any]:
+def read(folder: Path, attributes: dict[str, Any], name: str = CHECKPOINT) -> dict[str, Any]:
     """The record of a store with these root attributes, as they stand there.
 
     Raises FileNotFoundError where there is none, StoreError where it is damaged or was written for others.
     """
+    what, to_be = ("checkpoint", "resumed") if name == CHECKPOINT else (END, "continued")
     try:
-        stored = json.loads((folder / CHECKPOINT).read_text(encoding="utf-8"))
+        stored = json.loads((folder / name).read_text(encoding="utf-8"))
         bound = {key: value for key, value in stored.items() if key != DIGEST}
         if stored[DIGEST] != digest(bound):
             raise ValueError("its digest is another")
-        if wrong := [key for key, kind in FIELDS.items() if type(stored[key]) is not kind]:
+        if wrong := [key for key, kind in FIELDS[name].items() if type(stored[key]) is not kind]:
             raise ValueError(f"`{wrong[0]}` has another type")
         scenario = stored[SCENARIO]
     except FileNotFoundError:
         raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise StoreError(f"`{folder}` must have a whole {what} of this release to be {to_be}, but: {error}.") from None
+    if scenario != (digest_of_finished if name == END else digest)(attributes):
         raise StoreError(
-            f"`{folder}` must have a whole checkpoint of this release to be resumed, but: {error}."
-        ) from None
-    if scenario != digest(attributes):
-        raise StoreError(
-            f"`{folder}` must have the scenario and versions of its checkpoint, but its root attributes were changed."
+            f"`{folder}` must have the scenario and versions of its {what}, but its root attributes were changed."
         )
     return stored

@@ -81,14 +81,14 @@ class Appender:
                 synced(path)
         self.unsynced.clear()
 
-    def mark(self, name: str, rows: list[int]) -> None:
-        """Sets a column of flags to true in some rows, written or waiting."""
+    def mark(self, name: str, rows: list[int], value: bool = True) -> None:
+        """Sets a column of flags in some rows, written or waiting."""
         waiting = [row - self.written for row in rows if row >= self.written]
-        self.buffers[name][waiting] = True
+        self.buffers[name][waiting] = value
         self.unflushed = self.unflushed or bool(waiting)
         older = [row for row in rows if row < self.written]
         if older:
-            self.arrays[name].set_coordinate_selection(np.array(older), np.ones(len(older), dtype=bool))
+            self.arrays[name].set_coordinate_selection(np.array(older), np.full(len(older), value))
             self.unsynced |= {row // self.chunk * self.chunk for row in older}
 
     def cut(self, rows: int) -> None:

@@ -45,7 +45,13 @@ REPORT: dict[str, Any] = {  # of a run; `?`: where the system has it
     "inversion?": {str: (*NUMBER, None)},
     "nutational_band?": {str: (*NUMBER, None)},
 }
-OPTIONAL: dict[str, Any] = {"friction?": {str: (str, *NUMBER)}, "certificate?": dict, "auto_form?": {str: str}}
+OPTIONAL: dict[str, Any] = {
+    "friction?": {str: (str, *NUMBER)},
+    "certificate?": dict,
+    "auto_form?": {str: str},
+    "replay?": {str: (str, *NUMBER)},
+    "start?": {str: (str, dict, *NUMBER)},
+}
 RUN: dict[str, Any] = {
     "until": NUMBER,
     "events": [str],
@@ -56,5 +62,6 @@ RUN: dict[str, Any] = {
     "output_step?": NUMBER,
     "output_times?": [NUMBER],
     "output?": str,
+    "keyframe_steps?": int,
     "orientation?": bool,
 }

@@ -51,15 +51,18 @@ def refuse_other_rows(path: str | Path, attrs: dict[str, Any]) -> None:
         record = checkpoint.read(Path(path), skeleton.root_of(path))
     except FileNotFoundError:  # it just finished, or never began
         return
-    for group, rows, digest in zip(
-        ("trajectory", "events"), (record["rows"], record["events"]), record["digests"], strict=True
-    ):
-        try:
-            here = chunks.digest_of_rows(tables.read_member(path, group), rows)
-        except Exception as error:  # codecs raise what they like
-            raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
-        if here != digest:
+    for group, digest in record["digests"].items():
+        rows = record[checkpoint.ROWS[group]]
+        if digest_of_rows(path, group, rows) != digest:
             raise StoreError(f"`{path}` must hold the {rows} acknowledged rows of `{group}`, but some are others.")
+
+
+def digest_of_rows(path: str | Path, group: str, rows: int) -> str:
+    """The digest of so many rows of a group, as a checkpoint keeps it. Raises StoreError."""
+    try:
+        return chunks.digest_of_rows(tables.read_member(path, group), rows)
+    except Exception as error:  # codecs raise what they like
+        raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
@@ -71,8 +74,31 @@ def annotate(path: str | Path, more: dict[str, Any]) -> None:
 
 def finish(path: str | Path, more: dict[str, Any]) -> None:
     """Gives a store that is whole its last root attributes, and its seal, in one step. Raises OSError."""
-    content = skeleton.root_of(path).get("content", "run")
-    seal.put(Path(path), skeleton.sealed_members(content), finite(more))
+    seal.put(Path(path), skeleton.sealed_members(skeleton.root_of(path)), finite(more))
+
+
+def replace_attributes(path: str | Path, attrs: dict[str, Any]) -> None:
+    """Gives a store other root attributes, in one step; a seal goes with those that it had. Raises StoreError."""
+    with files.writing(Path(path) / seal.DOCUMENT):
+        seal.replace_attributes(Path(path), finite(attrs))
+
+
+@contextlib.contextmanager
+def unsealed(path: str | Path) -> Iterator[None]:
+    """A block that may change the chunks of a finished store: it has no seal until the block ends, however it ends.
+    A process that is killed in it leaves a whole store without one. Raises StoreError."""
+    attrs = skeleton.root_of(path)
+    if seal.SEAL not in attrs:
+        yield
+        return
+    place = Path(path) / seal.DOCUMENT
+    with files.writing(place):
+        seal.remove(Path(path))
+    try:
+        yield
+    finally:
+        with files.writing(place):
+            finish(path, {})
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":

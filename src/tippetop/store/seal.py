@@ -64,8 +64,21 @@ def _content(folder: Path) -> Iterator[Path]:
 
 def put(folder: Path, members: tuple[str, ...], more: dict[str, Any] | None = None) -> None:
     """Adds attributes to the root of a store, and the seal that fits, in one step. Raises OSError."""
-    place = folder / DOCUMENT
-    document = json.loads(place.read_text(encoding="utf-8"))
-    attributes = {key: value for key, value in (document["attributes"] | (more or {})).items() if key != SEAL}
-    document["attributes"] = attributes | {SEAL: of(folder, attributes, members)}
-    files.replace_text(place, json.dumps(document, indent=2, allow_nan=False))
+    attributes = {key: value for key, value in (_document(folder)["attributes"] | (more or {})).items() if key != SEAL}
+    replace_attributes(folder, attributes | {SEAL: of(folder, attributes, members)})
+
+
+def remove(folder: Path) -> None:
+    """Takes the seal of a store away, in one step. Raises OSError."""
+    attributes = _document(folder)["attributes"]
+    replace_attributes(folder, {key: value for key, value in attributes.items() if key != SEAL})
+
+
+def replace_attributes(folder: Path, attributes: dict[str, Any]) -> None:
+    """Gives the root of a store other attributes, in one step. Raises OSError."""
+    document = _document(folder) | {"attributes": attributes}
+    files.replace_text(folder / DOCUMENT, json.dumps(document, indent=2, allow_nan=False))
+
+
+def _document(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / DOCUMENT).read_text(encoding="utf-8"))

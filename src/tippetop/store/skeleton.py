@@ -71,7 +71,7 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
             _like(attrs["report"], REPORT, "report.")
             _like(attrs["run"], RUN, "run.")
             _like(attrs, OPTIONAL, "")
-        for group in GROUPS[content]:
+        for group in groups_of(attrs):
             arrays = members(place, group)
             if content == "run":
                 _rows(place / group, arrays, running=attrs["status"] == "running", whole=whole)
@@ -82,10 +82,20 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
             else:
                 _bounded(place / group, arrays)
         if whole and seal.SEAL in attrs and attrs.get("status") != "running":
-            _sealed(place, attrs, content)
+            _sealed(place, attrs)
     except _Fault as fault:
         raise StoreError(f"`{path}` must be a whole store, but is damaged: {fault}.") from None
     return attrs
+
+
+def has_keyframes(attrs: Mapping[str, Any]) -> bool:
+    """Whether a store with these root attributes is that of a run with keyframes; the rows of a replay are none."""
+    return "content" not in attrs and attrs["run"].get("output") == "keyframes" and "replay" not in attrs
+
+
+def groups_of(attrs: Mapping[str, Any]) -> tuple[str, ...]:
+    """The groups of a store with these root attributes."""
+    return (*GROUPS[attrs.get("content", "run")], *(["keyframes"] if has_keyframes(attrs) else []))
 
 
 def members(place: Path, group: str) -> dict[str, dict[str, Any]]:
@@ -111,15 +121,15 @@ def compare(place: Path, group: str, wanted: Mapping[str, dict[str, Any]], *, ro
             raise _Fault(place / group / name, f"must be the column of its scenario, but differs in {differ[0]}")
 
 
-def sealed_members(content: str) -> tuple[str, ...]:
-    """Groups and arrays of a store that its seal covers."""
-    return (*GROUPS[content], *OF_CHUNKS) if content == "sweep" else GROUPS[content]
+def sealed_members(attrs: Mapping[str, Any]) -> tuple[str, ...]:
+    """Groups and arrays of a store with these root attributes that its seal covers."""
+    return (*groups_of(attrs), *(OF_CHUNKS if attrs.get("content") == "sweep" else ()))
 
 
-def _sealed(place: Path, attrs: dict[str, Any], content: str) -> None:
+def _sealed(place: Path, attrs: dict[str, Any]) -> None:
     """Compares a finished store with its seal."""
     try:
-        here = seal.of(place, attrs, sealed_members(content))
+        here = seal.of(place, attrs, sealed_members(attrs))
     except (OSError, ValueError) as error:
         raise _Fault(place, f"must be readable, but: {error}") from None
     if here != attrs[seal.SEAL]:

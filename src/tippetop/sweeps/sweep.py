@@ -13,7 +13,7 @@ from ..errors import InputError, Interrupted, StoreError, Unfinished
 from ..mechanics.systems import known_to_others
 from ..problem import Problem
 from ..progress import reporting
-from ..runs import recording
+from ..runs import recording, resuming
 from ..scenario import build
 from ..store import chunks, files, provenance, root, tables
 from .chunk import Task
@@ -167,6 +167,6 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
         if not place.exists():
             recording.record(store.plan.problem(top), place, stop=stop)
         elif root.attributes(place)["status"] == "running":
-            recording.resume(place, stop=stop)
+            resuming.resume(place, stop=stop)
         else:
             whole_run(place)

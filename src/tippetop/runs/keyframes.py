@@ -1,0 +1,102 @@
+"""Keyframes: an integrator's exact state every so many steps, from which any part of a run can be integrated again."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..columns import Column
+from ..engine.slices import Driver
+from ..engine.taylor import fingerprint
+from ..mechanics.units import SECOND
+
+
+if TYPE_CHECKING:
+    from .integration import Integration
+
+PER_CHUNK = 1024  # keyframes: 1 MB of 120 numbers each
+PARTS = {"double": 1, "longdouble": 2, "quad": 3}  # doubles that add up to a number exactly
+
+
+def columns(integration: "Integration") -> dict[str, Column]:
+    """The present state as a row of the group `keyframes`.
+
+    Parameters
+    ----------
+    integration
+        At the end of a step.
+
+    Returns
+    -------
+    dict
+        time [s]; the steps made; in internal units, as doubles that add up to the number: all that is integrated, and
+        the time in double length; what the observer knows.
+    """
+    driver, precision = integration.driver, integration.problem.precision
+    kept, number = driver.snapshot(), integration.problem.number
+    state, clock = (_parts(np.array(kept[name], dtype=number), PARTS[precision]) for name in ("state", "time"))
+    known = np.concatenate([np.ravel(np.array(kept[name], dtype=float)) for name in ("tally", "functions", "kept")])
+    about = {
+        "time": (np.array(integration.t_end), "time", {"units": SECOND.symbol}),
+        "step": (np.array(integration.monitor.steps), "steps made", {}),
+        "state": (state, "all that is integrated: doubles to be added", {"equations": fingerprint(driver)}),
+        "clock": (clock, "time in double length: doubles to be added", {}),
+        "observer": (known, "what the observer of the events knows", {}),
+    }
+    dims = {"state": ("variable", "part"), "clock": ("half", "part"), "observer": ("number",)}
+    return {
+        name: Column(("keyframe", *dims.get(name, ())), value[None], {"units": "1", "long_name": words, **more})
+        for name, (value, words, more) in about.items()
+    }
+
+
+def empty(integration: "Integration") -> dict[str, Column]:
+    """The columns of the group without rows."""
+    return {name: column._replace(values=column.values[:0]) for name, column in columns(integration).items()}
+
+
+def restore(integration: "Integration", row: dict[str, np.ndarray]) -> None:
+    """Puts an integration where a keyframe was taken; what is measured and logged begins anew there.
+
+    Parameters
+    ----------
+    integration
+        Of the same problem.
+    row
+        Of each column the values of one keyframe.
+    """
+    driver, number = integration.driver, integration.problem.number
+    state, clock = (_sum(row[name], number) for name in ("state", "clock"))
+    driver.restore(_known(driver, row["observer"]), state, (clock[0], clock[1]))
+    integration.last = state[None, : driver.variables].copy()
+    integration.t_end, integration.fresh = float(row["time"]), False
+    integration.monitor.steps = int(row["step"])
+
+
+def _known(driver: Driver, numbers: np.ndarray) -> dict[str, Any]:
+    """What the observer knows, as `Driver.restore` takes it."""
+    kinds, functions = driver.tallies.lane.dtype, driver.tallies.functions[:, :, 0]
+    names = kinds.names or ()
+    tally = [kinds[name].type(value).item() for name, value in zip(names, numbers, strict=False)]
+    rest = numbers[len(tally) :]
+    return {
+        "tally": tally,
+        "functions": rest[: functions.size].reshape(functions.shape),
+        "kept": rest[functions.size :],
+    }
+
+
+def _parts(values: np.ndarray, count: int) -> np.ndarray:
+    """Numbers of any precision as so many doubles that add up to them, along a new last axis."""
+    pieces = []
+    for _ in range(count):
+        pieces.append(values.astype(float))
+        values = values - pieces[-1].astype(values.dtype)
+    return np.stack(pieces, axis=-1)
+
+
+def _sum(parts: np.ndarray, number: Any) -> np.ndarray:
+    """The numbers that `_parts` split."""
+    total = parts[..., 0].astype(number)
+    for k in range(1, parts.shape[-1]):
+        total = total + parts[..., k].astype(number)
+    return total

@@ -1,0 +1,169 @@
+"""A part of a stored run is integrated again, from its nearest keyframe: the bits of the rows it could have kept."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..columns import Column
+from ..engine.status import Status
+from ..engine.taylor import fingerprint
+from ..errors import InputError, StoreError
+from ..sampling import EvenTimes
+from ..scenario import build
+from ..scenario.build import MOST_ROWS
+from ..store import chunks, root, skeleton, tables
+from ..store.chunks import Appender
+from . import keyframes, recording, resuming
+from .events import event_columns
+from .integration import Integration, Request
+from .run import refuse_more_than_memory
+from .sinks import Nowhere
+
+
+STEPS = 512  # between two looks whether all rows are there
+NEAR = 2_000_000  # steps from the start of a run to a row, that a replay without keyframes makes: about ten seconds
+
+
+class _Rows(Nowhere):
+    """Takes the rows of an integration, and nothing else of it."""
+
+    keeps_rows: ClassVar[bool] = True
+
+    def __init__(self, take: Callable[[np.ndarray, np.ndarray], None]):
+        super().__init__()
+        self.take = take
+
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Takes rows."""
+        self.take(times, states())
+
+
+def columns(
+    path: Path, start: float, until: float, step: float, *, accept_other_version: bool = False
+) -> dict[str, Column]:
+    """The rows of a stored run from `start` to `until` [s], every `step` [s], as columns in memory.
+
+    Raises
+    ------
+    InputError
+        The times are not within the run, or more than memory holds.
+    StoreError
+        The run is unfinished, damaged, has no keyframe near, or was made by other versions.
+    """
+    integration = _integration(path, EvenTimes(step, until, start), accept_other_version)
+    refuse_more_than_memory(integration.problem)
+    pieces: list[tuple[np.ndarray, np.ndarray]] = []
+    _make(integration, lambda times, states: pieces.append((times, states)))
+    times, states = (np.concatenate(each) for each in zip(*pieces, strict=True))
+    return integration.view.columns(times, states)
+
+
+def into_store(
+    path: Path,
+    start: float,
+    until: float,
+    step: float,
+    out: Path,
+    *,
+    overwrite: bool = False,
+    accept_other_version: bool = False,
+) -> dict[str, Any]:
+    """As `columns`, into a new store that has the events of that time too; gives what was done: `rows`, `steps`,
+    `seconds`, and the time where it `began` [s]."""
+    integration = _integration(path, EvenTimes(step, until, start), accept_other_version)
+    began, steps, clock = integration.t_end, integration.monitor.steps, time.perf_counter()
+    attrs = root.attributes(path)
+    about = {"from": start, "until": until, "step": step, "of": str(path)}
+    with root.new_store(out, overwrite=overwrite) as scratch:
+        group = tables.create_root(scratch, attrs | {"replay": about})
+        empty = integration.view.columns(np.zeros(0), integration.first[:0])
+        log = event_columns(integration.log.empty)
+        Appender.created(group, "trajectory", empty, recording.rows_per_chunk(integration.problem))
+        Appender.created(group, "events", log, recording.EVENTS_PER_CHUNK)
+        trajectory, events = map(Appender, tables.open_root(scratch, "trajectory", "events")[1])
+        _make(integration, lambda times, states: trajectory.append(integration.view.columns(times, states)))
+        for piece in chunks.pieces(path, "events", list(log)):
+            within = (piece["time"] >= start) & (piece["time"] <= until)
+            events.append({name: log[name]._replace(values=values[within]) for name, values in piece.items()})
+        for appender in (trajectory, events):
+            appender.flush()
+            appender.sync()
+        root.finish(scratch, {})
+    return {
+        "rows": len(integration.problem.times),
+        "began": began,
+        "steps": integration.monitor.steps - steps,
+        "seconds": time.perf_counter() - clock,
+        **about,
+    }
+
+
+def _make(integration: Integration, take: Callable[[np.ndarray, np.ndarray], None]) -> None:
+    """Integrates until all rows are there."""
+    sink = _Rows(take)
+    request = Request(integration, sink)
+    integration.status = integration.ended_at_start() if integration.fresh else None
+    while integration.status is None and integration.filled < len(integration.problem.times):
+        integration.follow(integration.driver.advance(request, STEPS), sink)
+    integration.fill(sink)
+
+
+def _integration(path: Path, times: EvenTimes, accept_other_version: bool) -> Integration:
+    """A stored run where it has to be taken up to make its rows at these times. Raises InputError, StoreError."""
+    attrs = root.attributes(path)
+    if attrs["status"] == Status.RUNNING.value:
+        raise StoreError(f"`{path}` must be finished to be replayed, but is not: tippetop resume {path}.")
+    resuming.same_here(path, attrs, accept_other_version, "replayed")
+    problem = build.stored(attrs)
+    _refuse(times, max(attrs["report"]["t_end"], problem.until if attrs["status"] == Status.FINISHED.value else 0.0))
+    integration = Integration(replace(problem, output="times", times=times))
+    if skeleton.has_keyframes(attrs):
+        _take_up(path, integration, times.start)
+    else:
+        _refuse_far(path, attrs["report"], times)
+    return integration
+
+
+def _refuse(times: EvenTimes, end: float) -> None:
+    """Raises InputError for times that are not within a run up to `end`, or that are too many."""
+    start, until, step = times.start, times.until, times.step
+    if not 0 <= start <= until <= end:
+        raise InputError([f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s."])
+    if not step > 0:
+        raise InputError([f"`step` must be greater than 0, but is {step:g}."])
+    if not (until - start) / step <= MOST_ROWS:
+        raise InputError([f"`step` must give at most {MOST_ROWS:.0e} rows, but gives {(until - start) / step:.3g}."])
+
+
+def _refuse_far(path: Path, report: dict[str, Any], times: EvenTimes) -> None:
+    """Raises StoreError where the start of a run, from which it must be taken up, is too far away."""
+    end, steps = report["t_end"], report["steps"]
+    far = steps * times.until / end if end > 0 else 0.0
+    if far > NEAR:
+        raise StoreError(
+            f'`{path}` must have keyframes (run.output = "keyframes") to be replayed at t = {times.until:g} s, '
+            f"but has none, and its start is {far:.2g} steps away."
+        )
+
+
+def _take_up(path: Path, integration: Integration, start: float) -> None:
+    """Takes a run up at its last keyframe before `start` [s], or leaves it at its start."""
+    arrays = tables.read_member(path, "keyframes")
+    if arrays.keys() != keyframes.empty(integration).keys():
+        raise StoreError(f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}.")
+    chunks.verify({"clock": arrays["clock"]})
+    at = int(np.searchsorted(arrays["clock"][:, 0, 0], start / integration.second, side="left")) - 1
+    if at < 0:
+        return
+    for array in arrays.values():
+        chunks.readable(array, at // array.chunks[0] * array.chunks[0])
+    if arrays["state"].attrs.get("equations") != fingerprint(integration.driver):
+        raise StoreError(f"`{path}` must be of the equations of this release to be replayed, but is of others.")
+    try:
+        keyframes.restore(integration, {name: array[at] for name, array in arrays.items()})
+    except (ValueError, IndexError, TypeError) as error:
+        raise StoreError(f"`{path}` must have whole keyframes, but: {error}.") from None

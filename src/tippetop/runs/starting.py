@@ -1,0 +1,127 @@
+"""A run starts where another has ended: exactly, and the store says from which."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arguments import path_of
+from ..engine.observables import Observables
+from ..engine.status import Status
+from ..errors import InputError, StoreError
+from ..mechanics.system import System
+from ..problem import Problem
+from ..scenario import build, reading
+from ..store import checkpoint, root, skeleton
+from ..store.checkpoint import DIGEST, END
+
+
+SAME = ("system", "form", "parameters")  # tables that a run shares with the one where it starts
+
+
+def load(source: str | Path, assignments: list[str] | None = None, until: float | None = None) -> Problem:
+    """The checked Problem of a TOML file or a preset.
+
+    Parameters
+    ----------
+    source : str or path
+        A TOML file, or the name of a preset.
+    assignments : list of str, optional
+        `table.key=value` texts, as the command line's `--set` takes them.
+    until : float, optional
+        Another end of the run [s]; output times beyond it go.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    InputError
+        With one sentence for everything that is wrong.
+    StoreError
+        If `initial.from` names no store that a run can start from.
+    """
+    tables = reading.override(reading.read(str(path_of("source", source))), assignments or [])
+    return problem(tables if until is None else build.ending(tables, until), folder_of(source))
+
+
+def folder_of(source: Any) -> Path:
+    """The folder in which the paths of a scenario are to be read: that of its file."""
+    beside = isinstance(source, str | os.PathLike) and Path(source).is_file()
+    return Path(source).parent if beside else Path()
+
+
+def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -> Problem:
+    """The checked Problem of a scenario's tables, whose `initial.from` may name the store of a run in this folder.
+
+    Raises
+    ------
+    InputError
+        With one sentence for everything that is wrong.
+    StoreError
+        There is no store of a run that has ended, or it is damaged.
+    """
+    initial = tables.get("initial")
+    if not isinstance(initial, dict) or "from" not in initial:
+        return build.problem(tables, known)
+    if len(initial) > 1:
+        others = ", ".join(f"`{name}`" for name in initial if name != "from")
+        raise InputError([f"`initial.from` must stand alone, but {others} is given too."])
+    path = folder / path_of("initial.from", initial["from"])
+    attrs = _ended(path)
+    tables = {name: attrs[name] for name in (*SAME, "friction") if name in attrs} | tables
+    if tables["system"] != attrs["system"]:
+        raise InputError([_another("system", path)])
+    if tables["form"] == "auto":
+        tables["form"] = attrs["form"]
+    before = build.stored(attrs)
+    end = _end(path)
+    parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]  # doubles to be added
+    state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
+    run = build.problem(tables | {"initial": _rounded(before, state)}, known)
+    for name in SAME:
+        if build.resolved(run)[name] != attrs[name]:
+            raise InputError([_another(name, path)])
+    if not set(run.variables.names) <= set(before.variables.names):
+        raise InputError([f"`run.orientation` must be false as in `{path}`, whose end is the start, but is true."])
+    return build.problem(
+        tables | {"initial": dict(run.initial)},
+        known,
+        {
+            "from": str(initial["from"]),
+            "digest": end[DIGEST],
+            "t_end": attrs["report"]["t_end"],
+            "form": attrs["form"],
+            "state": dict(zip(before.variables.names, parts, strict=True)),
+        },
+    )
+
+
+def _another(name: str, path: Path) -> str:
+    return f"`{name}` must be that of `{path}`, whose end is the start, but is another."
+
+
+def _ended(path: Path) -> dict[str, Any]:
+    """The root attributes of the store of a run that has ended in a state from which another can start."""
+    attrs = root.attributes(path)
+    if "content" in attrs or "replay" in attrs:
+        raise StoreError(f"`{path}` must be the store of a run to start from, but is another.")
+    if attrs["status"] not in [status.value for status in Status if status.ordinary]:
+        raise StoreError(f"`{path}` must have come to its end to start from, but: {attrs['reason']}.")
+    return attrs
+
+
+def _end(path: Path) -> dict[str, Any]:
+    try:
+        return checkpoint.read(path, skeleton.root_of(path), END)
+    except FileNotFoundError:
+        raise StoreError(f"`{path}` must have its `{END}` to start from, but has none.") from None
+
+
+def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
+    """The initial data of a state, (1, variables), as far as it has any."""
+    columns = Observables(before).columns(np.zeros(1), state)
+    values = {name: float(columns[name].values[0]) for name in before.system.initial if name in columns}
+    return {name: value for name, value in values.items() if np.isfinite(value)}

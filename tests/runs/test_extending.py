@@ -1,0 +1,224 @@
+"""A finished run is continued: bit by bit the run that would have been made at once."""
+
+import json
+import os
+import shutil
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+from stores import acknowledged, assert_same, ended, files, start_process, wait_until
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.errors import InputError, StoreError
+from tippetop.runs import extending, recording, resuming
+from tippetop.scenario import build
+from tippetop.store import provenance, renaming, root, seal
+
+
+TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # for ever
+OUTPUT = {
+    "rows": ["run.output_step=0.01"],
+    "steps": ["run.output_step=", "run.output=steps"],
+    "events": ["run.output_step=", "run.output=events"],
+    "keyframes": ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=300"],
+    "listed": ["run.output_step=", "run.output_times=[0.0, 0.5, 3.25]"],
+    "inverting": ["initial.phi_dot=0.0", "initial.theta=0.1", "initial.omega3=155.0", "friction.mu=0.3"],
+    "settled": ["run.stop_when=settled"],
+}
+
+
+def made(store: Path, until: float, *sets: str) -> Path:
+    recording.record(build.load("inverting", [*TURNING, *sets], until), store)
+    return store
+
+
+def said(store: Path) -> dict[str, Any]:
+    """The root attributes as they stand there."""
+    return json.loads((store / "zarr.json").read_text())["attributes"]
+
+
+@pytest.mark.parametrize("kind", list(OUTPUT))
+def test_a_run_that_is_continued_is_that_of_one_go(kind: str, tmp_path: Path) -> None:
+    """From 3.3 s, in the midst of a step, to 47 s, some slices later."""
+    sets = ["run.output_step=0.01", *OUTPUT[kind]]
+    whole, store = made(tmp_path / "whole.zarr", 47.0, *sets), made(tmp_path / "run.zarr", 3.3, *sets)
+    if kind == "listed":
+        whole = made(tmp_path / "listed.zarr", 47.0, *sets)
+    assert outcome(["resume", str(store), "--until", "47"]) == 0
+    assert_same(store, whole)
+
+
+def test_it_is_continued_again_and_again(tmp_path: Path) -> None:
+    whole = made(tmp_path / "whole.zarr", 60.0, "run.output_step=0.01")
+    store = made(tmp_path / "run.zarr", 0.5, "run.output_step=0.01")
+    for until in (0.77, 20.0, 50.0, 60.0):
+        tt.resume(store, until=until)
+    assert_same(store, whole)
+
+
+def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
+    store = tt.run("inverting", until=2.0, output_step=0.01).save(tmp_path / "run.zarr")
+    tt.resume(store, until=8.0)
+    whole = tt.run("inverting", until=8.0, output_step=0.01, out=tmp_path / "whole.zarr").path
+    assert_same(store, whole)
+
+
+def test_in_wider_numbers(tmp_path: Path) -> None:
+    sets = ["run.precision=longdouble", "run.output_step=0.01"]
+    whole, store = made(tmp_path / "whole.zarr", 2.0, *sets), made(tmp_path / "run.zarr", 0.7, *sets)
+    tt.resume(store, until=2.0)
+    assert_same(store, whole)
+
+
+def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
+    whole, store = made(tmp_path / "whole.zarr", 420.0, "run.output_step=0.1"), tmp_path / "run.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        recording.record(
+            build.load("inverting", [*TURNING, "run.output_step=0.1"], 400.0),
+            store,
+            progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt),
+        )
+    with pytest.raises(InputError, match="must be later than the end"):
+        tt.resume(store, until=300.0)
+    tt.resume(store, until=420.0)
+    assert_same(store, whole)
+
+
+@pytest.mark.parametrize("moment", ["at once", "after a commit"])
+def test_killed_while_it_is_continued_it_is_resumed(moment: str, tmp_path: Path) -> None:
+    whole, store = made(tmp_path / "whole.zarr", 400.0, "run.output_step=0.01"), tmp_path / "run.zarr"
+    made(store, 60.0, "run.output_step=0.01")
+    prelude = "import tippetop.runs.recording as r; r.COMMIT_EVERY = 0.0"
+    process = start_process("resume", str(store), "--until", "400", prelude=prelude)
+    least = 0 if moment == "at once" else 7000
+    wait_until(lambda: acknowledged(store) > least and said(store)["status"] == "running", process)
+    process.send_signal(signal.SIGKILL)
+    ended(process)
+    assert root.attributes(store)["status"] == "running"
+    assert outcome(["resume", str(store)]) == 0
+    assert_same(store, whole)
+
+
+def test_while_it_is_continued_it_has_no_seal_and_its_rows_are_bound_to_the_checkpoint(tmp_path: Path) -> None:
+    store = made(tmp_path / "run.zarr", 20.0, *OUTPUT["keyframes"])
+    assert "seal" in said(store)
+    with pytest.raises(KeyboardInterrupt):
+        extending.extend(store, 400.0, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+    assert said(store)["status"] == "running"
+    assert "seal" not in said(store)
+    digests = json.loads((store / "checkpoint.json").read_text())["digests"]
+    assert sorted(digests) == ["events", "keyframes", "trajectory"]
+    one, other = (store / "keyframes" / name / "c" / "0" for name in ("time", "step"))
+    whole = one.read_bytes(), other.read_bytes()
+    one.write_bytes(whole[1])
+    with pytest.raises(StoreError, match="acknowledged rows, but some of them are others"):
+        tt.resume(store)
+    one.write_bytes(whole[0])
+    tt.resume(store)
+    assert "seal" in said(store)
+    one.write_bytes(whole[1])
+    with pytest.raises(StoreError, match="seal"):
+        tt.open(store)
+
+
+def test_a_store_between_two_seals_is_continued_too(tmp_path: Path) -> None:
+    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+    seal.remove(store)  # as one that was killed just before larger chunks had their seal
+    assert tt.open(store).summary.status == "finished"
+    tt.resume(store, until=4.0)
+    assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
+
+
+@pytest.mark.parametrize("step", ["exchange", "compare", "write", "replace_attributes"])
+def test_whatever_fails_before_it_begins_leaves_the_finished_run(
+    step: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = made(tmp_path / "run.zarr", 10.0, "run.output_step=0.01")
+    before = files(store)
+    module = {"exchange": renaming, "compare": resuming, "write": extending.checkpoint, "replace_attributes": root}
+
+    def fails(*_: object) -> None:
+        raise OSError("the disk")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module[step], step, fails)
+        with pytest.raises((StoreError, OSError)):
+            tt.resume(store, until=100.0)
+    assert tt.open(store).summary.status == "finished"
+    if step == "exchange":
+        assert files(store) == before
+    tt.resume(store, until=100.0)
+    assert_same(store, made(tmp_path / "whole.zarr", 100.0, "run.output_step=0.01"))
+
+
+@pytest.mark.parametrize(("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "later"), ("-1", "later")])
+def test_an_end_that_is_not_later_is_refused(
+    until: str, sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    store = made(tmp_path / "run.zarr", 3.0)
+    before = files(store)
+    assert outcome(["resume", str(store), f"--until={until}"]) == 2
+    assert sentence in capsys.readouterr().err
+    assert files(store) == before
+
+
+def test_an_endless_end_is_refused_in_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    store = made(tmp_path / "run.zarr", 3.0)
+    assert outcome(["resume", str(store), "--until", "inf"]) == 2
+    assert "Traceback" not in capsys.readouterr().err
+    assert outcome(["resume", str(store), "--until", "1e12"]) == 2
+    assert tt.open(store).summary.status == "finished"
+
+
+def test_a_run_that_an_event_has_ended_is_not_continued(tmp_path: Path) -> None:
+    lifts = ["initial.omega3=300.0", "initial.theta=0.1", "initial.phi_dot=0.0", "friction.mu=0.3"]
+    store = made(tmp_path / "run.zarr", 10.0, *lifts)
+    with pytest.raises(StoreError, match=r"must have come to its end to be continued, but: the top lifted off"):
+        tt.resume(store, until=16.0)
+
+
+def test_a_store_without_its_end_or_of_other_versions_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+    kept = (store / "end.json").read_text()
+    (store / "end.json").unlink()
+    with pytest.raises(StoreError, match=r"must have its `end.json`"):
+        tt.resume(store, until=4.0)
+    (store / "end.json").write_text(kept.replace("0x1", "0x2", 1))
+    with pytest.raises(StoreError, match="its digest is another"):
+        tt.resume(store, until=4.0)
+    (store / "end.json").write_text(kept)
+    content = json.loads((store / "zarr.json").read_text())
+    content["attributes"]["friction"]["mu"] = 0.1
+    other = Path(shutil.copytree(store, tmp_path / "other.zarr"))
+    (other / "zarr.json").write_text(json.dumps(content))
+    with pytest.raises(StoreError, match="root attributes were changed"):
+        tt.resume(other, until=4.0)
+    with monkeypatch.context() as patch:
+        patch.setattr(provenance, "cpu", lambda: "another")
+        with pytest.raises(StoreError, match="must be continued by the versions and processor"):
+            tt.resume(store, until=4.0)
+        run = tt.resume(store, until=4.0, accept_other_version=True)
+    assert [before["cpu"] for before in run.attributes["begun_with"]] == [provenance.cpu()]
+    assert run.attributes["cpu"] == "another"
+
+
+def test_a_certificate_does_not_hinder_and_does_not_stay(tmp_path: Path) -> None:
+    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+    root.annotate(store, {"certificate": {"theta": 0.0}})
+    tt.resume(store, until=4.0)
+    assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
+
+
+def test_a_replay_is_not_continued(tmp_path: Path) -> None:
+    store = made(tmp_path / "run.zarr", 3.0)
+    words = ["--from", "1", "--until", "2", "--step", "0.1", "--out", str(tmp_path / "rows.zarr")]
+    assert outcome(["replay", str(store), *words]) == 0
+    assert not os.path.exists(tmp_path / "rows.zarr" / "end.json")
+    assert said(tmp_path / "rows.zarr")["seal"] != said(store)["seal"]
+    with pytest.raises(StoreError, match="is a replay"):
+        tt.resume(tmp_path / "rows.zarr", until=6.0)

@@ -1,0 +1,221 @@
+"""Keyframes and replay: a run that keeps no rows gives those of any part, with the bits that it would have stored."""
+
+import json
+import shutil
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from stores import assert_same, ended, files, start_process, wait_until
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.errors import InputError, StoreError
+from tippetop.problem import Problem
+from tippetop.runs import recording, replay
+from tippetop.scenario import build
+from tippetop.store import provenance, root
+
+
+TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # for ever
+KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100"]
+
+
+def problem(until: float, *sets: str) -> Problem:
+    return build.load("inverting", [*TURNING, "run.output_step=0.1", *sets], until)
+
+
+def stored(store: Path, until: float, *sets: str) -> Path:
+    recording.record(problem(until, *sets), store)
+    return store
+
+
+def listed(times: np.ndarray) -> str:
+    return f"run.output_times={times.tolist()}"
+
+
+def times_of(start: float, until: float, step: float) -> np.ndarray:
+    times = start + np.arange(10_000) * step
+    return np.append(times[times < until - 1e-9 * step], until)
+
+
+def same_columns(mine: xr.Dataset, yours: xr.Dataset) -> None:
+    assert sorted(mine.variables) == sorted(yours.variables)
+    for name in yours.variables:
+        assert np.asarray(mine[name].values).tobytes() == np.asarray(yours[name].values).tobytes(), name
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return stored(tmp_path_factory.mktemp("kept") / "run.zarr", 40.0, *KEYFRAMES)
+
+
+def test_a_store_of_keyframes_holds_them_the_events_and_the_summary_of_the_same_run(kept: Path, tmp_path: Path) -> None:
+    rows = stored(tmp_path / "rows.zarr", 40.0)
+    attrs, with_rows = root.attributes(kept), root.attributes(rows)
+    assert attrs["report"] == with_rows["report"]
+    assert attrs["final_state"] == with_rows["final_state"]
+    for name, content in files(rows / "events").items():
+        assert (kept / "events" / name).read_bytes() == content
+    frames = root.open_group(kept, "keyframes")
+    assert frames["step"].values.tolist() == list(range(100, attrs["report"]["steps"], 100))
+    assert np.all(np.diff(frames["time"]) > 0)
+    assert tt.open(kept).trajectory.sizes["time"] == 0
+    assert sum(len(content) for content in files(kept / "keyframes").values()) < 200_000
+
+
+@pytest.mark.parametrize(("start", "until", "step"), [(0.0, 3.0, 0.01), (20.0, 21.0, 1e-3), (39.5, 40.0, 0.017)])
+def test_a_replay_has_the_bits_of_the_rows_that_the_run_would_have_stored(
+    start: float, until: float, step: float, kept: Path, tmp_path: Path
+) -> None:
+    times = times_of(start, until, step)
+    rows = tt.open(stored(tmp_path / "rows.zarr", 40.0, "run.output_step=", listed(times)))
+    same_columns(tt.open(kept).replay(start, until, step), rows.trajectory)
+
+
+def test_a_replay_begins_at_its_keyframe(kept: Path, tmp_path: Path) -> None:
+    made = replay.into_store(kept, 30.0, 30.01, 1e-3, tmp_path / "rows.zarr")
+    assert 0 < 30.0 - made["began"] < 40.0 * 100 / root.attributes(kept)["report"]["steps"]
+    assert made["steps"] <= replay.STEPS
+
+
+@pytest.mark.parametrize("precision", ["longdouble", "quad"])
+def test_a_replay_in_wider_numbers_has_the_same_bits(precision: str, tmp_path: Path) -> None:
+    wide = [f"run.precision={precision}", "run.keyframe_steps=20"]
+    store = stored(tmp_path / "kept.zarr", 1.0, *KEYFRAMES, *wide)
+    assert root.open_group(store, "keyframes").sizes["keyframe"] > 1
+    times = times_of(0.9, 1.0, 0.01)
+    rows = stored(tmp_path / "rows.zarr", 1.0, "run.output_step=", listed(times), f"run.precision={precision}")
+    same_columns(tt.open(store).replay(0.9, 1.0, 0.01), tt.open(rows).trajectory)
+
+
+def test_a_replay_reaches_the_liftoff_that_ended_the_run(tmp_path: Path) -> None:
+    sets = ["initial.omega3=300.0", "initial.theta=0.1", "initial.phi_dot=0.0", "friction.mu=0.3"]
+    store = stored(tmp_path / "kept.zarr", 10.0, *sets, *KEYFRAMES)
+    attrs = root.attributes(store)
+    assert attrs["status"] == "liftoff"
+    end = attrs["report"]["t_end"]
+    times = np.append(times_of(0.0, end, end / 64)[:-1], end)
+    rows = tt.open(stored(tmp_path / "rows.zarr", 10.0, *sets, "run.output_step=", listed(times)))
+    same_columns(tt.open(store).replay(0.0, end, end / 64), rows.trajectory)
+
+
+def test_a_run_with_rows_is_replayed_from_its_start_if_that_is_near(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = stored(tmp_path / "run.zarr", 4.0)
+    same_columns(tt.open(store).replay(0.0, 4.0, 0.1), tt.open(store).trajectory)
+    monkeypatch.setattr(replay, "NEAR", 10)
+    with pytest.raises(StoreError, match="must have keyframes"):
+        tt.open(store).replay(3.0, 4.0, 0.1)
+
+
+def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(kept: Path, tmp_path: Path) -> None:
+    out = tmp_path / "rows.zarr"
+    words = ["replay", str(kept), "--from", "20", "--until", "21", "--step", "0.001", "--out", str(out)]
+    assert outcome(words) == 0
+    run = tt.open(out)
+    same_columns(run.trajectory, tt.open(kept).replay(20.0, 21.0, 0.001))
+    log = tt.open(kept).events
+    within = (log.time >= 20.0) & (log.time <= 21.0)
+    assert int(within.sum()) > 0
+    same_columns(run.events, log.isel(event=within.values))
+    assert run.summary.replay.until == 21.0
+    assert outcome(words) == 5
+    assert outcome([*words, "--overwrite"]) == 0
+    same_columns(run.replay(20.5, 20.6, 0.01), tt.open(kept).replay(20.5, 20.6, 0.01))
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--from", "-1", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
+        (["--from", "39", "--until", "40.1", "--step", "0.1"], "must be within 0 and 40"),
+        (["--from", "2", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
+        (["--from", "1", "--until", "2", "--step", "0"], "must be greater than 0"),
+        (["--from", "1", "--until", "2", "--step", "1e-13"], "at most 1e"),
+        (["--from", "nan", "--until", "2", "--step", "1"], "must be within"),
+        (["--from", "1", "--until", "2", "--step", "nan"], "must be greater than 0"),
+    ],
+)
+def test_times_outside_the_run_are_refused_in_a_sentence(
+    words: list[str], sentence: str, kept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert outcome(["replay", str(kept), *words, "--out", str(tmp_path / "rows.zarr")]) == 2
+    assert sentence in capsys.readouterr().err
+    assert not (tmp_path / "rows.zarr").exists()
+
+
+def test_other_versions_are_refused_unless_accepted(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(provenance, "cpu", lambda: "another")
+    with pytest.raises(StoreError, match=r"must be replayed by the versions and processor.*--accept-other-version"):
+        tt.open(kept).replay(1.0, 2.0, 0.1)
+    assert tt.open(kept).replay(1.0, 2.0, 0.1, accept_other_version=True).sizes["time"] == 11
+
+
+def test_damaged_keyframes_are_said(tmp_path: Path) -> None:
+    store = stored(tmp_path / "run.zarr", 10.0, *KEYFRAMES)
+    chunk = store / "keyframes" / "state" / "c" / "0" / "0" / "0"
+    whole = chunk.read_bytes()
+    chunk.write_bytes(whole[:-20] + b"\x00" + whole[-19:])
+    with pytest.raises(StoreError, match=r"state` must be readable"):
+        tt.open(store).replay(9.0, 10.0, 0.1)
+    shutil.rmtree(chunk.parents[1])
+    with pytest.raises(StoreError, match="must have 1 chunks"):
+        tt.open(store)
+
+
+def test_a_run_that_is_not_finished_is_not_replayed(tmp_path: Path) -> None:
+    store = tmp_path / "run.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        recording.record(problem(400.0, *KEYFRAMES), store, progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+    with pytest.raises(StoreError, match="must be finished to be replayed"):
+        tt.open(store).replay(1.0, 2.0, 0.1)
+
+
+def test_killed_and_resumed_a_run_with_keyframes_is_bit_identical(tmp_path: Path) -> None:
+    prelude = "import tippetop.runs.recording as r, tippetop.runs.keyframes as k; r.COMMIT_EVERY, k.PER_CHUNK = 0.0, 64"
+    sets = [word for s in (*TURNING, *KEYFRAMES[1:]) for word in ("--set", s)]
+
+    def command(store: Path) -> list[str]:
+        return ["run", "inverting", "--set", "run.output_step=", *sets, "--until", "300", "--out", str(store)]
+
+    def keyframes(store: Path) -> int:
+        place = store / "checkpoint.json"
+        return json.loads(place.read_text())["keyframes"] if place.exists() else 0
+
+    store, whole = tmp_path / "run.zarr", tmp_path / "whole.zarr"
+    process = start_process(*command(store), prelude=prelude)
+    wait_until(lambda: keyframes(store) > 70, process)
+    process.send_signal(signal.SIGKILL)
+    ended(process)
+    code, err = ended(start_process("resume", str(store), prelude=prelude))
+    assert code == 0, err
+    code, err = ended(start_process(*command(whole), prelude=prelude))
+    assert code == 0, err
+    assert_same(store, whole)
+
+
+def test_keyframes_need_a_store_and_a_picture_rows(
+    kept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(InputError, match="`out` must be given"):
+        tt.run("inverting", until=1.0, output="keyframes")
+    words = ["run", "inverting", "--set", "run.output_step=", "--set", "run.output=keyframes", "--until", "1"]
+    assert outcome([*words, "--figure", str(tmp_path / "a.png")]) == 2
+    assert "must keep rows" in capsys.readouterr().err
+    assert outcome(["plot", str(kept), "theta", "--out", str(tmp_path / "a.png")]) == 2
+    assert "keeps none" in capsys.readouterr().err
+    assert outcome(words) == 0
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("keyframe_steps", 0), ("keyframe_steps", 1.5), ("keyframe_steps", "many"), ("output", "frames")]
+)
+def test_settings_of_keyframes_are_checked(key: str, value: object) -> None:
+    with pytest.raises(InputError, match=f"`{key}` must be"):
+        tt.run("inverting", until=1.0, out="nowhere.zarr", **{"output": "keyframes", key: value})
+    with pytest.raises(InputError, match='must be "keyframes" where `keyframe_steps`'):
+        tt.run("inverting", until=1.0, output="steps", keyframe_steps=10)
