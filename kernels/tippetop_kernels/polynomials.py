@@ -50,14 +50,23 @@ def ranges(c, shift, factors, low, high, monotone, work):
     """
     rest, end, bend = work[0], work[1], work[2]
     lanes = len(low)
-    for lane in range(lanes):
-        rest[lane] = end[lane] = bend[lane] = 0.0
-    for k in range(5, len(factors) - shift):
+    if lanes == 1:  # loops over one lane cost more than what is in them
+        total, size, steep = 0.0, 0.0, 0.0
+        for k in range(5, len(factors) - shift):
+            a = c[k + shift, 0] * factors[k, 0]
+            total += a
+            size += abs(a)
+            steep += k * abs(a)
+        rest[0], end[0], bend[0] = size, total, steep
+    else:
         for lane in range(lanes):
-            a = c[k + shift, lane] * factors[k, lane]
-            end[lane] += a
-            rest[lane] += abs(a)
-            bend[lane] += k * abs(a)
+            rest[lane] = end[lane] = bend[lane] = 0.0
+        for k in range(5, len(factors) - shift):
+            for lane in range(lanes):
+                a = c[k + shift, lane] * factors[k, lane]
+                end[lane] += a
+                rest[lane] += abs(a)
+                bend[lane] += k * abs(a)
     for lane in range(lanes):
         p0, p1 = c[shift, lane], c[1 + shift, lane] * factors[1, lane]
         p2, p3 = c[2 + shift, lane] * factors[2, lane], c[3 + shift, lane] * factors[3, lane]

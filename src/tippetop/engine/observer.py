@@ -83,6 +83,12 @@ def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
 @inlined
 def _factors(start, end, factors):
     """What turns Taylor coefficients in time into those in time over h: of variables, and of rates."""
+    if len(start) == 1:
+        factor, h = 1.0, end[0] - start[0]
+        for k in range(factors.shape[1]):
+            factors[0, k, 0], factors[1, k, 0] = factor, (k + 1) * factor
+            factor *= h
+        return
     for lane in range(len(start)):
         factors[0, 0, lane] = factors[1, 0, lane] = 1.0
     for k in range(1, factors.shape[1]):
