@@ -15,8 +15,8 @@ from numba import types
 from .jit import entry, intrinsic
 
 
-class Machine(NamedTuple):
-    """Machine code in memory."""
+class MachineCode(NamedTuple):
+    """MachineCode code in memory."""
 
     engine: Any  # owns the memory
     step: int  # addresses
@@ -59,7 +59,7 @@ def undefined_symbols(code: bytes) -> list[str]:
     return names
 
 
-def load(code: bytes, libraries: Iterable[str] = (), names: tuple[str, str] = ("step", "d_out_f")) -> Machine:
+def load(code: bytes, libraries: Iterable[str] = (), names: tuple[str, str] = ("step", "d_out_f")) -> MachineCode:
     """Loads an object file into memory.
 
     Parameters
@@ -73,7 +73,7 @@ def load(code: bytes, libraries: Iterable[str] = (), names: tuple[str, str] = ("
 
     Returns
     -------
-    Machine
+    MachineCode
 
     Raises
     ------
@@ -94,7 +94,7 @@ def load(code: bytes, libraries: Iterable[str] = (), names: tuple[str, str] = ("
     step, dense = (engine.get_function_address(name) for name in names)
     if not (step and dense):
         raise ValueError(f"an object must have the functions {' and '.join(names)}")
-    return Machine(engine, step, dense)
+    return MachineCode(engine, step, dense)
 
 
 def _calling(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

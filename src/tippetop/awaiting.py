@@ -49,8 +49,8 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     thread = threading.Thread(target=done, name="awaited", daemon=True)
     quiet = not sys.stderr.isatty() or bool(os.environ.get("TIPPETOP_QUIET"))
     began = time.monotonic()
-    thread.start()
     try:
+        thread.start()  # in here: a signal may come before it returns
         while not finished.wait(LOOK):
             if not quiet and time.monotonic() - began > SILENT:
                 print(f"tippetop: {doing} ...", file=sys.stderr, flush=True)

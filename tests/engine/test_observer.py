@@ -29,7 +29,7 @@ from tippetop.mechanics.events import Event, Kept
 ORDER, LANES, STEPS = 12, 4, 40
 KEPT = (Kept("first", "first", ""), Kept("last", "last", ""), Kept("count", "count", ""), Kept("up", "count", "", 1))
 UNTIL = 2.0
-NO_RULES = StopRules(lasting=-1, way=0, settled_for=1.0, most_steps=10**6, every=8)
+NO_RULES = StopRules(lasting=-1, way=0, settled_for=1.0, most_steps=10**6, every=8, first=0)
 
 
 def event(name: str, **options: object) -> Event:

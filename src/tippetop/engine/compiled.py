@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from tippetop_kernels.compiled_step import Machine, first_step, load
+from tippetop_kernels.compiled_step import MachineCode, first_step, load
 
 from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
@@ -35,11 +35,14 @@ class Compiled(NamedTuple):
 
     integrator: Any
     rows: EventRows
-    machine: Machine | None
+    machine: MachineCode | None
     agrees: list[bool]
 
 
-@lru_cache(maxsize=32)  # 0.1 to 4 MB each, measured; the one that was used least lately goes
+MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
+
+
+@lru_cache(maxsize=MOST_COMPILED)
 def compiled(
     system: System,
     form_name: str,
@@ -62,7 +65,7 @@ def compiled(
     lanes
         How many runs it advances at a time; 0 is one run, with heyoka's integrator for one.
     compact
-        Whether heyoka's compact code is made: it compiles at once, and runs a third slower.
+        Whether heyoka's compact code is code: it compiles at once, and runs a third slower.
     orientation
         Whether the orientation of the body is integrated too.
 
@@ -111,7 +114,7 @@ def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, flo
     return None
 
 
-def _machine(integrator: Any) -> Machine | None:
+def _machine(integrator: Any) -> MachineCode | None:
     """The machine code of a step; None where it cannot be loaded."""
     try:
         return load(integrator.llvm_state.object_code, _libraries())
@@ -129,28 +132,28 @@ def _libraries() -> tuple[str, ...]:
 _comparing = threading.Lock()
 
 
-def is_same_step(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
+def is_same_step(code: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
     """Whether the loaded code makes the step that heyoka makes, bit by bit: one step of each from this state, once.
 
     Parameters
     ----------
-    made
+    code
         With machine code.
     state, pars
         (variables,) or (variables, lanes); (parameters,) or (parameters, lanes).
     """
     with _comparing:
-        if not made.agrees:
-            made.agrees.append(_compare(made, state, pars))
-    return made.agrees[0]
+        if not code.agrees:
+            code.agrees.append(_compare(code, state, pars))
+    return code.agrees[0]
 
 
-def _compare(made: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
-    assert made.machine is not None
-    theirs, lanes = made.integrator, state.shape[1:]
+def _compare(code: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
+    assert code.machine is not None
+    theirs, lanes = code.integrator, state.shape[1:]
     zero, longest = np.zeros(lanes or (1,)), np.ones(lanes or (1,))
     mine, tc, h = state.copy(), np.zeros((*state.shape[:1], theirs.order + 1, *lanes)), longest.copy()
-    first_step(made.machine.step, mine, pars.copy(), zero.copy(), h, tc)
+    first_step(code.machine.step, mine, pars.copy(), zero.copy(), h, tc)
     theirs.state[:], theirs.pars[:] = state, pars
     if lanes:
         theirs.step(longest.tolist(), write_tc=True)

@@ -80,19 +80,19 @@ def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scrat
     """
     motion, events, tallies, log = lent(motion), lent(events), lent(tallies), lent(log)
     samples, rows, scratch = lent(samples), lent(rows), lent(scratch)
-    made, ended = 0, False
+    steps, ended = 0, False
     room = len(events.events) * len(scratch.zeros)
     while True:
-        full = _rows(dense, motion, tallies, rows, made)
+        full = _rows(dense, motion, tallies, rows, steps)
         full = full or (len(log.time) > 0 and log.filled[0] + room > len(log.time))
         full = full or (len(samples.lane) > 0 and samples.filled[0] + len(motion.h) > len(samples.lane))
-        if made == most or ended or full:
-            return made
+        if steps == most or ended or full:
+            return steps
         begin_step(motion, tallies)
         call_step(step, motion.state, motion.pars, motion.start_high, motion.h, motion.tc)
         known = log.filled[0]
         ended = end_step(motion, events, rules, tallies, log, samples, scratch)
-        made += 1
+        steps += 1
         for k in range(known, log.filled[0]):
             motion.limit[0] = (log.time[k] - motion.start_high[0]) - motion.start_low[0]
             call_dense(dense, rows.out, motion.tc, motion.limit)
@@ -132,7 +132,9 @@ def end_step(motion, events, rules, tallies, log, samples, scratch):
         if tally.status == RUNNING and motion.h[lane] == motion.limit[lane]:
             tally.status = FINISHED
         ended = ended or tally.status != RUNNING
-        if tally.steps % rules.every == 0 and tally.upto == 1.0 and len(samples.lane) > 0:
+        if not (tally.steps % rules.every == 0 or tally.steps <= rules.first) or tally.upto < 1.0:
+            continue
+        if len(samples.lane) > 0:
             at = samples.filled[0]
             samples.lane[at] = lane
             for i in range(len(motion.state)):
@@ -162,15 +164,15 @@ def _is_finite(motion, lane):
 
 
 @inlined
-def _rows(dense, motion, tallies, rows, made):
-    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `made` are
-    the steps of this call: the end of one that was made before it has its row."""
+def _rows(dense, motion, tallies, rows, steps):
+    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `steps` are
+    those of this call: the end of one that was made before it has its row."""
     n = len(rows.times)
     if n == 0:
         return False
     tally, at = tallies.lane[0], rows.filled[0]
     if rows.steps:
-        if made > 0 and tally.upto == 1.0 and tally.status != NON_FINITE:
+        if steps > 0 and tally.upto == 1.0 and tally.status != NON_FINITE:
             rows.times[at] = motion.high[0]
             for i in range(len(motion.state)):
                 rows.states[at, i] = motion.state[i, 0]

@@ -49,10 +49,10 @@ class CompiledDriver(Driver):
         """Makes at most so many steps."""
         log, samples = self.log, self.samples
         log.filled[0] = samples.filled[0] = 0
-        made, before = 0, int(self.tally["steps"])
+        steps, before = 0, int(self.tally["steps"])
         while True:
             rows = self._asked(request)
-            made += self._drive(rows, most - made if self.tally["status"] == Status.RUNNING.code else 0)
+            steps += self._drive(rows, most - steps if self.tally["status"] == Status.RUNNING.code else 0)
             filled = int(rows.filled[0])
             if filled:
                 request.take(rows.times[:filled], rows.states[:filled, : self.variables])

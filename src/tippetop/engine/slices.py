@@ -28,6 +28,7 @@ from .tallies import (
 
 STEPS_PER_SLICE = 8192  # about 20 ms of work
 EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the steps
+FIRST = 256  # steps of a run that are all looked at: a short run has no more
 ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
 STATUSES = {status.code: status for status in Status}
 
@@ -92,13 +93,13 @@ class Driver(ABC):
         self.variables = len(problem.variables.names)  # the others are integrals of event functions
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
         self.rows = watched(compiled.rows, problem)
-        self.rules = StopRules(-1, 0, 0.0, ENDLESS, EVERY)
+        self.rules = StopRules(-1, 0, 0.0, ENDLESS, EVERY, FIRST)
         n, order = len(compiled.integrator.state), compiled.integrator.order
         self.tallies = new_tallies(self.rows, 1)
         self.at_start = event_functions(problem.alone)[0]  # the event functions
         reset(self.tallies, self.rows, 0, *signs_of(self.at_start))
         self.log = new_log(1024 + len(self.rows.events) * (order + 1), n)
-        self.samples = new_samples(STEPS_PER_SLICE // EVERY + 2, n)
+        self.samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
         self.scratch = new_scratch(order + 1, 1)
 
     @property

@@ -38,6 +38,7 @@ class StopRules(NamedTuple):
     settled_for: float  # internal time that it must have lasted
     most_steps: int
     every: int  # steps between two samples
+    first: int  # so many steps at the start are all sampled
 
 
 _LANE: dict[str, Any] = {

@@ -9,7 +9,7 @@ import numpy as np
 from ..awaiting import awaited
 from ..mechanics.operand import leaves
 from ..problem import Problem
-from .compiled import Compiled, compiled, is_same_step
+from .compiled import MOST_COMPILED, Compiled, compiled, is_same_step
 from .one_run import CompiledDriver
 from .slices import Driver
 from .wide import SliceDriver
@@ -42,13 +42,15 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     if key in _known:
         return _driver(problem, key)
     driver = awaited(lambda: _driver(problem, key), "the equations are being compiled", stop)
+    if len(_known) >= MOST_COMPILED:  # some may have gone since
+        _known.clear()
     _known.add(key)
     return driver
 
 
 def _driver(problem: Problem, key: tuple) -> Driver:
-    made = _checked(problem, compiled(*key))
-    driver = (CompiledDriver if made.machine is not None else SliceDriver)(problem, made)
+    code = _checked(problem, compiled(*key))
+    driver = (CompiledDriver if code.machine is not None else SliceDriver)(problem, code)
     driver.prepare()
     return driver
 
@@ -71,14 +73,14 @@ def _key(problem: Problem) -> tuple:
     )
 
 
-def _checked(problem: Problem, made: Compiled) -> Compiled:
+def _checked(problem: Problem, code: Compiled) -> Compiled:
     """Without the machine code if it does not make the step that heyoka makes."""
-    if made.machine is None:
-        return made
-    state = np.zeros(len(made.integrator.state))
+    if code.machine is None:
+        return code
+    state = np.zeros(len(code.integrator.state))
     state[: len(problem.variables.names)] = problem.start()
-    pars = np.array([float(leaf) for leaf in leaves(problem.internal_body)][: len(made.integrator.pars)])
-    return made if is_same_step(made, state, pars) else made._replace(machine=None)
+    pars = np.array([float(leaf) for leaf in leaves(problem.internal_body)][: len(code.integrator.pars)])
+    return code if is_same_step(code, state, pars) else code._replace(machine=None)
 
 
 def fingerprint(driver: Driver) -> str:

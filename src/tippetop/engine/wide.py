@@ -49,9 +49,9 @@ class SliceDriver(Driver):
         if output is None:  # not one step was possible
             broken = outcome == hy.taylor_outcome.err_nf_state
             none, no_states = np.zeros(0, int), np.zeros((0, len(state)), state.dtype)
-            found = Passages(np.zeros(0, state.dtype), none, none, none > 0, no_states)
+            passages = Passages(np.zeros(0, state.dtype), none, none, none > 0, no_states)
             return self._slice(
-                0, self.reached, state[None, :], no_states, found, Status.NON_FINITE if broken else Status.FINISHED
+                0, self.reached, state[None, :], no_states, passages, Status.NON_FINITE if broken else Status.FINISHED
             )
         times, coefficients = output.times, output.tcs
         ends = np.concatenate([coefficients[1:, :, 0], self._end(output, outcome)])
@@ -71,7 +71,7 @@ class SliceDriver(Driver):
         ended, self.reached = self._status(outcome), reached
         self._rows(output, request, float(reached), ended is not None, ends)
         counts = np.arange(before + 1, 1 + int(self.tally["steps"]))
-        sampled = ends[: len(counts)][counts % self.rules.every == 0]
+        sampled = ends[: len(counts)][(counts % self.rules.every == 0) | (counts <= self.rules.first)]
         return self._slice(len(counts), reached, last, sampled, passages, ended)
 
     def _slice(
@@ -88,33 +88,33 @@ class SliceDriver(Driver):
 
     def _status(self, outcome: Any) -> Status | None:
         """How the run ended: by what the observer found before the integrator came to its end."""
-        found = STATUSES[int(self.tally["status"])]
-        if found is not Status.RUNNING:
-            return found
+        status = STATUSES[int(self.tally["status"])]
+        if status is not Status.RUNNING:
+            return status
         known = {hy.taylor_outcome.time_limit: Status.FINISHED, hy.taylor_outcome.err_nf_state: Status.NON_FINITE}
         return known.get(outcome)
 
     def _passages(self, output: Any, coefficients: np.ndarray) -> Passages:
         """What the log holds, in the working precision."""
         log, number = self.log, self.problem.number
-        found = np.argsort(log.time[: log.filled[0]], kind="stable")
-        events, step = log.event[found], log.step[found]
-        if not len(found):
+        order = np.argsort(log.time[: log.filled[0]], kind="stable")
+        events, step = log.event[order], log.step[order]
+        if not len(order):
             none = np.zeros(0, int)
             return Passages(np.zeros(0, number), none, none, none > 0, np.zeros((0, coefficients.shape[1]), number))
         start = output.times[step]
         record = self.rows.events[events]
-        inside = log.time[found].astype(number) - start
+        inside = log.time[order].astype(number) - start
         refined = start + _refined(coefficients[step], record, inside, np.diff(output.times)[step])
         states = np.array(output(refined), copy=True)
-        return Passages(refined, events, log.sign[found], log.at_pole[found], states)
+        return Passages(refined, events, log.sign[order], log.at_pole[order], states)
 
     def _rows(self, output: Any, request: Request, reached: float, ended: bool, ends: np.ndarray) -> None:
         """Gives the request its rows up to the time reached, and those at it if the run has ended."""
         if request.steps:
             times = output.times[1:].astype(float)
-            made = int(np.searchsorted(times, reached, side="right" if self.tally["upto"] == 1.0 else "left"))
-            request.take(times[:made], ends[:made, : self.variables].copy())
+            count = int(np.searchsorted(times, reached, side="right" if self.tally["upto"] == 1.0 else "left"))
+            request.take(times[:count], ends[:count, : self.variables].copy())
             return
         while True:
             self.times = self.times if len(self.times) else request.wanted()

@@ -48,14 +48,14 @@ class Lanes:
     def __init__(self, tops: Problems, lanes: int = LANES, wanted: Collection[str] | None = None):
         base = tops.base
         law, tolerance, orientation = base.friction.__class__, base.tolerance, tops.orientation
-        made = awaited(
+        code = awaited(
             lambda: compiled(base.system, base.form.name, law, "double", tolerance, lanes, False, orientation),
             "the equations are being compiled",
         )
-        self.tops, self.lanes, self.rows = tops, lanes, watched(made.rows, base, wanted)
+        self.tops, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         self.rules, self.tallies = rules(base), new_tallies(self.rows, lanes)
-        n, order = len(made.integrator.state), made.integrator.order
-        self.motion = new_motion(made.integrator, lanes)
+        n, order = len(code.integrator.state), code.integrator.order
+        self.motion = new_motion(code.integrator, lanes)
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
         self.samples = new_samples(SAMPLES * lanes if drifts else 0, n)
         self.log, self.scratch, self.nothing = new_log(0, n), new_scratch(order + 1, lanes), no_rows(n)
@@ -66,12 +66,12 @@ class Lanes:
         self.pars = tops.pars[: len(self.motion.pars)]  # the integrator has none beyond the last that it reads
         for lane in range(lanes):
             self.park(lane)
-        self.machine = made.machine
-        if self.machine is not None and not is_same_step(made, self.motion.state, self.motion.pars):
+        self.machine = code.machine
+        if self.machine is not None and not is_same_step(code, self.motion.state, self.motion.pars):
             self.machine = None
         if self.machine is not None:  # all lanes are at their ends: it makes no step
             awaited(lambda: self._drive(0), "the loop is being compiled")
-        self.integrator = copy.deepcopy(made.integrator) if self.machine is None else made.integrator
+        self.integrator = copy.deepcopy(code.integrator) if self.machine is None else code.integrator
 
     def _put(self, lane: int, top: int, end: float) -> None:
         motion, start = self.motion, self.tops.start[:, top]
@@ -112,8 +112,8 @@ class Lanes:
 
     def advance(self, observer: Observer) -> None:
         """Steps until a top ends, or samples are to be looked at; lanes whose top has ended are left empty (-2)."""
-        made = self._by_heyoka() if self.machine is None else self._drive()
-        self.steps_possible += made * self.lanes
+        steps = self._by_heyoka() if self.machine is None else self._drive()
+        self.steps_possible += steps * self.lanes
         if self._is_full():
             self._look(observer)
         lane_of = self.tallies.lane
@@ -139,7 +139,7 @@ class Lanes:
 
     def _by_heyoka(self) -> int:
         """The same where the machine code cannot be called: heyoka makes each step."""
-        ta, motion, made, ended = self.integrator, self.motion, 0, False
+        ta, motion, steps, ended = self.integrator, self.motion, 0, False
         ta.pars[:] = motion.pars
         while not ended and not self._is_full():
             begin_step(motion, self.tallies)
@@ -148,8 +148,8 @@ class Lanes:
             motion.h[:] = [step for _, step in ta.step_res]
             motion.state[:], motion.tc[:] = ta.state, ta.tc
             ended = end_step(motion, self.rows, self.rules, self.tallies, self.log, self.samples, self.scratch)
-            made += 1
-        return made
+            steps += 1
+        return steps
 
     def _is_full(self) -> bool:
         room = len(self.samples.lane)
@@ -213,4 +213,4 @@ def rules(base: Problem) -> StopRules:
     """When a top ends before its time, other than by an event."""
     lasting = [i for i, event in enumerate(base.system.events) if event.lasting] if base.stop_when == "settled" else []
     way = base.system.events[lasting[0]].direction if lasting else 0
-    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, EVERY)
+    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, EVERY, 0)

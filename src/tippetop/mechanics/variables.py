@@ -27,6 +27,7 @@ LONG_NAMES = {
     "ry_dot": "horizontal velocity of the centre of mass, y component",
     **{f"u{x}": f"unit vector 3hat along the axis, {x} component" for x in "xyz"},
     **{f"L{x}": f"angular momentum about the contact point, {x} component" for x in "xyz"},
+    **{f"M{x}": f"angular momentum about the contact point, {x} component" for x in "xyz"},
     "vx": "velocity of the contact point, x component",
     "vy": "velocity of the contact point, y component",
 }

@@ -82,12 +82,12 @@ class EventLog:
 
     # --- a slice --------------------------------------------------------------------------------------------------
 
-    def take(self, found: Passages) -> tuple[EventTable, list[int], np.ndarray]:
+    def take(self, zeros: Passages) -> tuple[EventTable, list[int], np.ndarray]:
         """Rows of a slice, indices of rows (old or new) that are now known to be significant, and the states (internal)
         of the new rows."""
-        if not len(found.times):
+        if not len(zeros.times):
             return self.empty, [], np.zeros((0, 0))
-        passages = self._lines(found)
+        passages = self._lines(zeros)
         keep = self.is_logged[passages.event]
         self._remember(passages, np.where(keep, self.tally.rows + np.cumsum(keep) - 1, -1))
         logged = passages.where(keep)
@@ -99,18 +99,18 @@ class EventLog:
         confirmed = self.confirmation.take(rows, logged.theta[turning], ways)
         return table, self._marks(confirmed), logged.states
 
-    def _lines(self, found: Passages) -> Lines:
-        values = self.view.evaluate(found.states)
-        turns = found.signs * self.senses[found.events]
+    def _lines(self, zeros: Passages) -> Lines:
+        values = self.view.evaluate(zeros.states)
+        turns = zeros.signs * self.senses[zeros.events]
         return Lines(
-            found.states,
-            found.times.astype(float) * self.second,
-            found.events,
-            self.numbers[found.events],
-            found.signs,
+            zeros.states,
+            zeros.times.astype(float) * self.second,
+            zeros.events,
+            self.numbers[zeros.events],
+            zeros.signs,
             values["theta"].astype(float),
             np.where(turns != 0, turns, np.sign(values["theta_dot"].astype(float))).astype(np.int8),
-            found.at_pole,
+            zeros.at_pole,
         )
 
     def _remember(self, passages: Lines, rows: np.ndarray) -> None:

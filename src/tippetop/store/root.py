@@ -125,6 +125,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
 
     attrs = attributes(path_of("path", path))
     refuse_other_rows(path, attrs)
+    attrs = {name: value for name, value in attrs.items() if name != seal.SEAL}  # it says nothing of the data
     try:
         table = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
         return with_coordinates(table)
