@@ -180,7 +180,7 @@ def test_killed_and_resumed_a_run_with_keyframes_is_bit_identical(tmp_path: Path
     sets = [word for s in (*TURNING, *KEYFRAMES[1:]) for word in ("--set", s)]
 
     def command(store: Path) -> list[str]:
-        return ["run", "inverting", "--set", "run.output_step=", *sets, "--until", "300", "--out", str(store)]
+        return ["run", "inverting", "--set", "run.output_step=", *sets, "--until", "100", "--out", str(store)]
 
     def keyframes(store: Path) -> int:
         place = store / "checkpoint.json"
