@@ -1,6 +1,7 @@
 """Machine code on disk: found again, never stale, never another's, and never in the way."""
 
 import importlib
+import inspect
 import os
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import numba
 import numpy as np
 import pytest
 
-from tippetop_kernels import disk, grid, origin
+from tippetop_kernels import compiled_step, disk, grid, origin
 from tippetop_kernels.jit import entry, inlined
 
 
@@ -278,3 +279,11 @@ def test_two_processes_at_once_and_one_after_them(cache: Path) -> None:
 def test_numba_still_asks_as_it_did(cache: Path, toy: Path) -> None:
     """What is used of numba's private parts: a version that changes them compiles, and fails here."""
     assert isinstance(numba.njit(lambda x: x)._cache, type(entry(outside)._cache).__mro__[1])
+
+
+def test_a_flag_that_compiling_changes_is_not_in_the_digest() -> None:
+    """Else the second process on a computer finds nothing of what the first one kept, and compiles again."""
+    code = compiled_step.first_step.py_func.__code__
+    other = code.replace(co_flags=code.co_flags ^ inspect.CO_OPTIMIZED)
+    assert other.co_flags != code.co_flags
+    assert origin._code(other) == origin._code(code)
