@@ -206,7 +206,7 @@ def _ours(module: str) -> bool:
 def _code(code: CodeType) -> str:
     """Byte code, names and constants, those of inner functions too; no places in files."""
     constants = [_code(c) if isinstance(c, CodeType) else _plain(c) for c in code.co_consts]
-    flags = code.co_flags & ~inspect.CO_OPTIMIZED  # another one in a process that compiles than in one that loads
+    flags = code.co_flags & ~inspect.CO_OPTIMIZED  # seen to differ between processes with the same sources
     names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, flags)
     return f"{code.co_name} {code.co_code.hex()} {names} [{', '.join(constants)}]"
 

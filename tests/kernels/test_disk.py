@@ -281,8 +281,8 @@ def test_numba_still_asks_as_it_did(cache: Path, toy: Path) -> None:
     assert isinstance(numba.njit(lambda x: x)._cache, type(entry(outside)._cache).__mro__[1])
 
 
-def test_a_flag_that_compiling_changes_is_not_in_the_digest() -> None:
-    """Else the second process on a computer finds nothing of what the first one kept, and compiles again."""
+def test_a_flag_that_differs_between_processes_is_not_in_the_digest() -> None:
+    """Else a process in which it differs finds nothing of what another one kept, and compiles again."""
     code = compiled_step.first_step.py_func.__code__
     other = code.replace(co_flags=code.co_flags ^ inspect.CO_OPTIMIZED)
     assert other.co_flags != code.co_flags

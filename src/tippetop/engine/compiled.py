@@ -65,7 +65,7 @@ def compiled(
     lanes
         How many runs it advances at a time; 0 is one run, with heyoka's integrator for one.
     compact
-        Whether heyoka's compact code is code: it compiles at once, and runs a third slower.
+        Whether heyoka's compact code is made: it compiles at once, and runs a third slower.
     orientation
         Whether the orientation of the body is integrated too.
 

@@ -160,11 +160,10 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     dict
         Quantities and angles by name, (k,) each.
     """
-    base, k = problems.base, states.shape[1]
+    base = problems.base
     names, function = compile_observables(base.system, base.form.name, base.friction.__class__, problems.orientation)
-    padded = _whole_batches(states, function.batch_size)
-    pars = _whole_batches(problems.pars[: function.nparams, which], function.batch_size)
-    return dict(zip(names, function(padded, pars=pars)[:, :k], strict=False))  # beyond the names: what poles need
+    outputs = _outputs(function, problems, states, which)
+    return dict(zip(names, outputs, strict=False))  # beyond the names: what poles need
 
 
 def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
@@ -186,11 +185,16 @@ def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -
     psi
         (k,) [rad], NaN exactly at a pole; None of a planar motion.
     """
-    base, k = problems.base, states.shape[1]
+    base = problems.base
     function = compile_orientation(base.system, base.form.name, base.friction.__class__)
+    return _turned(base.form, _outputs(function, problems, states, which))
+
+
+def _outputs(function: Any, problems: Problems, states: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """The outputs of a compiled function of states (variables, k) of the runs `which`, (outputs, k)."""
     padded = _whole_batches(states, function.batch_size)
     pars = _whole_batches(problems.pars[: function.nparams, which], function.batch_size)
-    return _turned(base.form, function(padded, pars=pars)[:, :k])
+    return function(padded, pars=pars)[:, : states.shape[1]]
 
 
 def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:

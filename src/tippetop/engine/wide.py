@@ -58,7 +58,7 @@ class SliceDriver(Driver):
         steps = len(times) - 1
         while steps and not np.all(np.isfinite(ends[steps - 1].astype(float))):  # never let a bad state in
             steps -= 1
-        self.log = new_log(steps * len(self.rows.events) * 4 + 64, 0)
+        self.log = new_log(steps * len(self.rows.events) * coefficients.shape[2], 0)  # there cannot be more zeros
         follow(
             times[: steps + 1].astype(float)[:, None],
             np.ascontiguousarray(coefficients[:steps].astype(float)[..., None]),
