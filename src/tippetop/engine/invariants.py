@@ -24,13 +24,21 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
         The conserved quantities of the system; energy_balance = energy + work of friction; axis_norm = |3hat| in forms
         that integrate the axis. Internal units, (k,) each.
     """
-    integrals = {name: values[name] for name in problem.system.integrals}
+    integrals = {name: _since_taken(values, name) for name in problem.system.integrals}
     integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
         axis = problem.system.vectors["axis"]
         x, y, z = (values.get(integrated(name), values[component(name)]) for name in axis)
         integrals["axis_norm"] = np.sqrt(x**2 + y**2 + z**2)
     return integrals
+
+
+def _since_taken(values: dict[str, np.ndarray], name: str) -> np.ndarray:
+    """An integral; of a contact whose ball may change, relative to what it was when its ball was taken."""
+    taken = values.get(f"{name}_taken")
+    if taken is None:
+        return values[name]
+    return 1 + (values[name] - taken) / size(taken)
 
 
 def size(start: Any) -> Any:

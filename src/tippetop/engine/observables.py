@@ -113,6 +113,13 @@ class Observables:
                 columns |= self._split("psi", psi, RADIAN, PSI)
             columns |= self._split("orientation", turns, ONE, ORIENTATION, ("time", "wxyz"))
         for q in self.system.quantities:
+            if q.meanings:
+                flags = {"flag_values": list(range(len(q.meanings))), "flag_meanings": " ".join(q.meanings)}
+                attributes = {"units": "1", "long_name": q.long_name, **flags}
+                columns[q.name] = Column(("time",), np.rint(values[q.name]).astype(np.int8), attributes)
+                continue
+            if not q.is_column:
+                continue
             si = values[q.name] * scale(q.unit)
             columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
         if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole

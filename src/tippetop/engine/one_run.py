@@ -1,5 +1,7 @@
 """One run in doubles, driven by the compiled step."""
 
+from typing import Any
+
 import numpy as np
 
 from ..mechanics.operand import leaves
@@ -22,7 +24,6 @@ class CompiledDriver(Driver):
         self.motion.state[: self.variables, 0] = problem.start()
         self.motion.end[0] = float(self.end)
         self.nothing = no_rows(len(self.motion.state))
-        self.times = np.zeros(0)  # of rows that are wanted and not yet made
 
     def prepare(self) -> None:
         """Compiles the loop, if it is not yet compiled."""
@@ -81,6 +82,11 @@ class CompiledDriver(Driver):
             return self.nothing
         states = np.empty((len(self.times), len(self.motion.state)))
         return Rows(self.times, states, np.zeros(1, np.int64), request.steps, self.nothing.out)
+
+    def end_at(self, end: Any) -> None:
+        """Puts the end of the run at an internal time."""
+        super().end_at(end)
+        self.motion.end[0] = float(end)
 
     @property
     def clock(self) -> tuple[float, float]:

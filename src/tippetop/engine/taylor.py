@@ -9,6 +9,7 @@ import numpy as np
 from ..awaiting import awaited
 from ..mechanics.operand import leaves
 from ..problem import Problem
+from .contact.driver import ContactDriver
 from .compiled import MOST_COMPILED, Compiled, compiled, is_same_step
 from .one_run import CompiledDriver
 from .slices import Driver
@@ -38,6 +39,8 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     -------
     Driver
     """
+    if problem.contact is not None:
+        return ContactDriver(problem, lambda leg: driver_of(leg, stop))  # type: ignore[return-value]
     key = _key(problem)
     if key in _known:
         return _driver(problem, key)
@@ -85,5 +88,5 @@ def _checked(problem: Problem, code: Compiled) -> Compiled:
 
 def fingerprint(driver: Driver) -> str:
     """Says which equations a driver was made of: a digest of their expressions."""
-    lines = "\n".join(f"{a}' = {b}" for a, b in driver.compiled.integrator.sys)
+    lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
     return hashlib.sha256(lines.encode()).hexdigest()[:16]

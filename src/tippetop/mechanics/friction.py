@@ -25,6 +25,12 @@ class Coulomb(NamedTuple):
     eps: Operand
 
 
+class SetValued(NamedTuple):
+    """Coulomb's law itself: |F| = mu g_n against v_A where the contact slides, |F| <= mu g_n where it does not."""
+
+    mu: Operand
+
+
 class Mixed(NamedTuple):
     """The sum of both (Or 1994): viscous mu in s/m, Coulomb mu_coulomb without dimension, eps in m/s."""
 
@@ -64,6 +70,12 @@ def viscous(v2, z, law):
 def coulomb(v2, z, law):
     """k = mu/sqrt(v^2 + eps^2) [s/m]."""
     return law.mu / sqrt(v2 + law.eps * law.eps)
+
+
+@formula
+def set_valued(v2, z, law):
+    """k = mu/|v| [s/m], of a contact that slides."""
+    return law.mu / sqrt(v2)
 
 
 @formula
@@ -138,7 +150,10 @@ LAWS = {
     "none": Law(Frictionless, {}, "no friction", frictionless),
 }
 
-SLIP = {law.record: law.coefficient for law in LAWS.values()}
+SET_VALUED = Law(SetValued, {"mu": _COULOMB}, "F = -mu g_n v_A/|v_A|; |F| <= mu g_n where v_A = 0", set_valued)
+"""Coulomb's law without `eps`, of systems whose contact has phases: sticking is a phase of its own."""
+
+SLIP = {law.record: law.coefficient for law in (*LAWS.values(), SET_VALUED)}
 slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
 
@@ -151,6 +166,8 @@ def is_frictionless(law: Any) -> bool:
 
     So are the law `none`, and every law with mu = 0.
     """
+    if isinstance(law, SetValued):
+        return bool(law.mu == 0)
     return all(slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS)
 
 

@@ -20,7 +20,7 @@ from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
 from ..store.files import Lock
 from ..store.root import finish, finite, new_store
-from . import attributes, keyframes
+from . import attributes, keyframes, phases
 from .events import EventTable, event_columns
 from .integration import Integration
 
@@ -74,6 +74,13 @@ class Recorder:
     def keyframe(self, columns: dict[str, Column]) -> None:
         """Takes a keyframe."""
         self._later(lambda: self.tables["keyframes"].append(columns))
+
+    def more(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+        """Takes rows of further tables."""
+        for name, table in new.items():
+            if len(next(iter(table.values()))):
+                columns = phases.columns(name, table)
+                self._later(lambda name=name, columns=columns: self.tables[name].append(columns))
 
     def _later(self, work: Callable[[], None]) -> None:
         """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
@@ -208,6 +215,8 @@ def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Col
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, rows_per_chunk(integration.problem)
     yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
+    if integration.problem.contact is not None:
+        yield from ((name, columns, phases.PER_CHUNK) for name, columns in phases.empty().items())
     if integration.problem.output == "keyframes":
         yield "keyframes", keyframes.empty(integration), keyframes.PER_CHUNK
 

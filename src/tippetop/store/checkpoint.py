@@ -17,7 +17,7 @@ from . import files
 CHECKPOINT, END = "checkpoint.json", "end.json"
 SCENARIO, DIGEST = "root_attributes", "digest"
 LATER = ("certificate", "seal")  # root attributes that come to a finished store, and say nothing of how it was made
-ROWS = {"trajectory": "rows", "events": "events", "keyframes": "keyframes"}  # what a checkpoint calls those of a group
+ROWS = {name: name for name in ("events", "keyframes", "phases", "impacts")} | {"trajectory": "rows"}  # what a checkpoint calls those of a group
 FIELDS: dict[str, dict[str, Any]] = {
     CHECKPOINT: {
         "versions": dict,
@@ -25,6 +25,8 @@ FIELDS: dict[str, dict[str, Any]] = {
         "rows": int,
         "events": int,
         "keyframes": int,
+        "phases": int,
+        "impacts": int,
         "digests": dict,
         "integration": dict,
         "report": dict,

@@ -49,6 +49,8 @@ OPTIONAL: dict[str, Any] = {
     "friction?": {str: (str, *NUMBER)},
     "certificate?": dict,
     "auto_form?": {str: str},
+    "contact?": {str: (str, *NUMBER)},
+    "stem?": {str: NUMBER},
     "replay?": {str: (str, *NUMBER)},
     "start?": {str: (str, dict, *NUMBER)},
 }

@@ -95,7 +95,9 @@ def has_keyframes(attrs: Mapping[str, Any]) -> bool:
 
 def groups_of(attrs: Mapping[str, Any]) -> tuple[str, ...]:
     """The groups of a store with these root attributes."""
-    return (*GROUPS[attrs.get("content", "run")], *(["keyframes"] if has_keyframes(attrs) else []))
+    more = ["keyframes"] if has_keyframes(attrs) else []
+    more += ["phases", "impacts"] if "content" not in attrs and "contact" in attrs else []
+    return (*GROUPS[attrs.get("content", "run")], *more)
 
 
 def members(place: Path, group: str) -> dict[str, dict[str, Any]]:
