@@ -11,14 +11,16 @@ from ...mechanics.contact import coulomb
 from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.first_slip import first_direction, leave_rolling
 from ...mechanics.contact.flight import hop
-from ...mechanics.contact.impact import struck
 from ...mechanics.contact.landing import first_landing
+from ...mechanics.contact.struck import struck
 from ...mechanics.contact.phases.legs import KINDS, STOPS_AT2, Body
+from ...mechanics.friction import Frictionless, slip_coefficient
 from ...mechanics.operand import Vector, cross, dot, plus, times
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 from ..status import Status
 from .legs import Balls
+from .smooth_impact import struck_smooth
 
 
 STOPS_AT = math.sqrt(STOPS_AT2)
@@ -248,9 +250,13 @@ class Transitions:
         assert self.rules is not None
         closes = abs(float(v.z)) < CLOSES_AT
         K = balls_.mobility(across, u.z, b)
-        result = struck(
-            along, sideways, v.z, K, self._law(index), 0.0 if closes else self.rules.e_n, self.rules.restitution
-        )
+        e_n, law = 0.0 if closes else self.rules.e_n, self.balls[index].friction
+        if self.balls.dry or isinstance(law, Frictionless):
+            result = struck(along, sideways, v.z, K, b.mu, e_n, self.rules.restitution)
+        else:
+            result = struck_smooth(
+                along, sideways, v.z, K, lambda v2: slip_coefficient(v2, u.z, law), e_n, self.rules.restitution
+            )
         p = Vector(result.p_e * e.x - result.p_2 * e.y, result.p_e * e.y + result.p_2 * e.x, result.p_z)
         velocity = plus(moment.velocity, times(1 / b.m, p))
         L = plus(moment.L, cross(balls_.arm(u, b), p))
@@ -266,9 +272,6 @@ class Transitions:
             float(self._size(p)), float(gained), result.mode,
         )  # fmt: skip
         return Moment(u, L, velocity, moment.height, carried), strike
-
-    def _law(self, index: int) -> Any:
-        return self.balls[index].friction
 
     def _direction(self, v: Vector) -> Vector:
         w = self._size(v)
