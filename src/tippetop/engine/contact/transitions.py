@@ -56,6 +56,7 @@ class Strike:
     friction_impulse: float
     work: float  # energy that the body gained
     mode: str
+    plastic: bool  # whether the ball stays on the plane
 
 
 @dataclass
@@ -235,7 +236,7 @@ class Transitions:
             if not pressed:
                 break
             ball = pressed[0]
-        rises = float(self.point(ball, moment).z) > CLOSES_AT
+        rises = not strikes[-1].plastic
         change = self._flight(ball, moment, reason, 1) if rises else self._on_plane(ball, moment, reason)
         change.takes, change.strikes = True, tuple(strikes)
         change.events = ("impact",) * len(strikes)
@@ -265,11 +266,12 @@ class Transitions:
         carried = moment.carried.copy()
         carried[2] = carried[2] - gained * INTEGRAL_SCALE
         carried[3] = carried[3] + p.z * INTEGRAL_SCALE
-        if closes or self.rules.e_n == 0:
+        plastic = closes or self.rules.e_n == 0
+        if plastic:
             velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding
         strike = Strike(
             index, (float(v.z), float(after.z)), (float(self._size(v)), float(self._size(after))), float(p.z),
-            float(self._size(p)), float(gained), result.mode,
+            float(self._size(p)), float(gained), result.mode, plastic,
         )  # fmt: skip
         return Moment(u, L, velocity, moment.height, carried), strike
 
