@@ -62,11 +62,11 @@ def contact_faults(problem: Problem) -> list[str]:
 
 def _unique(problem: Problem) -> list[str]:
     """Coulomb friction has one contact force below Painleve's bound alone. [contact 2.6]"""
-    p, rules = problem.parameters, problem.contact
+    rules = problem.contact
     assert rules is not None
     body = problem.body()
     balls = {"body": (body.c, body.R)} | ({"stem": (body.c + rules.h, rules.r)} if rules.stem else {})
-    bounds = {name: float(painleve_bound(p["m"], p["I1"], *ball)) for name, ball in balls.items()}
+    bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
     name, least = min(bounds.items(), key=lambda item: item[1])
     mu = problem.friction.mu
     if mu < least:

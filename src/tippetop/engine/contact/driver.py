@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ...mechanics.contact.ball import jellett
-from ...mechanics.contact.phases.legs import KINDS
 from ...mechanics.contact.phases.row import PHASES, Row
 from ...mechanics.events import ON_ZERO
+from ...mechanics.systems.with_contact import kinds_of
 from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..expressions import equations_of_motion
@@ -58,7 +58,7 @@ class ContactDriver:
     def __init__(self, problem: Problem, make: Any):
         self.problem, self.make = problem, make
         self.variables = len(problem.variables.names)
-        self.balls = Balls(problem)
+        self.balls, self.kinds = Balls(problem), kinds_of(problem.system.name)
         self.transitions = Transitions(problem, self.balls)
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
         self.drivers: dict[tuple[str, int], tuple[Driver, Carried]] = {}
@@ -99,14 +99,14 @@ class ContactDriver:
         lines = []
         for name in ("dry-slip", "roll", "flight") if self.balls.dry else ("slip", "flight"):
             system = new_leg(self.problem, name, self.balls[0], np.zeros(1)).system
-            variables = type(self.problem.variables)(system.forms["vector"], self.problem.orientation)
+            variables = type(self.problem.variables)(next(iter(system.forms.values())), self.problem.orientation)
             friction = type(self.balls[0].friction)
             lines += equations_of_motion(system, variables, friction).rates
         return lines
 
     def rows(self, states: np.ndarray) -> np.ndarray:
         """States (n, variables) of the present phase as rows."""
-        kind, carried = KINDS[self.kind], self.drivers[self.kind, self.ball][1]
+        kind, carried = self.kinds[self.kind], self.drivers[self.kind, self.ball][1]
         integrals = carried.into_rows(states, self.carried)
         return rows_of(kind, self.ball, self.balls, states, integrals, self.taken, self.problem.number)
 
@@ -117,9 +117,9 @@ class ContactDriver:
     def _enter(self, change: Change, clock: tuple[Any, Any]) -> None:
         """Begins a phase."""
         self.kind, self.ball, moment = change.kind, change.ball, change.moment
-        self.tables.begin(PHASES.index(KINDS[self.kind].phase), self.ball, float(clock[0]), change)
-        kind, body, number = KINDS[self.kind], self.balls[self.ball], self.problem.number
-        q = kind.state(moment.u, moment.L, moment.velocity, moment.height)
+        self.tables.begin(PHASES.index(self.kinds[self.kind].phase), self.ball, float(clock[0]), change)
+        kind, body, number = self.kinds[self.kind], self.balls[self.ball], self.problem.number
+        q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
         if change.takes:
             self.taken = number(jellett(moment.u, moment.L, self.transitions.ball(self.ball)))
         self.carried = moment.carried
@@ -158,7 +158,7 @@ class ContactDriver:
             if event.name in signs:  # it goes on from the phase before
                 at[k], on_zero[k] = signs[event.name], False
             elif event.name in ("stick", "slip"):
-                at[k], on_zero[k] = 1.0, False
+                at[k], on_zero[k] = at[k] if event.direction == 0 else 1.0, False
             elif event.name == "touch" and on_zero[k]:
                 at[k] = 1.0
         reset(driver.tallies, driver.rows, 0, at, on_zero)
@@ -224,7 +224,7 @@ class ContactDriver:
         time = self.problem.number(when) + change.lag
         for event in change.events:
             row_after = last if event == "liftoff" else None
-            found.note(event, time, last if row_after is None else row_after)
+            found.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
         if change.ends is not None:
             return change.ends
         if ending == "liftoff" and self.problem.on_liftoff == "stop":

@@ -92,7 +92,7 @@ def new_leg(whole: Problem, kind: str, internal: Body, first: np.ndarray) -> Leg
     system = leg(whole.system.name, kind)
     return Leg(
         system=system,
-        form=system.forms["vector"],
+        form=next(iter(system.forms.values())),
         parameters={},
         friction=internal.friction,
         initial={},

@@ -9,13 +9,14 @@ import numpy as np
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact import coulomb
 from ...mechanics.contact.ball import Ball
-from ...mechanics.contact.first_slip import first_direction, leave_rolling
+from ...mechanics.contact.first_slip import SWEEPS, first_direction, leave_rolling
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import first_landing
 from ...mechanics.contact.struck import struck
-from ...mechanics.contact.phases.legs import KINDS, STOPS_AT2, Body
+from ...mechanics.contact.phases.legs import STOPS_AT2, Body, Kind
 from ...mechanics.friction import Frictionless, slip_coefficient
 from ...mechanics.operand import Vector, cross, dot, plus, times
+from ...mechanics.systems.with_contact import PLANAR, kinds_of
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 from ..status import Status
@@ -24,7 +25,7 @@ from .smooth_impact import struck_smooth
 
 
 STOPS_AT = math.sqrt(STOPS_AT2)
-BEGINS_AT = 1e-8  # |v_A| with which sliding begins from rest outside the friction cone; the error is its square
+BEGINS_AT = 1e-8  # |v_A| with which sliding begins from rest outside the friction cone; its square is the error
 CLOSES_AT = 1e-8  # v_n below which an impact does not bounce: the error is its square
 ON_PLANE = 1e-9  # gap of a ball that touches
 MOST_STRIKES = 16  # of impacts at one instant
@@ -33,6 +34,14 @@ MOST_STRIKES = 16  # of impacts at one instant
 def _wide(value: Any) -> Any:
     """A number as flights take it: a double, or one of 80 bits."""
     return float(value) if isinstance(value, float) else np.longdouble(value)
+
+
+def _rate(values: Any, nodes: int) -> np.ndarray:
+    """The rate of an integral at nodes: at the first, where a contact is at rest, friction has no power."""
+    rates = np.array(np.broadcast_to(values, (nodes,)))
+    if nodes > 1 and not np.isfinite(rates[0]):
+        rates[0] = 0
+    return rates
 
 
 class Moment(NamedTuple):
@@ -69,7 +78,8 @@ class Change:
     reason: str
     events: tuple[str, ...] = ()  # of the run, that happen now
     signs: dict[str, float] = field(default_factory=dict)  # of event functions that go on as they were
-    lag: Any = 0  # internal time that passed since the end of the phase before
+    when: Any = 0  # internal time from the end of the phase before to these events
+    lag: Any = 0  # and to the beginning of this one
     landing: Any = None  # internal time to the landing of a flight
     takes: bool = False  # whether another ball is in contact from now on
     strikes: tuple[Strike, ...] = ()
@@ -89,7 +99,9 @@ class Transitions:
 
     def __init__(self, problem: Problem, balls: Balls):
         self.problem, self.balls, self.number = problem, balls, problem.number
-        self.rules = problem.contact
+        names = problem.variables.names[problem.variables.moving :]
+        self.work, self.impulse = names.index("work"), names.index("impulse")
+        self.rules, self.kinds = problem.contact, kinds_of(problem.system.name)
 
     def ball(self, index: int) -> Ball:
         """A ball as the formulas of its contact take it."""
@@ -152,40 +164,79 @@ class Transitions:
 
     def _stick(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Sliding stops: what is left of it takes the time |v_A|/|P|."""
-        kind, body, b = KINDS["dry-slip"], self.balls[ball], self.ball(ball)
+        kind, body, b = self.kinds["dry-slip"], self.balls[ball], self.ball(ball)
         v = self.point(ball, moment)
         w = self._size(v)
+        if w > 0:
+            moment, lag = self._run_out(kind, body, b, moment, v, w)
+        else:
+            lag = 0 * w
+        velocity = balls_.centre_velocity(moment.u, moment.L, Vector(0 * w, 0 * w, 0 * w), b)
+        change = self._on_plane(ball, moment._replace(velocity=velocity), "stick")
+        rests = change.kind == "roll"
+        change.events, change.signs = ("stick" if rests else "reversal",), signs
+        change.when, change.lag = lag, change.lag + lag
+        return change
+
+    def _run_out(self, kind: Kind, body: Body, b: Ball, moment: Moment, v: Vector, w: Any) -> tuple[Moment, Any]:
+        """The last of a slide, |v_A| = w so small that its rates stay: the end, and the time to it."""
         n = Vector(v.x / w, v.y / w, 0 * w)
         bias = balls_.bias_vector(moment.u, moment.L, b)
         F = coulomb.slip_force_vector(moment.u, bias, n, b)
         P, _ = coulomb.along_and_across(balls_.contact_acceleration_vector(moment.u, bias, F, b), n)
         lag = -w / P
-        q = kind.state(moment.u, moment.L, moment.velocity, moment.height)
-        moved = [x + lag * rate for x, rate in zip(q, kind.form.rates(q, body), strict=True)]
-        u, L = Vector(*moved[:3]), Vector(*moved[3:6])
-        none = 0 * w
-        velocity = balls_.centre_velocity(u, L, Vector(none, none, none), b)
-        change = self._on_plane(ball, moment._replace(u=u, L=L, velocity=velocity), "stick")
-        change.events, change.signs, change.lag = ("stick",), signs, change.lag + lag
-        return change
+        q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
+        end = [x + lag * rate for x, rate in zip(q, kind.form.rates(q, body), strict=True)]
+        says = kind.says(type(q)(*end), body)
+        nodes = type(q)(*(np.array([x]) for x in q))
+        carried = self._integrated(kind, body, nodes, moment.carried, np.array([[lag]]))
+        return Moment(says.u, says.L, says.velocity, balls_.height(says.u.z, b), carried), lag
+
+    def _run_in(self, ball: int, b: Ball, moment: Moment, n: Vector) -> tuple[Moment, Any]:
+        """The first of a slide along n from rest, so short that its rates stay; and the time that it takes."""
+        kind, body = self.kinds["dry-slip"], self.balls[ball]
+        bias = balls_.bias_vector(moment.u, moment.L, b)
+        F = coulomb.slip_force_vector(moment.u, bias, n, b)
+        P, _ = coulomb.along_and_across(balls_.contact_acceleration_vector(moment.u, bias, F, b), n)
+        speed = self.number(BEGINS_AT)
+        lag = speed / P
+        u = plus(moment.u, times(lag, balls_.axis_rate(moment.u, moment.L, b)))
+        L = plus(moment.L, times(lag, cross(balls_.arm(moment.u, b), F)))
+        velocity, height = balls_.centre_velocity(u, L, times(speed, n), b), balls_.height(u.z, b)
+        q = kind.state(u, L, velocity, height, body)
+        carried = self._integrated(
+            kind, body, type(q)(*(np.array([x]) for x in q)), moment.carried, np.array([[lag]])
+        )
+        return Moment(u, L, velocity, height, carried), lag
 
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Rolling needs more friction than there is."""
-        u, L, v, lag = leave_rolling(moment.u, moment.L, self.ball(ball))
         b = self.ball(ball)
-        height = balls_.height(u.z, b)
-        velocity = balls_.centre_velocity(u, L, v, b)
-        carried = self._carried_over(moment, u, L, velocity, lag)
-        start = Moment(u, L, velocity, height, carried)
-        return Change("dry-slip", ball, start, "slip", ("slip",), signs, lag)
+        begun = leave_rolling(moment.u, moment.L, b)
+        height, velocity = balls_.height(begun.u.z, b), balls_.centre_velocity(begun.u, begun.L, begun.v, b)
+        q = self.kinds["dry-slip"].state(begun.u, begun.L, velocity, height, self.balls[ball])
+        carried = self._integrated(
+            self.kinds["dry-slip"], self.balls[ball], q, moment.carried, begun.time * begun.integrate
+        )
+        at_end = [Vector(*(x[-1] for x in v)) for v in (begun.u, begun.L, velocity)]
+        return Change("dry-slip", ball, Moment(*at_end, height[-1], carried), "slip", ("slip",), signs, lag=begun.time)
 
-    def _carried_over(self, moment: Moment, u: Vector, L: Vector, velocity: Vector, lag: Any) -> np.ndarray:
-        """The integrals a short time later."""
-        carried = moment.carried.copy()
-        half = lag / 2 * INTEGRAL_SCALE
-        carried[0] = carried[0] + half * (moment.velocity.x + velocity.x)
-        carried[1] = carried[1] + half * (moment.velocity.y + velocity.y)
-        return carried
+    def _integrated(self, kind: Kind, body: Body, q: Any, carried: np.ndarray, integrate: Any) -> np.ndarray:
+        """The integrals at the end of a short time, from the states q at nodes of it, and a matrix that integrates."""
+        form, variables = kind.form, self.problem.variables
+        turning = form.orientation.integrals if self.problem.orientation and form.orientation else ()
+        rates = {integral.name: integral.rate for integral in (*form.integrals, *turning)}
+        start, nodes = carried / INTEGRAL_SCALE, len(integrate)
+        values = [np.full(nodes, value) for value in start]
+        for _ in range(SWEEPS):
+            record = variables.carried(*values)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                values = [
+                    value + integrate @ _rate(rates[name](q, record, body), nodes)
+                    if name in rates else np.full(nodes, value)
+                    for name, value in zip(variables.carried._fields, start, strict=True)
+                ]  # fmt: skip
+        return np.array([value[-1] for value in values]) * INTEGRAL_SCALE
 
     # --- what begins ----------------------------------------------------------------------------------------------
 
@@ -199,6 +250,8 @@ class Transitions:
             numbers = (Vector(*map(_wide, v)) for v in (moment.u, moment.L))
             hops.append(hop(*numbers, _wide(moment.velocity.z), _wide(gap), self.ball(k), known))
         _, landing = first_landing(hops)
+        if not landing > 0:
+            return Change("flight", ball, moment, reason, landing=landing, ends=Status.STALLED)
         return Change("flight", ball, moment, reason, landing=landing)
 
     def _on_plane(self, ball: int, moment: Moment, reason: str, takes: bool = False) -> Change:
@@ -207,8 +260,8 @@ class Transitions:
         w = self._size(v)
         if not self.balls.dry or float(w) > STOPS_AT:
             kind = "dry-slip" if self.balls.dry else "slip"
-            q = KINDS[kind].state(moment.u, moment.L, moment.velocity, moment.height)
-            if float(KINDS[kind].says(q, self.balls[ball]).force.z) > 0:
+            q = self.kinds[kind].state(moment.u, moment.L, moment.velocity, moment.height, self.balls[ball])
+            if float(self.kinds[kind].says(q, self.balls[ball]).force.z) > 0:
                 return Change(kind, ball, moment, reason, takes=takes)
             return self._flight(ball, moment, "opens-at-once", 2)
         none = 0 * w
@@ -219,9 +272,9 @@ class Transitions:
         n = first_direction(moment.u, moment.L, b)
         if n is None:
             return self._flight(ball, moment, "opens-at-once", 2)
-        speed = self.number(BEGINS_AT)
-        velocity = plus(moment.velocity, times(speed, n))
-        return Change("dry-slip", ball, moment._replace(velocity=velocity), reason, takes=takes)
+        n = Vector(np.sign(n.x), none, none) if self.problem.system.name in PLANAR else n
+        begun, lag = self._run_in(ball, b, moment, n)
+        return Change("dry-slip", ball, begun, reason, lag=lag, takes=takes)
 
     def _strike(
         self, ball: int, moment: Moment, signs: dict[str, float], reason: str, old: int | None = None
@@ -264,8 +317,8 @@ class Transitions:
         after = balls_.contact_velocity(u, L, velocity, b)
         gained = (dot(p, v) + dot(p, after)) / 2
         carried = moment.carried.copy()
-        carried[2] = carried[2] - gained * INTEGRAL_SCALE
-        carried[3] = carried[3] + p.z * INTEGRAL_SCALE
+        carried[self.work] = carried[self.work] - gained * INTEGRAL_SCALE
+        carried[self.impulse] = carried[self.impulse] + p.z * INTEGRAL_SCALE
         plastic = closes or self.rules.e_n == 0
         if plastic:
             velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding

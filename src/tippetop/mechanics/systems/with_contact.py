@@ -8,29 +8,34 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding.euler import centre_velocity
 from ..contact.phases import legs
-from ..contact.phases.row import ANGLES, ROW, Angles, quantities
+from ..contact.phases.planar import ANGLES as PLANAR_ANGLES
+from ..contact.phases.planar import PLANAR_KINDS, PLANAR_ROW
+from ..contact.phases.planar import Angles as PlanarAngles
+from ..contact.phases.row import ANGLES, JELLETTS, ROW, Angles, quantities
 from ..events import Event
 from ..friction import LAWS, SET_VALUED
 from ..operand import formula
-from ..parameter import Alternative, Parameter
+from ..parameter import Parameter
 from ..system import Phase, System
 from ..units import METRE, METRE_PER_SECOND
+from .cylinder import GLIDING_CYLINDER
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .tippe_top import TIPPE_TOP, routh
 
 
-BODIES: dict[str, System] = {system.name: system for system in (TIPPE_TOP, GLIDING_HEAVY_TOP)}
+BODIES: dict[str, System] = {system.name: system for system in (TIPPE_TOP, GLIDING_HEAVY_TOP, GLIDING_CYLINDER)}
 """The systems whose contact may change its phase, by name."""
 
 ROUTH: dict[str, Callable] = {"tippe-top": routh}
 
-INITIAL = {
-    **gliding.INITIAL,
+PLANAR = ("gliding-cylinder",)
+"""Those that move in a plane."""
+
+ABOVE = {
     "gap": Parameter(METRE, "height of the lowest point of the sphere above the plane", least=0),
     "nu_z": Parameter(METRE_PER_SECOND, "vertical velocity of the lowest point of the sphere"),
 }
 LONG_NAMES = {
-    **gliding.LONG_NAMES,
     "gap": "height of the lowest point of the ball that touches the plane, or did last",
     "nu_z": "vertical velocity of the lowest point of that ball",
     "nu_x": "horizontal velocity of the lowest point along e; undefined (NaN) exactly at a pole",
@@ -45,6 +50,12 @@ def start(data: dict[str, Any], s: Any, z: Any, b: contact.Body) -> Angles:
         along_e, along_2 = centre_velocity(e, s, z, b)
         e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
     return e
+
+
+def planar_start(data: dict[str, Any], s: Any, z: Any, b: contact.Body) -> PlanarAngles:
+    """The angles of what the user gave; centre_at_rest may stand for nu_x."""
+    e = PlanarAngles(*(data.get(name, 0) for name in PlanarAngles._fields))
+    return e._replace(nu_x=e.nu_x - e.theta_dot * (b.R - b.c * z)) if data.get("centre_at_rest") else e
 
 
 @formula
@@ -62,8 +73,9 @@ LIFTOFF = Event(
 )
 STICK = Event("stick", legs.STICK.long_name, never)
 SLIP = Event("slip", legs.SLIP.long_name, never)
+REVERSAL = Event("reversal", "sliding turns back at once where it stops", never)
 IMPACT = Event("impact", "a ball strikes the plane: a landing, or one ball takes over from the other", never)
-CONTACT_EVENTS = (LIFTOFF, STICK, SLIP, IMPACT)
+CONTACT_EVENTS = (LIFTOFF, STICK, SLIP, REVERSAL, IMPACT)
 """Ends of phases, as events of a run."""
 
 
@@ -89,20 +101,20 @@ def with_contact(name: str, dry: bool, stem: bool) -> System:
     -------
     System
     """
-    system = BODIES[name]
+    system, planar = BODIES[name], name in PLANAR
+    form = PLANAR_ROW if planar else ROW
     laws: Mapping[str, Any] = {"coulomb": SET_VALUED} if dry else {k: v for k, v in system.laws.items() if k in LAWS}
     return system.replace(
         title=f"{system.title}, which may slip, roll and fly",
-        forms={"vector": ROW},
-        quantities=quantities(ROUTH.get(name), stem),
+        forms={form.name: form},
+        quantities=(*(() if planar else JELLETTS), *quantities(ROUTH.get(name), stem)),
         events=(*of_the_axis(system), *CONTACT_EVENTS),
         laws=dict(laws),
-        initial=INITIAL,
-        start=start,
-        alternatives=(gliding.BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True)),
-        angles=ANGLES,
-        long_names=LONG_NAMES,
-        integrals=("jellett",),
+        initial=system.initial | ABOVE,
+        start=planar_start if planar else start,
+        angles=PLANAR_ANGLES if planar else ANGLES,
+        long_names=system.long_names | LONG_NAMES,
+        integrals=() if planar else ("jellett",),
         landscape=None,
         potential=None,
         outlook=None,
@@ -116,6 +128,11 @@ def with_contact(name: str, dry: bool, stem: bool) -> System:
 def plain(system: System) -> System:
     """The system whose contact never opens, of that of `with_contact`."""
     return BODIES[system.name]
+
+
+def kinds_of(name: str) -> dict[str, legs.Kind]:
+    """Every way in which the body of a system moves, by name."""
+    return PLANAR_KINDS if name in PLANAR else legs.KINDS
 
 
 @lru_cache
@@ -134,9 +151,9 @@ def leg(name: str, kind: str) -> System:
     System
         Of the form "vector"; its parameters are `legs.PARAMETERS`, in internal units.
     """
-    what, system = legs.KINDS[kind], BODIES[name]
+    what, system = kinds_of(name)[kind], BODIES[name]
     return system.replace(
-        phases={what.phase: Phase({"vector": what.form}, (), (*of_the_axis(system), *what.events))},
+        phases={what.phase: Phase({what.form.name: what.form}, (), (*of_the_axis(system), *what.events))},
         parameters=dict.fromkeys(legs.PARAMETERS, Parameter(METRE, "in internal units")),
         body=legs.body,
         body_units=legs.body_units,

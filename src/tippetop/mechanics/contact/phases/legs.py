@@ -177,17 +177,17 @@ def flying(q, b):
     return Reached(row.axis(q), row.momentum(q), velocity, q.height, Vector(none, none, none))
 
 
-def slip_state(u: Vector, L: Vector, velocity: Vector, height: Any) -> Any:
+def slip_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
     """The state of sliding of a body on the plane."""
     return gliding_vector.VectorState(*u, *L, dot(L, u), velocity.x, velocity.y)
 
 
-def roll_state(u: Vector, L: Vector, velocity: Vector, height: Any) -> Any:
+def roll_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
     """The state of rolling of a body whose contact is at rest."""
     return rolling_vector.VectorState(*u, *L)
 
 
-def free_state(u: Vector, L: Vector, velocity: Vector, height: Any) -> Any:
+def free_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
     """The state of flight."""
     return FreeState(*u, *L, *velocity, height)
 
@@ -204,7 +204,7 @@ class Kind(NamedTuple):
     events
         What ends it.
     says, state
-        says(q, b) -> Reached; state(u, L, velocity, height) -> q.
+        says(q, b) -> Reached; state(u, L, velocity, height, b) -> q.
     """
 
     phase: str

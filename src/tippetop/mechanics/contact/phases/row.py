@@ -289,10 +289,15 @@ def _field(name: str) -> Any:
     return formula(lambda s, b: getattr(s, name))
 
 
+JELLETTS = (
+    Quantity("jellett", "lambda", JELLETT, "Jellett's integral of the ball in contact", of_ball(contact.jellett)),
+    Quantity(TAKEN, "", JELLETT, "Jellett's integral when its ball was taken", _field(TAKEN), is_column=False),
+)
+
+
 def quantities(routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
     """What can be read of a row, as columns; `routh` is Routh's function of a gliding body, if its system has one."""
     columns = [
-        Quantity("jellett", "lambda", JELLETT, "Jellett's integral of the ball in contact", of_ball(contact.jellett)),
         Quantity("energy", "E", JOULE, "energy", energy),
         Quantity(
             "modified_energy", "E~", JOULE, "modified (rolling) energy of the ball in contact",
@@ -303,11 +308,10 @@ def quantities(routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
         Quantity("z", "s_z", METRE, "height of the centre of mass", _field("height")),
         Quantity("phase", "phase", ONE, "phase of the contact", _field("phase"), PHASES),
         Quantity("ball", "ball", ONE, "what touches the plane, or did last", _field("ball"), BALLS),
-        Quantity(TAKEN, "", JELLETT, "Jellett's integral when its ball was taken", _field(TAKEN), is_column=False),
     ]  # fmt: skip
     if routh is not None:
         text = "Routh's function of the ball in contact"
-        columns.insert(1, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
+        columns.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
     if stem:
         columns.append(Quantity("gap_stem", "gap of the stem", METRE, "height of the stem's ball", _field("stem_gap")))
     return tuple(columns)
