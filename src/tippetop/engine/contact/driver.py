@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...mechanics.contact.ball import jellett
+from ...mechanics.contact.first_slip import between_nodes
 from ...mechanics.contact.phases.row import PHASES, Row
 from ...mechanics.events import ON_ZERO
 from ...mechanics.systems.with_contact import kinds_of
@@ -191,7 +192,7 @@ class ContactDriver:
                 break
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
-            status = self._change(ending, last, when, found)
+            status = self._change(ending, last, when, found, request)
             if status is not None:
                 break
             last = self.present()
@@ -209,7 +210,7 @@ class ContactDriver:
         event = self.inner.problem.system.events[int(piece.passages.events[-1])]
         return event.name if event.ends and not piece.status == Status.FALLEN else None
 
-    def _change(self, ending: str | None, last: np.ndarray, when: Any, found: "Found") -> Status | None:
+    def _change(self, ending: str | None, last: np.ndarray, when: Any, found: "Found", request: Request) -> Status | None:
         """What follows the end of a phase; gives how it ends the run, or None."""
         row = Row(*last[0, : len(Row._fields)])
         moment = Moment(
@@ -232,7 +233,43 @@ class ContactDriver:
         if self.short > 2 or self.changes > MOST_CHANGES:
             return Status.STALLED
         self._enter(change, (time, 0 * time))
+        if change.between is not None:
+            self._between(change, self.problem.number(when), found, request)
         return None
+
+    def _between(self, change: Change, start: Any, found: "Found", request: Request) -> None:
+        """Rows and events of the beginning of a slide."""
+        between, lag = change.between, change.lag
+        assert between is not None
+
+        def rows(x: np.ndarray) -> np.ndarray:
+            states = between_nodes(between.q, x).T
+            carried = between_nodes(between.carried, x).T
+            kind, number = self.kinds[self.kind], self.problem.number
+            return rows_of(kind, self.ball, self.balls, states, carried, self.taken, number)
+
+        driver, system = self.inner, self.inner.problem.system
+        while not request.steps:
+            driver.times = driver.times if len(driver.times) else request.wanted()
+            count = int(np.searchsorted(driver.times, float(start + lag)))
+            if count:
+                x = (driver.times[:count].astype(self.problem.number) - start) / lag
+                request.take(driver.times[:count], rows(np.clip(x, 0, 1)))
+            driver.times = driver.times[count:]
+            if len(driver.times) or not count:
+                break
+        q = type(driver.problem.form.units)(*between.q)
+        scalars = driver.problem.form.scalars(q, self.balls[self.ball])
+        for k, event in enumerate(system.events):
+            if event.name not in change.signs:
+                continue
+            values = np.broadcast_to(event.formula(scalars, self.balls[self.ball]), between.q.shape[1:])
+            sign = 1.0 if float(values[-1]) > 0 else -1.0
+            if sign == change.signs[event.name]:
+                continue
+            x = _zero(values, change.signs[event.name])
+            driver.tallies.functions[SIGN, k, 0] = sign
+            found.note(event.name, start + x * lag, rows(np.array([x])), sign)
 
     # --- what is known of it --------------------------------------------------------------------------------------
 
@@ -287,6 +324,15 @@ class ContactDriver:
         self.tables.under_way = kept["under_way"]
 
 
+def _zero(values: np.ndarray, sign: float) -> float:
+    """Where a function of these values at Chebyshev's nodes, which begins with a sign, has its zero, in [0, 1]."""
+    low, high = 0.0, 1.0
+    while low < (middle := (low + high) / 2) < high:
+        same = float(between_nodes(values, np.array([middle]))[0]) * sign > 0
+        low, high = (middle, high) if same else (low, middle)
+    return high
+
+
 class Found:
     """Passages of a slice, of all its phases, in the order of the run's events."""
 
@@ -301,9 +347,9 @@ class Found:
         events = numbers[passages.events] if len(passages.events) else passages.events
         self.parts.append(passages._replace(events=events, states=rows))
 
-    def note(self, name: str, time: Any, row: np.ndarray) -> None:
-        """Takes the end of a phase."""
-        sign = np.array([1])
+    def note(self, name: str, time: Any, row: np.ndarray, way: float = 1.0) -> None:
+        """Takes an event that no step has found, such as the end of a phase."""
+        sign = np.array([int(way)])
         self.parts.append(
             Passages(
                 np.array([time], dtype=self.problem.number),

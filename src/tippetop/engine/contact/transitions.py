@@ -9,7 +9,7 @@ import numpy as np
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact import coulomb
 from ...mechanics.contact.ball import Ball
-from ...mechanics.contact.first_slip import SWEEPS, first_direction, leave_rolling
+from ...mechanics.contact.first_slip import SPAN, SWEEPS, first_direction, leave_rolling
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import first_landing
 from ...mechanics.contact.struck import struck
@@ -69,6 +69,14 @@ class Strike:
 
 
 @dataclass
+class Between:
+    """The short beginning of a slide that no step makes, at Chebyshev's nodes of its time."""
+
+    q: np.ndarray  # (variables of the state, nodes)
+    carried: np.ndarray  # (integrals, nodes)
+
+
+@dataclass
 class Change:
     """A phase that begins."""
 
@@ -81,6 +89,7 @@ class Change:
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
     landing: Any = None  # internal time to the landing of a flight
+    between: Between | None = None  # what passes in the time `lag`
     takes: bool = False  # whether another ball is in contact from now on
     strikes: tuple[Strike, ...] = ()
     ends: Status | None = None
@@ -189,7 +198,7 @@ class Transitions:
         end = [x + lag * rate for x, rate in zip(q, kind.form.rates(q, body), strict=True)]
         says = kind.says(type(q)(*end), body)
         nodes = type(q)(*(np.array([x]) for x in q))
-        carried = self._integrated(kind, body, nodes, moment.carried, np.array([[lag]]))
+        carried = self._integrated(kind, body, nodes, moment.carried, np.array([[lag]]))[:, -1]
         return Moment(says.u, says.L, says.velocity, balls_.height(says.u.z, b), carried), lag
 
     def _run_in(self, ball: int, b: Ball, moment: Moment, n: Vector) -> tuple[Moment, Any]:
@@ -206,23 +215,31 @@ class Transitions:
         q = kind.state(u, L, velocity, height, body)
         carried = self._integrated(
             kind, body, type(q)(*(np.array([x]) for x in q)), moment.carried, np.array([[lag]])
-        )
+        )[:, -1]
         return Moment(u, L, velocity, height, carried), lag
 
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Rolling needs more friction than there is."""
-        b = self.ball(ball)
-        begun = leave_rolling(moment.u, moment.L, b)
-        height, velocity = balls_.height(begun.u.z, b), balls_.centre_velocity(begun.u, begun.L, begun.v, b)
-        q = self.kinds["dry-slip"].state(begun.u, begun.L, velocity, height, self.balls[ball])
-        carried = self._integrated(
-            self.kinds["dry-slip"], self.balls[ball], q, moment.carried, begun.time * begun.integrate
-        )
+        b, body, kind, span = self.ball(ball), self.balls[ball], self.kinds["dry-slip"], SPAN
+        while True:  # short enough for nothing else to happen to the contact
+            begun = leave_rolling(moment.u, moment.L, b, span)
+            height, velocity = balls_.height(begun.u.z, b), balls_.centre_velocity(begun.u, begun.L, begun.v, b)
+            q = kind.state(begun.u, begun.L, velocity, height, body)
+            last = type(q)(*(x[-1] for x in q))
+            if span < SPAN / 1000 or (
+                float(kind.says(last, body).force.z) > 0 and float(body.clearance + body.lever * begun.u.z[-1]) > 0
+            ):
+                break
+            span /= 2
+        carried = self._integrated(kind, body, q, moment.carried, begun.time * begun.integrate)
         at_end = [Vector(*(x[-1] for x in v)) for v in (begun.u, begun.L, velocity)]
-        return Change("dry-slip", ball, Moment(*at_end, height[-1], carried), "slip", ("slip",), signs, lag=begun.time)
+        moment = Moment(*at_end, height[-1], carried[:, -1].copy())
+        between = Between(np.array([np.broadcast_to(x, begun.u.z.shape) for x in q]), carried)
+        return Change("dry-slip", ball, moment, "slip", ("slip",), signs, lag=begun.time, between=between)
 
     def _integrated(self, kind: Kind, body: Body, q: Any, carried: np.ndarray, integrate: Any) -> np.ndarray:
-        """The integrals at the end of a short time, from the states q at nodes of it, and a matrix that integrates."""
+        """The integrals at nodes of a short time, (integrals, nodes), from the states q there, and a matrix that
+        integrates from the start."""
         form, variables = kind.form, self.problem.variables
         turning = form.orientation.integrals if self.problem.orientation and form.orientation else ()
         rates = {integral.name: integral.rate for integral in (*form.integrals, *turning)}
@@ -236,7 +253,7 @@ class Transitions:
                     if name in rates else np.full(nodes, value)
                     for name, value in zip(variables.carried._fields, start, strict=True)
                 ]  # fmt: skip
-        return np.array([value[-1] for value in values]) * INTEGRAL_SCALE
+        return np.array(values) * INTEGRAL_SCALE
 
     # --- what begins ----------------------------------------------------------------------------------------------
 

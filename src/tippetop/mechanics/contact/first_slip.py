@@ -77,15 +77,15 @@ class Begun(NamedTuple):
     integrate: Any
 
 
-def leave_rolling(u: Vector, L: Vector, ball: Ball) -> Begun:
-    """The sliding that begins where rolling needs just the friction that there is.
+def leave_rolling(u: Vector, L: Vector, ball: Ball, span: float = SPAN) -> Begun:
+    """The sliding that begins where rolling needs just the friction that there is, over the time span/|omega|.
 
     The direction is attracted to Q = w beta' from the first moment on, which no explicit step follows: Picard's sweeps
     on Chebyshev's nodes solve for it at every node, and integrate the rest.
     """
     zero = 0 * u.z
     w = angular_velocity(u, L, ball)
-    span = SPAN / np.sqrt(w.x * w.x + w.y * w.y + w.z * w.z)
+    time = span / np.sqrt(w.x * w.x + w.y * w.y + w.z * w.z)
     x, integrate, differentiate = _chebyshev(np.result_type(zero).type)
     F = reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
     n = np.ones_like(x)
@@ -98,11 +98,25 @@ def leave_rolling(u: Vector, L: Vector, ball: Ball) -> Begun:
             beta = beta - _miss(at_u, at_L, beta, w_nodes, beta_dot, ball)
         pushed = push(at_u, at_L, beta, ball)
         rates = np.array([*axis_rate(at_u, at_L, ball), *cross(arm(at_u, ball), pushed.force)])
-        state = start + span * (rates @ integrate.T)
-        w_nodes = span * (integrate @ pushed.P)
-        beta_dot = differentiate @ beta / span
+        state = start + time * (rates @ integrate.T)
+        w_nodes = time * (integrate @ pushed.P)
+        beta_dot = differentiate @ beta / time
     v = Vector(w_nodes * np.cos(beta), w_nodes * np.sin(beta), zero * n)
-    return Begun(Vector(*state[:3]), Vector(*state[3:]), v, span, integrate)
+    return Begun(Vector(*state[:3]), Vector(*state[3:]), v, time, integrate)
+
+
+def between_nodes(values: Any, x: Any) -> Any:
+    """Values (..., NODES) at Chebyshev's nodes, at other fractions x, (n,), of the time: (..., n)."""
+    nodes, *_ = _chebyshev(np.result_type(values).type)
+    weights = (-1.0) ** np.arange(NODES)
+    weights[[0, -1]] /= 2
+    apart = np.asarray(x)[:, None] - nodes[None, :]
+    exact = apart == 0
+    terms = weights / np.where(exact, 1, apart)
+    whole = (values[..., None, :] * terms).sum(axis=-1) / terms.sum(axis=-1)
+    at_node = exact.any(axis=1)
+    whole[..., at_node] = values[..., exact[at_node].argmax(axis=1)]
+    return whole
 
 
 def _miss(u: Vector, L: Vector, beta: Any, w: Any, beta_dot: Any, ball: Ball) -> Any:
