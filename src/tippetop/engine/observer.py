@@ -6,7 +6,7 @@ is data (`EventRows`): nothing here knows one kind from another.
 
 import numpy as np
 
-from tippetop_kernels.jit import entry, inlined, kernel, lent
+from tippetop_kernels.jit import entry, inlined, kernel
 from tippetop_kernels.polynomials import crossings, extremes, ranges
 
 from ..mechanics.events import AT_POLE, NEAR_POLE, ON_ZERO_FOR, hysteresis
@@ -25,7 +25,6 @@ def follow(times, tcs, rows, rules, tallies, log, scratch):
 
     The tally of a run that ended says in which step and where in it: later ones are not looked at.
     """
-    rows, tallies, log, scratch = lent(rows), lent(tallies), lent(log), lent(scratch)
     for i in range(len(tcs)):
         take_step(i, tcs[i], times[i], times[i + 1], rows, rules, tallies, log, scratch)
 

@@ -24,27 +24,12 @@ class CompiledDriver(Driver):
         self.motion.state[: self.variables, 0] = problem.start()
         self.motion.end[0] = float(self.end)
         self.nothing = no_rows(len(self.motion.state))
+        machine, watch = compiled.machine, (self.rows, self.tallies, self.log, self.samples, self.scratch)
+        self._drive = drive.on(machine.step, machine.dense, self.motion, *watch)
 
     def prepare(self) -> None:
         """Compiles the loop, if it is not yet compiled."""
-        self._drive(self.nothing, 0)
-
-    def _drive(self, rows: Rows, most: int) -> int:
-        machine = self.compiled.machine
-        assert machine is not None
-        return drive(
-            machine.step,
-            machine.dense,
-            self.motion,
-            self.rows,
-            self.rules,
-            self.tallies,
-            self.log,
-            self.samples,
-            rows,
-            self.scratch,
-            most,
-        )
+        self._drive(self.nothing, self.rules, 0)
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
@@ -53,7 +38,8 @@ class CompiledDriver(Driver):
         steps, before = 0, int(self.tally["steps"])
         while True:
             rows = self._asked(request)
-            steps += self._drive(rows, most - steps if self.tally["status"] == Status.RUNNING.code else 0)
+            left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
+            steps += self._drive(rows, self.rules, left)
             filled = int(rows.filled[0])
             if filled:
                 request.take(rows.times[:filled], rows.states[:filled, : self.variables])

@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import path_of
 from ..columns import with_coordinates
 from ..errors import StoreError
-from . import checkpoint, chunks, files, seal, skeleton, tables
+from . import checkpoint, files, seal, skeleton
 
 
 if TYPE_CHECKING:
@@ -59,6 +59,8 @@ def refuse_other_rows(path: str | Path, attrs: dict[str, Any]) -> None:
 
 def digest_of_rows(path: str | Path, group: str, rows: int) -> str:
     """The digest of so many rows of a group, as a checkpoint keeps it. Raises StoreError."""
+    from . import chunks, tables  # zarr: a run that is not stored does without
+
     try:
         return chunks.digest_of_rows(tables.read_member(path, group), rows)
     except Exception as error:  # codecs raise what they like
