@@ -49,6 +49,7 @@ OPTIONAL: dict[str, Any] = {
     "friction?": {str: (str, *NUMBER)},
     "certificate?": dict,
     "auto_form?": {str: str},
+    "end?": dict,
     "replay?": {str: (str, *NUMBER)},
     "start?": {str: (str, dict, *NUMBER)},
 }
