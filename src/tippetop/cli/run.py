@@ -219,11 +219,13 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
 
 def _contract(attrs: dict[str, Any]) -> int:
     """4 and a sentence for each promise that was broken, else 0."""
-    from ..runs.certificate import broken_certificate, broken_promises
+    from ..runs.certificate import broken_certificate, broken_promises, remedy
 
     broken = broken_promises(attrs["report"], attrs["tolerance"], attrs["precision"])
     if "certificate" in attrs:
         broken += broken_certificate(attrs["certificate"])
+    if broken and (better := remedy(attrs)):
+        broken[-1] += f" {better[0].upper()}{better[1:]}"
     for sentence in broken:
         print(f"tippetop: the accuracy contract is broken: {sentence}", file=sys.stderr)
     return 4 if broken else 0

@@ -1,9 +1,8 @@
 """Conserved quantities of a motion, and what their drift is relative to."""
 
-from typing import Any
-
 import numpy as np
 
+from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT
 from ..problem import Problem
 from .expressions import component, integrated, integrates_axis
 
@@ -33,17 +32,30 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
     return integrals
 
 
-def size(start: Any) -> Any:
-    """What the drift of an invariant is relative to: its start; an invariant that is zero, to internal units.
+CANCELS = 0.1  # of what it is made of: below, an invariant is small because its parts cancel
+
+
+def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What the drifts of the invariants are relative to: their start. Rounding does not become less where the parts of
+    an invariant cancel at the start: it is then compared with a tenth of them, that is of the internal unit (m g R) or,
+    for a momentum, of the angular momentum |L| if that is more.
 
     Parameters
     ----------
-    start
-        The invariant at t = 0, internal units, (k,).
+    problem
+        The run, or what runs have in common.
+    values
+        Arrays (k,) by name at the start, internal units.
 
     Returns
     -------
-    array
-        (k,), internal units.
+    dict
+        (k,) each, internal units.
     """
-    return np.where(np.abs(start) > 1e-6, np.abs(start), 1.0)
+    parts = [values[component(name)] for name in problem.system.vectors.get("L", ())]
+    momentum = np.maximum(1.0, np.sqrt(sum(part**2 for part in parts)))
+    momenta = {q.name for q in problem.system.quantities if q.unit in (ANGULAR_MOMENTUM, JELLETT)}
+    return {
+        name: np.maximum(np.abs(start), CANCELS * (momentum if name in momenta else 1.0))
+        for name, start in invariants(problem, values).items()
+    }
