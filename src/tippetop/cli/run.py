@@ -55,7 +55,11 @@ def run(
     from ..store import root
     from .text import following, warn
 
-    problem = starting.load(scenario, set_, until)
+    try:
+        problem = starting.load(scenario, set_, until)
+    except InputError:
+        _refuse_plan(scenario)
+        raise
     warn(suspicions(problem))
     if figure is not None:
         check_picture(figure, "--figure")
@@ -215,6 +219,16 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
         print(f"tippetop: {attrs['reason']}", file=sys.stderr)
         return 3
     return _contract(attrs)
+
+
+def _refuse_plan(scenario: str) -> None:
+    """Raises InputError if what should be a scenario is a plan."""
+    from ..errors import InputError
+    from ..scenario import reading
+    from ..sweeps.plan import is_plan
+
+    if is_plan(reading.read(scenario)):
+        raise InputError([f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."])
 
 
 def _contract(attrs: dict[str, Any]) -> int:

@@ -204,6 +204,8 @@ def _run(
             except BaseException:  # Ctrl-C too: the others must stop
                 queue.stopped = True
                 raise
+    if any(worker.lanes.machine is None for worker in workers):
+        measured.steps_by = "heyoka"
     measured.processor = sum(worker.processor for worker in workers)
     measured.steps_made = sum(worker.lanes.steps_made for worker in workers)
     measured.steps_possible = sum(worker.lanes.steps_possible for worker in workers)

@@ -31,6 +31,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         "shape": [int],
         "coordinates": [str],
         "columns": [str],
+        "steps_by?": str,
     },
     "surface": {"system": str, "parameters": {str: NUMBER}, "axes": {str: [NUMBER]}},
     "potential": {"system": str, "parameters": {str: NUMBER}},
