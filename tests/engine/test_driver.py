@@ -242,6 +242,8 @@ def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: py
     compared(usual, solve(made))
     again = tippetop.ensemble("inverting", varied, until=0.5, threads=1)
     assert all(same_bits(many[name].values, again[name].values) for name in many)
+    assert "steps_by" not in many.attrs
+    assert again.attrs["steps_by"] == "heyoka"
 
 
 def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(request: pytest.FixtureRequest) -> None:

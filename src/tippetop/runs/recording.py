@@ -143,8 +143,7 @@ class Recorder:
 
     def _close(self, attrs: dict[str, Any], ending: dict[str, Any]) -> None:
         of = checkpoint.digest_of_finished({**skeleton.root_of(self.lock.folder), **attrs})
-        checkpoint.write(self.lock.folder, ending, of, END)
-        finish(self.lock.folder, attrs)
+        finish(self.lock.folder, {**attrs, END: checkpoint.bound(ending, of)})
         files.remove_scratch(self.lock.folder)
         (self.lock.folder / CHECKPOINT).unlink(missing_ok=True)
         self.lock.remove()

@@ -30,11 +30,11 @@ def finite(value: Any) -> Any:
 
 
 def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
-    """Root attributes of a store whose skeleton is sound; of a run that is not finished, with what its checkpoint says
-    of its end. Raises StoreError; see `skeleton.read`."""
+    """Root attributes of a store whose skeleton is sound, without what only a longer run needs; of a run that is not
+    finished, with what its checkpoint says of its end. Raises StoreError; see `skeleton.read`."""
     stored = skeleton.read(path, whole=whole)
     if "content" in stored or stored["status"] != "running":
-        return stored
+        return {name: value for name, value in stored.items() if name != checkpoint.END}
     try:
         record = checkpoint.read(Path(path), stored)
     except FileNotFoundError:  # it just finished, or never began: the root attributes stand
