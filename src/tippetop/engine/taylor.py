@@ -9,8 +9,8 @@ import numpy as np
 from ..awaiting import awaited
 from ..mechanics.operand import leaves
 from ..problem import Problem
-from .contact.driver import ContactDriver
 from .compiled import MOST_COMPILED, Compiled, compiled, is_same_step
+from .contact.driver import ContactDriver
 from .one_run import CompiledDriver
 from .slices import Driver
 from .wide import SliceDriver

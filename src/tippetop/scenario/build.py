@@ -73,7 +73,12 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         contact=rules_of(scenario, system),
         origin=origin,
     )
-    faults = [*built.faults(), *contact_faults(built), *_pole_faults(built), *_run_faults(system, run)] or built.start_faults()
+    faults = [
+        *built.faults(),
+        *contact_faults(built),
+        *_pole_faults(built),
+        *_run_faults(system, run),
+    ] or built.start_faults()
     if faults:
         raise InputError(faults)
     return built

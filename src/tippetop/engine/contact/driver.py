@@ -210,7 +210,9 @@ class ContactDriver:
         event = self.inner.problem.system.events[int(piece.passages.events[-1])]
         return event.name if event.ends and not piece.status == Status.FALLEN else None
 
-    def _change(self, ending: str | None, last: np.ndarray, when: Any, found: "Found", request: Request) -> Status | None:
+    def _change(
+        self, ending: str | None, last: np.ndarray, when: Any, found: "Found", request: Request
+    ) -> Status | None:
         """What follows the end of a phase; gives how it ends the run, or None."""
         row = Row(*last[0, : len(Row._fields)])
         moment = Moment(
@@ -312,7 +314,9 @@ class ContactDriver:
         number = self.problem.number
         start = self.present()[0]
         row = Row(*start[: len(Row._fields)])
-        moment = Moment(vector(row[:3]), vector(row[3:6]), vector(row[6:9]), row.height, np.array(kept["carried"], number))
+        moment = Moment(
+            vector(row[:3]), vector(row[3:6]), vector(row[6:9]), row.height, np.array(kept["carried"], number)
+        )
         self.taken = number(kept["taken"])
         end, lands = kept["phase_end"]
         self._enter(Change(kept["kind"], kept["ball"], moment, "start"), clock)
@@ -343,7 +347,9 @@ class Found:
 
     def add(self, passages: Passages, system: Any, rows: np.ndarray) -> None:
         """Takes passages of a phase, whose states are these rows."""
-        numbers = np.array([self.names.index(event.name) if event.name in self.names else -1 for event in system.events])
+        numbers = np.array(
+            [self.names.index(event.name) if event.name in self.names else -1 for event in system.events]
+        )
         events = numbers[passages.events] if len(passages.events) else passages.events
         self.parts.append(passages._replace(events=events, states=rows))
 
@@ -363,5 +369,3 @@ class Found:
     def passages(self) -> Passages:
         """All of them."""
         return Passages(*(np.concatenate(columns) for columns in zip(*self.parts, strict=True)))
-
-

@@ -102,5 +102,3 @@ def _integrated(rates: Callable, start: float, end: float, y: np.ndarray, parts:
         return values[:, -1]
     middle = start + h / 2
     return _integrated(rates, middle, end, _integrated(rates, start, middle, y, parts + 1), parts + 1)
-
-

@@ -12,8 +12,8 @@ from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.first_slip import SPAN, SWEEPS, first_direction, leave_rolling
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import first_landing
-from ...mechanics.contact.struck import struck
 from ...mechanics.contact.phases.legs import STOPS_AT2, Body, Kind
+from ...mechanics.contact.struck import struck
 from ...mechanics.friction import Frictionless, slip_coefficient
 from ...mechanics.operand import Vector, cross, dot, plus, times
 from ...mechanics.systems.with_contact import PLANAR, kinds_of
@@ -213,9 +213,9 @@ class Transitions:
         L = plus(moment.L, times(lag, cross(balls_.arm(moment.u, b), F)))
         velocity, height = balls_.centre_velocity(u, L, times(speed, n), b), balls_.height(u.z, b)
         q = kind.state(u, L, velocity, height, body)
-        carried = self._integrated(
-            kind, body, type(q)(*(np.array([x]) for x in q)), moment.carried, np.array([[lag]])
-        )[:, -1]
+        carried = self._integrated(kind, body, type(q)(*(np.array([x]) for x in q)), moment.carried, np.array([[lag]]))[
+            :, -1
+        ]
         return Moment(u, L, velocity, height, carried), lag
 
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:

@@ -60,7 +60,7 @@ def first_direction(u: Vector, L: Vector, ball: Ball) -> Vector | None:
             below = (push(u, L, middle, ball).Q < 0) == rising
             low, high = (middle, high) if below else (low, middle)
         found = push(u, L, low, ball)
-        if found.P > 0 and found.force.z > 0 and (best is None or found.P > best[0]):
+        if found.P > 0 and found.force.z > 0 and (best is None or best[0] < found.P):
             best = found.P, low
     return None if best is None else Vector(cos(best[1]), sin(best[1]), 0 * best[1])
 
@@ -138,5 +138,7 @@ def _chebyshev(number: Any) -> tuple[Any, Any, Any]:
     np.fill_diagonal(differentiate, -differentiate.sum(axis=1))
     basis = np.polynomial.chebyshev
     values = basis.chebvander(2 * x.astype(float) - 1, NODES - 1)
-    integrals = np.array([basis.chebval(2 * x.astype(float) - 1, basis.chebint(row, lbnd=-1)) / 2 for row in np.eye(NODES)])
+    integrals = np.array(
+        [basis.chebval(2 * x.astype(float) - 1, basis.chebint(row, lbnd=-1)) / 2 for row in np.eye(NODES)]
+    )
     return x, (integrals.T @ np.linalg.inv(values)).astype(number), differentiate

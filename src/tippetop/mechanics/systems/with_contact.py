@@ -161,5 +161,3 @@ def leg(name: str, kind: str) -> System:
         undefined_at_poles=(),
         vectors={},
     )
-
-

@@ -88,7 +88,9 @@ def other_gap(s, b):
     return b.clearance + b.lever * s.z
 
 
-STICK = Event("stick", "sliding stops, v_A = 0: the contact rolls, if the friction cone allows", sliding_left, -1, "stick")
+STICK = Event(
+    "stick", "sliding stops, v_A = 0: the contact rolls, if the friction cone allows", sliding_left, -1, "stick"
+)
 SLIP = Event("slip", "rolling needs more friction than there is: the contact slides", cone, -1, "slip")
 TOUCH = Event("touch", "the other ball touches the plane", other_gap, -1, "touch")
 
@@ -222,4 +224,3 @@ KINDS = {
     "flight": Kind("flight", FREE, (), flying, free_state),
 }
 """Every way that a body moves; sliding with set-valued friction can stop."""
-

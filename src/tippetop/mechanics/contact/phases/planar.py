@@ -63,9 +63,7 @@ def row_of_angles(e, s, z, b):
 def angles_of_row(q, carried, b):
     """The angles of a row."""
     c = row.row_scalars(q, b)
-    v = row.point_velocity(
-        row.axis(q), row.momentum(q), Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.radius, q.offset, b
-    )
+    v = row.point_velocity(row.axis(q), row.momentum(q), Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.radius, q.offset, b)
     return Angles(carried.theta, theta_dot(q, b), v.x, v.z, c.gap, carried.x, carried.work, carried.impulse)
 
 
@@ -88,8 +86,6 @@ def _with_theta(form: Form, scalars: Any) -> Form:
         integrals=(THETA, *(integral for integral in form.integrals if integral.name != "y")),
         orientation=PLANAR_ROW.orientation,
     )
-
-
 
 
 # --- sliding under Coulomb's law itself: the direction is a sign, and v_A = 0 an ordinary zero -------------------------
@@ -187,6 +183,8 @@ SLIP_EVENTS = (
 DRY_SLIP = legs.Kind("slip", SLIP_FORM, SLIP_EVENTS, slipping, slip_state)
 
 SCALARS = {"slip": contact.Scalars, "roll": reaction.Scalars, "flight": reaction.Kinematics}
-PLANAR_KINDS = {name: legs.KINDS[name]._replace(form=_with_theta(legs.KINDS[name].form, of)) for name, of in SCALARS.items()}
+PLANAR_KINDS = {
+    name: legs.KINDS[name]._replace(form=_with_theta(legs.KINDS[name].form, of)) for name, of in SCALARS.items()
+}
 PLANAR_KINDS["dry-slip"] = DRY_SLIP
 """Every way that a cylinder moves."""

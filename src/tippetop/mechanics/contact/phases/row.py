@@ -201,9 +201,7 @@ def row_scalars(q, b):
 def free_rates(q, b):
     """The motion in free flight: L stays, s'' = -g zhat. The contact's numbers change by jumps alone."""
     u_dot, none = axis_rate(q, b), 0 * q.uz
-    return Row(
-        *u_dot, none, none, none, none, none, none - b.g, q.rz_dot, *(none for _ in Row._fields[10:])
-    )
+    return Row(*u_dot, none, none, none, none, none, none - b.g, q.rz_dot, *(none for _ in Row._fields[10:]))
 
 
 @formula

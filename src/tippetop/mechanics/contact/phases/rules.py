@@ -47,9 +47,7 @@ def stem_faults(R: float, r: float, h: float) -> list[str]:
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]
     if not h > R - r:
-        return [
-            f"`stem.h` must exceed R - r = {R - r:.6g}, or the stem never touches the plane, but is {h:.6g}."
-        ]
+        return [f"`stem.h` must exceed R - r = {R - r:.6g}, or the stem never touches the plane, but is {h:.6g}."]
     return []
 
 
@@ -57,5 +55,3 @@ def stem_faults(R: float, r: float, h: float) -> list[str]:
 def stem_height(height: Any, z: Any, offset: Any, radius: Any) -> Any:
     """Height of the lowest point of the stem's ball [m], by that of the centre of mass. [contact 0]"""
     return height - radius + offset * z
-
-
