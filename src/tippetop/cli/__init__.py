@@ -34,6 +34,7 @@ app = App(
     version_flags=["--version"],
     version=lambda: _version(),
     console=streams.Console(),
+    help_format="plaintext",
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
 )
