@@ -15,7 +15,7 @@ from .machine import load as load_object
 
 
 class MachineCode(NamedTuple):
-    """Machine code in memory."""
+    """The functions of an integrator in memory."""
 
     engine: Any  # owns the memory
     step: int  # addresses

@@ -18,7 +18,7 @@ from numba.extending import intrinsic
 from numba.np import numpy_support
 from numba.np.arrayobj import populate_array
 
-from .words import ArrayKind, TupleKind
+from .words import C_ORDER, F_ORDER, WRITEABLE
 
 
 _Plain: Any = vars(dispatcher)["_FunctionCompiler"]
@@ -26,7 +26,7 @@ PART = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 class _Part(JITCodeLibrary):
-    """The code of a function and of those that it calls: made small, but not compiled."""
+    """The code of a function and of those that it calls: smaller than it was written, but not compiled."""
 
     def finalize(self) -> None:
         self._linked()
@@ -70,16 +70,16 @@ class _Compiler(_Plain):
         flags.no_compile = True
         context = self.targetdescr.target_context
         library = _Part(context.codegen(), self.py_func.__qualname__)
-        made = compiler.compile_extra(
+        result = compiler.compile_extra(
             self.targetdescr.typing_context, context, self.py_func, args=args, return_type=return_type, flags=flags,
             locals=self.locals, library=library, pipeline_class=self.pipeline_class,
         )  # fmt: skip
-        if made.typing_error is not None:
-            raise made.typing_error
-        module, name = made.fndesc.lookup_module(), made.fndesc.qualname.rpartition(".")[2]
-        known_as = cpu._dynfunc.make_function(module, name, "", 0, made.environment, (library,))  # nobody calls it
-        context.insert_user_function(known_as, made.fndesc, [library])
-        return made._replace(entry_point=known_as)
+        if result.typing_error is not None:
+            raise result.typing_error
+        module, name = result.fndesc.lookup_module(), result.fndesc.qualname.rpartition(".")[2]
+        known_as = cpu._dynfunc.make_function(module, name, "", 0, result.environment, (library,))  # nobody calls it
+        context.insert_user_function(known_as, result.fndesc, [library])
+        return result._replace(entry_point=known_as)
 
 
 def part(kernel: Any) -> Any:
@@ -115,11 +115,14 @@ def runtime() -> None:
 
 def type_of(kind: Any) -> Any:
     """numba's type of a kind of arguments (see `words`)."""
-    if isinstance(kind, ArrayKind):
+    if isinstance(kind, tuple) and kind[0] == "array":
+        _, dtype, dimensions, flags = kind
         array: Any = types.Array
-        return array(numpy_support.from_dtype(kind.dtype), kind.ndim, kind.layout, readonly=kind.readonly)
-    if isinstance(kind, TupleKind):
-        return types.BaseTuple.from_types([type_of(field) for field in kind.fields], kind.record)
+        layout = "C" if flags & C_ORDER else "F" if flags & F_ORDER else "A"
+        return array(numpy_support.from_dtype(dtype), dimensions, layout, readonly=not flags & WRITEABLE)
+    if isinstance(kind, tuple):
+        _, record, fields = kind
+        return types.BaseTuple.from_types([type_of(field) for field in fields], record)
     numbers = {int: types.int64, float: types.float64, bool: types.boolean}
     return numbers[kind] if isinstance(kind, type) else kind._numba_type_
 
@@ -146,25 +149,25 @@ def object_code(entry: Any, kinds: tuple) -> tuple[bytes, bool]:
     function._compilation_chain_init_hook()
     with global_compiler_lock:
         function.compile(arguments)
-        made: Any = function.overloads[arguments]
+        result: Any = function.overloads[arguments]
         context = cpu_target.target_context
         library = _Whole(context.codegen(), f"entry_{entry.py_func.__name__}")
-        library.add_linking_library(made.library)
+        library.add_linking_library(result.library)
         module = library.create_ir_module("entry")
         words = ir.IntType(64)
         wrapper = ir.Function(module, ir.FunctionType(ir.IntType(32), [words.as_pointer()]), "entry")
         builder = ir.IRBuilder(wrapper.append_basic_block())
-        callee = context.declare_function(module, made.fndesc)
+        callee = context.declare_function(module, result.fndesc)
         place = iter(range(1, 1 << 20))
 
         def word() -> Any:
             return builder.load(builder.gep(wrapper.args[0], [ir.IntType(32)(next(place))]))
 
         values = [_argument(context, builder, kind, word) for kind in arguments]
-        returns = made.signature.return_type
-        status, result = context.call_conv.call_function(builder, callee, returns, arguments, values)
+        returns = result.signature.return_type
+        status, value = context.call_conv.call_function(builder, callee, returns, arguments, values)
         if isinstance(returns, types.Integer):
-            builder.store(builder.sext(result, words) if result.type.width < 64 else result, wrapper.args[0])
+            builder.store(builder.sext(value, words) if value.type.width < 64 else value, wrapper.args[0])
         builder.ret(builder.zext(status.is_error, ir.IntType(32)))
         library.add_ir_module(module)
         return library.object_code(), not library.has_dynamic_globals

@@ -1,4 +1,4 @@
-"""Machine code kept on disk, so that the next process need not compile: found by its digest, or not at all.
+"""The machine code of kernels on disk, so that the next process need not compile: found by its digest, or not at all.
 
 Whoever can write a file of machine code can run code as us. So the folder and the file must be our own and nobody
 else's to write, and nothing is read through links. A checksum makes of a damaged file a missing one. Whatever goes

@@ -133,7 +133,7 @@ class Entry(Kernel):
             from .compiling import object_code
 
             code, lasts = object_code(self, kinds)
-            made = _callable(self.__name__, code)
+            called = _callable(self.__name__, code)
         except Exception as fault:  # if it is the kernel's own fault, numba says so again
             disk.log.info("numba compiles as it always did: %r", fault)
             Kernel.plainly = True
@@ -141,7 +141,7 @@ class Entry(Kernel):
         key = self._key(kinds)
         if key and lasts:
             disk.write(self.__name__, key, code)
-        return made
+        return called
 
     def _key(self, kinds: tuple) -> bytes | None:
         try:

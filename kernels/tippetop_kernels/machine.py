@@ -9,7 +9,7 @@ import llvmlite.binding as llvm
 
 
 class Loaded(NamedTuple):
-    """Machine code in memory."""
+    """The functions of an object file in memory."""
 
     engine: Any  # owns the memory
     addresses: tuple[int, ...]  # of the functions that were asked for
@@ -90,7 +90,7 @@ def load(code: bytes, names: tuple[str, ...], libraries: Iterable[str] = ()) -> 
 
 
 def _is_known(name: str) -> bool:
-    """Whether LLVM finds a function; it is told of those of C that this process has."""
+    """Whether LLVM finds a function, after those of C in this process are made known to it."""
     if llvm.address_of_symbol(name) is None:
         function = getattr(ctypes.CDLL(None), name, None)
         if function is None:

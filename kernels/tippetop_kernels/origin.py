@@ -26,15 +26,13 @@ import llvmlite
 import llvmlite.binding as llvm
 import numpy as np
 
-from .words import ArrayKind, TupleKind
-
 
 PACKAGES = ("tippetop", "tippetop_kernels")  # whose sources are in every digest
 TRUSTED = {"heyoka", "llvmlite", "numba", "numpy"}  # whose versions, and the standard library's, stand for their code
 IDLE = {"NUMBA_CACHE_DIR", "NUMBA_CACHE_LOCATOR_CLASSES", "NUMBA_NUM_THREADS"}  # no bit depends on them
 
 
-WORKSHOP = ("compiling", "disk", "jit", "machine", "origin", "words")  # by whom kernels are made: their files count
+MAKERS = ("compiling", "disk", "jit", "machine", "origin", "words")  # they make kernels: their files count
 EDIT_MARGIN = 0.05  # [s] by which the clocks of files and processes may differ
 
 
@@ -80,11 +78,12 @@ def digest(kernel: Any, kinds: Iterable[Any]) -> bytes:
 
 def _described(kind: Any, modules: set[str]) -> str:
     """The kind of an argument in words that mean the same in every process; adds the modules that it comes from."""
-    if isinstance(kind, ArrayKind):
-        return f"{np.dtype(kind.dtype)!r} {kind[1:]}"
-    if isinstance(kind, TupleKind):
-        record = _public(kind.record, modules) if kind.record is not tuple else ""
-        return f"{record}({', '.join(_described(field, modules) for field in kind.fields)})"
+    if isinstance(kind, tuple) and kind[0] == "array":
+        return repr(kind)
+    if isinstance(kind, tuple):
+        _, record, fields = kind
+        name = _public(record, modules) if record is not tuple else ""
+        return f"{name}({', '.join(_described(field, modules) for field in fields)})"
     if isinstance(kind, type):
         return kind.__name__
     name = _public(kind.py_func, modules)
@@ -139,12 +138,12 @@ def _software() -> tuple[str, ...]:
 
 def _installed() -> list[str]:
     """Names and versions of numba and of what teaches it more (`importlib.metadata` takes ten times as long)."""
-    found = []
+    there = []
     for place in sys.path:
         with contextlib.suppress(OSError):
             names = [name for name in os.listdir(place or ".") if name.endswith((".dist-info", ".egg-info"))]
-            found += [name for name in names if name.startswith("numba-") or _teaches(os.path.join(place, name))]
-    return sorted(found)
+            there += [name for name in names if name.startswith("numba-") or _teaches(os.path.join(place, name))]
+    return sorted(there)
 
 
 def _teaches(folder: str) -> bool:
@@ -166,7 +165,7 @@ def _processor() -> tuple[str, ...]:
 
 def loaded(modules: Iterable[str]) -> Iterator[str]:
     """The functions and constants of modules, and of those of our packages that they know, as they are in memory."""
-    todo, known = sorted(modules), {*modules, *(f"{__package__}.{name}" for name in WORKSHOP)}
+    todo, known = sorted(modules), {*modules, *(f"{__package__}.{name}" for name in MAKERS)}
     while todo:
         name = todo.pop(0)
         others: set[str] = set()

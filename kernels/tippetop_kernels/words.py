@@ -1,29 +1,18 @@
 """Arguments of a kernel as a row of 64-bit words, and what they are: what a call from Python needs, without numba.
 
 A number is a word; an array is its address, shape and strides; a tuple is its fields, one after another; a kernel is
-nothing, as it is compiled in.
+nothing, as it is compiled in. A kind is what is compiled for an argument: `int`, `float` or `bool`; ("array", dtype,
+dimensions, flags); ("tuple", class, kinds of the fields); or the kernel itself.
 """
 
 import struct
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 
-class ArrayKind(NamedTuple):
-    """What is compiled for an array."""
-
-    dtype: np.dtype
-    ndim: int
-    layout: str  # "C", "F" or "A"
-    readonly: bool
-
-
-class TupleKind(NamedTuple):
-    """What is compiled for a tuple or a named tuple."""
-
-    record: type
-    fields: tuple
+C_ORDER, F_ORDER, ALIGNED, WRITEABLE = 0x1, 0x2, 0x100, 0x400  # of numpy's `flags.num`
+FLAGS = C_ORDER | F_ORDER | ALIGNED | WRITEABLE
 
 
 def of(arguments: tuple) -> tuple[tuple, list[int]]:
@@ -37,7 +26,7 @@ def of(arguments: tuple) -> tuple[tuple, list[int]]:
     Returns
     -------
     tuple
-        A kind each: int, float, bool, ArrayKind, TupleKind, or the kernel itself.
+        A kind each.
     list of int
         Words, signed.
 
@@ -47,20 +36,21 @@ def of(arguments: tuple) -> tuple[tuple, list[int]]:
         If an argument is something else.
     """
     numbers: list[int] = []
-    return tuple(_taken(argument, numbers) for argument in arguments), numbers
+    return tuple([_taken(argument, numbers) for argument in arguments]), numbers
 
 
 def _taken(argument: Any, numbers: list[int]) -> Any:
     """The kind of an argument; adds its words."""
     if isinstance(argument, np.ndarray):
-        flags = argument.flags
-        if not flags.aligned or argument.dtype.hasobject:
+        flags = argument.flags.num & FLAGS
+        if not flags & ALIGNED or argument.dtype.hasobject:
             raise TypeError(f"an array must be aligned and of numbers, but is {argument.dtype}")
-        numbers += (argument.ctypes.data, *argument.shape, *argument.strides)
-        layout = "C" if flags.c_contiguous else "F" if flags.f_contiguous else "A"
-        return ArrayKind(argument.dtype, argument.ndim, layout, not flags.writeable)
+        numbers.append(argument.ctypes.data)
+        numbers += argument.shape
+        numbers += argument.strides
+        return "array", argument.dtype, argument.ndim, flags
     if isinstance(argument, tuple):
-        return TupleKind(type(argument), tuple(_taken(field, numbers) for field in argument))
+        return "tuple", type(argument), tuple([_taken(field, numbers) for field in argument])
     if isinstance(argument, bool | np.bool_):
         numbers.append(int(argument))
         return bool

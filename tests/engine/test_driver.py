@@ -6,11 +6,13 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
+import heyoka as hy
 import numpy as np
 import pytest
 
 import tippetop
 from tippetop.engine import compiled as compiling
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.engine.one_run import CompiledDriver
 from tippetop.engine.slices import Driver
 from tippetop.engine.status import Status
@@ -350,3 +352,19 @@ def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
     integration = Integration(build.load("inverting", None, 0.2))
     integration.run(Nowhere())
     assert (integration.status, integration.filled) == (Status.FINISHED, 0)
+
+
+@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"])
+def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str) -> None:
+    """An event function that is a variable plus a number: the same number, to the bit, as heyoka finds at zero."""
+    made = build.load(preset, None, 0.1)
+    code = driver_of(made).compiled
+    q, _, body, rates = equations_of_motion(made.system, made.variables, type(made.friction))
+    scalars = made.form.scalars(q, body)
+    several = 0
+    for event, row in zip(made.system.events, code.rows.events, strict=True):
+        if row["shift"] == 0 and row["scale"] == 1.0 and row["row"] < len(rates):
+            function = hy.expression(0.0) + event.formula(scalars, body)
+            assert hy.cfunc([function], vars=[rates[row["row"]][0]])([0.0])[0] == row["offset"], event.name
+            several += 1
+    assert several or preset == "gliding-cylinder"

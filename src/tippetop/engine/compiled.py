@@ -141,8 +141,8 @@ def _libraries() -> tuple[str, ...]:
     """The shared libraries of this process whose functions heyoka's code calls."""
     mapped = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
     lines = (line for line in mapped.splitlines() if "heyoka" in line or "sleef" in line)
-    found = (re.search(r"\S*/lib(?:heyoka|sleef)[^/\s]*\.so\S*", line) for line in lines)
-    return tuple(sorted({place[0] for place in found if place}))
+    places = (re.search(r"\S*/lib(?:heyoka|sleef)[^/\s]*\.so\S*", line) for line in lines)
+    return tuple(sorted({place[0] for place in places if place}))
 
 
 _comparing = threading.Lock()
