@@ -104,6 +104,10 @@ def _bound(tc, events, factors, known, sums):
         if event.leader < 0:
             low, high, steady = known[LOW, e], known[HIGH, e], known[STEADY, e]
             ranges(tc[event.row], event.shift, factors[event.shift], low, high, steady, sums)
+            if event.offset != 0.0:
+                for lane in range(len(low)):
+                    low[lane] += event.offset
+                    high[lane] += event.offset
     for e in range(len(events)):
         event = events[e]
         if event.leader >= 0:

@@ -70,7 +70,9 @@ class ContactDriver:
         start = problem.start()
         row = Row(*start[: len(Row._fields)])
         moment = Moment(vector(row[:3]), vector(row[3:6]), vector(row[6:9]), row.height, start[len(row) :].copy())
-        self._enter(self.transitions.at_start(moment), (problem.number(0), problem.number(0)))
+        change = self.transitions.at_start(moment)
+        change.takes = True
+        self._enter(change, (problem.number(0), problem.number(0)))
         self.first = self.present()
 
     # --- the phase that is under way ------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 """What follows the end of a phase: the table of the contact's phases, in one place. [contact 6]"""
 
-import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -12,7 +11,7 @@ from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.first_slip import SPAN, SWEEPS, first_direction, leave_rolling
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import first_landing
-from ...mechanics.contact.phases.legs import STOPS_AT2, Body, Kind
+from ...mechanics.contact.phases.legs import STOPS_AT, Body, Kind
 from ...mechanics.contact.struck import struck
 from ...mechanics.friction import Frictionless, slip_coefficient
 from ...mechanics.operand import Vector, cross, dot, plus, times
@@ -24,7 +23,6 @@ from .legs import Balls
 from .smooth_impact import struck_smooth
 
 
-STOPS_AT = math.sqrt(STOPS_AT2)
 BEGINS_AT = 1e-8  # |v_A| with which sliding begins from rest outside the friction cone; its square is the error
 CLOSES_AT = 1e-8  # v_n below which an impact does not bounce: the error is its square
 ON_PLANE = 1e-9  # gap of a ball that touches
@@ -178,10 +176,10 @@ class Transitions:
         w = self._size(v)
         if w > 0:
             moment, lag = self._run_out(kind, body, b, moment, v, w)
+            moment = self._stopped(b, moment)
         else:
             lag = 0 * w
-        velocity = balls_.centre_velocity(moment.u, moment.L, Vector(0 * w, 0 * w, 0 * w), b)
-        change = self._on_plane(ball, moment._replace(velocity=velocity), "stick")
+        change = self._on_plane(ball, moment, "stick")
         rests = change.kind == "roll"
         change.events, change.signs = ("stick" if rests else "reversal",), signs
         change.when, change.lag = lag, change.lag + lag
@@ -200,6 +198,16 @@ class Transitions:
         nodes = type(q)(*(np.array([x]) for x in q))
         carried = self._integrated(kind, body, nodes, moment.carried, np.array([[lag]]))[:, -1]
         return Moment(says.u, says.L, says.velocity, balls_.height(says.u.z, b), carried), lag
+
+    def _stopped(self, b: Ball, moment: Moment) -> Moment:
+        """The contact point brought to rest by the impulse that this takes: nothing of energy or Jellett's integral is
+        lost."""
+        v = balls_.contact_velocity(moment.u, moment.L, moment.velocity, b)
+        p = balls_.mobility_inverse_times(moment.u, times(-1, v), b)
+        velocity, L = plus(moment.velocity, times(1 / b.m, p)), plus(moment.L, cross(balls_.arm(moment.u, b), p))
+        carried = moment.carried.copy()
+        carried[self.work] = carried[self.work] - dot(p, v) / 2 * INTEGRAL_SCALE
+        return moment._replace(L=L, velocity=velocity, carried=carried)
 
     def _run_in(self, ball: int, b: Ball, moment: Moment, n: Vector) -> tuple[Moment, Any]:
         """The first of a slide along n from rest, so short that its rates stay; and the time that it takes."""

@@ -9,9 +9,19 @@ from typing import Any, NamedTuple
 
 from ...events import Event
 from ...form import Form
-from ...operand import Operand, Vector, dot, formula
+from ...operand import Operand, Vector, cross, dot, formula, sqrt
 from ...units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, ONE
 from .. import body as contact
+from ..ball import (
+    Ball,
+    arm,
+    bias_vector,
+    centre_velocity,
+    contact_acceleration_vector,
+    contact_velocity,
+    height,
+)
+from ..coulomb import along_and_across, slip_force_vector
 from ..gliding import catalogue as gliding
 from ..gliding import vector as gliding_vector
 from ..integrals import integral
@@ -23,9 +33,8 @@ from ..rolling.reaction import kinematics
 from . import row
 
 
-STOPS_AT2 = 2.0**-73
-"""|v_A|^2 below which a sliding contact stops, internal units: |v_A| = 1e-11, which has five digits left. The time that
-is left, and what happens in it, then follow to 3e-15 from the present rates."""
+STOPS_AT = 2.0**-43
+"""|v_A| at which a sliding contact stops, internal units: 1.1e-13. What is left of it is an impulse."""
 
 
 class Body(NamedTuple):
@@ -72,8 +81,8 @@ class Reached(NamedTuple):
 
 @formula
 def sliding_left(s, b):
-    """|v_A|^2 less the square of the speed at which sliding ends."""
-    return s.v2 - STOPS_AT2
+    """|v_A| less the speed at which sliding ends: transversal, as |v_A|^2 is not. [contact 2.2]"""
+    return s.w - STOPS_AT
 
 
 @formula
@@ -95,8 +104,109 @@ SLIP = Event("slip", "rolling needs more friction than there is: the contact sli
 TOUCH = Event("touch", "the other ball touches the plane", other_gap, -1, "touch")
 
 SLIPPING = (gliding.LIFTOFF, TOUCH)
-SLIPPING_DRY = (*SLIPPING, STICK)
 ROLLING = (rolling.LIFTOFF, TOUCH, SLIP)
+
+
+# --- sliding under Coulomb's law itself -------------------------------------------------------------------------------
+
+
+class DrySlipState(NamedTuple):
+    """3hat, L about the centre of mass, v_A and |v_A|: variables of their own keep their digits where sliding stops."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    vx: Operand
+    vy: Operand
+    w: Operand
+
+
+class DryScalars(NamedTuple):
+    """What its events read."""
+
+    z: Operand  # cos(theta)
+    z_dot: Operand
+    w: Operand  # |v_A|
+    force: Operand  # normal force
+
+
+@formula
+def ball(b):
+    """The ball of a body, as the formulas of its contact take it."""
+    return Ball(b.m, b.I1, b.I3, b.g, b.friction.mu, b.c, b.R)
+
+
+@formula
+def direction(q):
+    """n = v_A/|v_A|, (3,)."""
+    return Vector(q.vx / q.w, q.vy / q.w, 0 * q.w)
+
+
+@formula
+def dry_force(q, b):
+    """F = N (zhat - mu v_A/|v_A|), (3,) [N]. [contact 2.1]"""
+    u = row.axis(q)
+    return slip_force_vector(u, bias_vector(u, row.momentum(q), ball(b)), direction(q), ball(b))
+
+
+@formula
+def dry_scalars(q, b):
+    """The scalars of a state."""
+    return DryScalars(q.uz, row.axis_rate(q, b).z, q.w, dry_force(q, b).z)
+
+
+@formula
+def dry_rates(q, b):
+    """3hat' = L x 3hat/I1, L' = a x F, v_A' = b + K F. [contact 1, 2.1]"""
+    u, F = row.axis(q), dry_force(q, b)
+    G = contact_acceleration_vector(u, bias_vector(u, row.momentum(q), ball(b)), F, ball(b))
+    P, _ = along_and_across(G, direction(q))
+    return DrySlipState(*row.axis_rate(q, b), *cross(arm(u, ball(b)), F), G.x, G.y, P)
+
+
+@formula
+def dry_velocity(q, b):
+    """Velocity of the centre of mass, (3,) [m/s]."""
+    return centre_velocity(row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz), ball(b))
+
+
+@formula
+def dry_slipping(q, b):
+    """What a state says."""
+    return Reached(row.axis(q), row.momentum(q), dry_velocity(q, b), height(q.uz, ball(b)), dry_force(q, b))
+
+
+@formula
+def dry_normal_force(s, b):
+    """Normal force [N]."""
+    return s.force
+
+
+DRY = Form(
+    "vector",
+    DrySlipState(*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 3),
+    dry_rates,
+    dry_scalars,
+    of_angles=lambda e, s, z, b: None,  # it begins in the state that another phase leaves
+    to_angles=lambda q, carried, b: None,
+    integrals=(
+        integral("x", lambda q, carried, b: dry_velocity(q, b).x),
+        integral("y", lambda q, carried, b: dry_velocity(q, b).y),
+        integral("work", lambda q, carried, b: -(dry_force(q, b).x * q.vx + dry_force(q, b).y * q.vy)),
+        integral("impulse", lambda q, carried, b: dry_force(q, b).z),
+    ),
+    orientation=carried_along(row.axis, row.axis_rate, row.spin),
+)
+DRY_SLIPPING = (replace(gliding.LIFTOFF, formula=dry_normal_force), TOUCH, STICK)
+
+
+def dry_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
+    """The state of sliding of a body on the plane."""
+    v = contact_velocity(u, L, velocity, ball(b))
+    return DrySlipState(*u, *L, v.x, v.y, sqrt(v.x * v.x + v.y * v.y))
 
 
 # --- free flight ------------------------------------------------------------------------------------------------------
@@ -219,7 +329,7 @@ class Kind(NamedTuple):
 ROLL_FORM = replace(rolling.VECTOR, domains=())
 KINDS = {
     "slip": Kind("slip", gliding.VECTOR, SLIPPING, slipping, slip_state),
-    "dry-slip": Kind("slip", gliding.VECTOR, SLIPPING_DRY, slipping, slip_state),
+    "dry-slip": Kind("slip", DRY, DRY_SLIPPING, dry_slipping, dry_state),
     "roll": Kind("roll", ROLL_FORM, ROLLING, rolled, roll_state),
     "flight": Kind("flight", FREE, (), flying, free_state),
 }
