@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from ...events import Event
 from ...form import Form
-from ...operand import Operand, Vector, cross, dot, formula, sqrt
-from ...units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, ONE
+from ...operand import Operand, Vector, atan2, cos, cross, dot, formula, sin, sqrt, times
+from ...units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, ONE, RADIAN
 from .. import body as contact
 from ..ball import (
     Ball,
@@ -111,7 +111,8 @@ ROLLING = (rolling.LIFTOFF, TOUCH, SLIP)
 
 
 class DrySlipState(NamedTuple):
-    """3hat, L about the centre of mass, v_A and |v_A|: variables of their own keep their digits where sliding stops."""
+    """3hat, L about the centre of mass, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its
+    direction its length, where sliding stops."""
 
     ux: Operand
     uy: Operand
@@ -119,8 +120,7 @@ class DrySlipState(NamedTuple):
     Lx: Operand
     Ly: Operand
     Lz: Operand
-    vx: Operand
-    vy: Operand
+    beta: Operand
     w: Operand
 
 
@@ -142,7 +142,7 @@ def ball(b):
 @formula
 def direction(q):
     """n = v_A/|v_A|, (3,)."""
-    return Vector(q.vx / q.w, q.vy / q.w, 0 * q.w)
+    return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 
 @formula
@@ -160,17 +160,17 @@ def dry_scalars(q, b):
 
 @formula
 def dry_rates(q, b):
-    """3hat' = L x 3hat/I1, L' = a x F, v_A' = b + K F. [contact 1, 2.1]"""
+    """3hat' = L x 3hat/I1, L' = a x F, and w', w beta' of v_A' = b + K F. [contact 1, 2.1]"""
     u, F = row.axis(q), dry_force(q, b)
     G = contact_acceleration_vector(u, bias_vector(u, row.momentum(q), ball(b)), F, ball(b))
-    P, _ = along_and_across(G, direction(q))
-    return DrySlipState(*row.axis_rate(q, b), *cross(arm(u, ball(b)), F), G.x, G.y, P)
+    P, Q = along_and_across(G, direction(q))
+    return DrySlipState(*row.axis_rate(q, b), *cross(arm(u, ball(b)), F), Q / q.w, P)
 
 
 @formula
 def dry_velocity(q, b):
     """Velocity of the centre of mass, (3,) [m/s]."""
-    return centre_velocity(row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz), ball(b))
+    return centre_velocity(row.axis(q), row.momentum(q), times(q.w, direction(q)), ball(b))
 
 
 @formula
@@ -187,7 +187,7 @@ def dry_normal_force(s, b):
 
 DRY = Form(
     "vector",
-    DrySlipState(*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 3),
+    DrySlipState(*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, RADIAN, METRE_PER_SECOND),
     dry_rates,
     dry_scalars,
     of_angles=lambda e, s, z, b: None,  # it begins in the state that another phase leaves
@@ -195,7 +195,7 @@ DRY = Form(
     integrals=(
         integral("x", lambda q, carried, b: dry_velocity(q, b).x),
         integral("y", lambda q, carried, b: dry_velocity(q, b).y),
-        integral("work", lambda q, carried, b: -(dry_force(q, b).x * q.vx + dry_force(q, b).y * q.vy)),
+        integral("work", lambda q, carried, b: -(q.w * dot(direction(q), dry_force(q, b)))),
         integral("impulse", lambda q, carried, b: dry_force(q, b).z),
     ),
     orientation=carried_along(row.axis, row.axis_rate, row.spin),
@@ -206,7 +206,7 @@ DRY_SLIPPING = (replace(gliding.LIFTOFF, formula=dry_normal_force), TOUCH, STICK
 def dry_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
     """The state of sliding of a body on the plane."""
     v = contact_velocity(u, L, velocity, ball(b))
-    return DrySlipState(*u, *L, v.x, v.y, sqrt(v.x * v.x + v.y * v.y))
+    return DrySlipState(*u, *L, atan2(v.y, v.x), sqrt(v.x * v.x + v.y * v.y))
 
 
 # --- free flight ------------------------------------------------------------------------------------------------------
