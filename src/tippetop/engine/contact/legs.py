@@ -166,7 +166,7 @@ def rows_of(
     gap = stem_height(says.height, says.u.z, balls[1].c, balls[1].R) if balls.stem else 0
     row = Row(
         *says.u, *says.L, *says.velocity, says.height, *says.force,
-        body.R, body.c, gap, PHASES.index(kind.phase), ball, taken,
+        body.R, body.c, gap, PHASES.index(kind.phase), ball, taken, says.drilled,
     )  # fmt: skip
     rows = np.empty((n, len(row) + carried.shape[1]), dtype=number)
     for k, value in enumerate(row):

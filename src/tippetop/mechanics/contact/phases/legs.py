@@ -74,6 +74,7 @@ class Reached(NamedTuple):
     velocity: Vector  # of the centre of mass
     height: Operand  # of the centre of mass
     force: Vector  # reaction
+    drilled: Operand = 0  # power that a torque of the contact takes
 
 
 # --- events -----------------------------------------------------------------------------------------------------------

@@ -44,7 +44,7 @@ TAKEN = "jellett_taken"
 class Row(NamedTuple):
     """3hat, L about the centre of mass, its velocity, its height; the reaction; radius and offset of the ball in
     contact; height of the stem's ball above the plane; numbers of phase and ball; Jellett's integral as it was when
-    the ball was taken."""
+    the ball was taken; power that a torque of the contact takes."""
 
     ux: Operand
     uy: Operand
@@ -65,6 +65,7 @@ class Row(NamedTuple):
     phase: Operand
     ball: Operand
     jellett_taken: Operand
+    drilled: Operand
 
 
 ROW_UNITS = Row(
@@ -77,6 +78,7 @@ ROW_UNITS = Row(
     ONE,
     ONE,
     JELLETT,
+    WATT,
 )
 
 
@@ -128,7 +130,7 @@ class Scalars(NamedTuple):
     rise: Operand  # v_A.zhat
     speed2: Operand  # |s'|^2 of the centre of mass, all three components
     height: Operand  # of the centre of mass
-    power: Operand  # -F.v_A
+    power: Operand  # that friction takes
     force: Operand  # normal force
     radius: Operand
     offset: Operand
@@ -185,7 +187,7 @@ def row_scalars(q, b):
         rise=v.z,
         speed2=q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
         height=q.height,
-        power=-(q.Fx * v.x + q.Fy * v.y),
+        power=q.drilled - (q.Fx * v.x + q.Fy * v.y),
         force=q.Fz,
         radius=q.radius,
         offset=q.offset,
@@ -233,6 +235,7 @@ def row_of_angles(e, s, z, b):
         none,
         none,
         lam,
+        none,
     )
 
 
