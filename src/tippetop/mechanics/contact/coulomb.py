@@ -5,7 +5,7 @@ A slip direction n is a horizontal unit vector; F = N (zhat - mu n). Everything 
 """
 
 from ..operand import Vector, formula
-from .ball import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times
+from .ball import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
 
 
 # --- slip ------------------------------------------------------------------------------------------------------------
@@ -29,6 +29,12 @@ def response(u, push, ball):
     """zhat.K(zhat - push) [1/kg]: upward acceleration of the contact point for N = 1 and the horizontal force -push."""
     lever = ball.offset * (u.x * u.x + u.y * u.y) - (ball.radius - ball.offset * u.z) * (u.x * push.x + u.y * push.y)
     return 1 / ball.m + ball.offset * lever / ball.I1
+
+
+@formula
+def loaded_normal_force(u, b, push, tau, ball):
+    """N [N] where the friction -N push, horizontal, and beside it the torque N tau act: of a patch that drills."""
+    return -b.z / (response(u, push, ball) + torque_acceleration(u, tau, ball).z)
 
 
 @formula
