@@ -8,8 +8,6 @@ f and m are elementary; there is one formula for each region, and no approximati
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ..operand import Operand, Vector, atan2, formula, sqrt
 
 
@@ -53,15 +51,10 @@ def outside(w2, U2):
 
 
 def drag(w2: Any, U2: Any) -> Drag:
-    """The drag of numbers or arrays of them, by the formula of its region; infinite where w = U = 0."""
-    w2, U2 = np.broadcast_arrays(w2, U2)
-    drags = np.empty((2, *w2.shape), np.result_type(w2, U2, float))
-    regions = (w2 <= U2, (w2 > U2) & (w2 < OUTSIDE_FROM**2 * U2), w2 >= OUTSIDE_FROM**2 * U2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for region, law in zip(regions, (inside, between, outside), strict=True):
-            drags[:, region] = law(w2[region], U2[region])
-    drags[:, (w2 == 0) & (U2 == 0)] = math.inf
-    return Drag(drags[0][()], drags[1][()])
+    """The drag of two numbers, by the formula of its region; infinite where w = U = 0."""
+    if w2 <= U2:
+        return inside(w2, U2) if U2 else Drag(math.inf, math.inf)
+    return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
 
 
 # --- force, torque, power ---------------------------------------------------------------------------------------------
