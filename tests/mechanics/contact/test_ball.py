@@ -74,10 +74,10 @@ def momentum(x: State) -> Any:
     return inertia(x) * x.omega
 
 
-def acceleration(x: State, F: Any) -> Any:
-    """Of the contact point with the force F there, by the equations of Newton and Euler."""
+def acceleration(x: State, F: Any, torque: Any = None) -> Any:
+    """Of the contact point with the force F there and a torque, by the equations of Newton and Euler."""
     a = x.ball.offset * x.u - x.ball.radius * Z
-    turn = mp.lu_solve(inertia(x), cross(a, F) - cross(x.omega, momentum(x)))
+    turn = mp.lu_solve(inertia(x), cross(a, F) + (torque or column(0, 0, 0)) - cross(x.omega, momentum(x)))
     return F / x.ball.m - x.ball.g * Z + cross(turn, a) + cross(x.omega, x.ball.offset * cross(x.omega, x.u))
 
 
@@ -198,6 +198,17 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], a
         P, Q = coulomb.along_and_across_components(contact.contact_acceleration(b, K, F), n_e, n_t)
         G = acceleration(x, slipping(x))
         assert_close((P, Q), (dot(x.n, G), dot(cross(Z, x.n), G)))
+
+
+def test_the_normal_force_with_a_torque_keeps_the_contact_closed(states: list[State], at_poles: list[State]) -> None:
+    for x in states + at_poles:
+        push, tau, u = column(0.2, -0.1, 0), column(0.03, 0.02, -0.05), vector(x.u)
+        b = contact.bias_vector(u, vector(momentum(x)), x.ball)
+        N = coulomb.loaded_normal_force(u, b, vector(push), vector(tau), x.ball)
+        G = acceleration(x, N * (Z - push), N * tau)
+        assert_close([G[2]], [0])
+        given = contact.torque_acceleration(u, vector(tau), x.ball)
+        assert_close(given, acceleration(x, column(0, 0, 0), tau) - acceleration(x, column(0, 0, 0)))
 
 
 def test_the_forces_of_rolling_are_those_of_newton_and_euler(states: list[State], at_poles: list[State]) -> None:

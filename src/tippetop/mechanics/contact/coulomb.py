@@ -5,7 +5,7 @@ A slip direction n is a horizontal unit vector; F = N (zhat - mu n). Everything 
 """
 
 from ..operand import Vector, formula
-from .ball import Components, mobility_inverse_times
+from .ball import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
 
 
 # --- slip ------------------------------------------------------------------------------------------------------------
@@ -32,6 +32,12 @@ def response(u, push, ball):
 
 
 @formula
+def loaded_normal_force(u, b, push, tau, ball):
+    """N [N] where the friction -N push, horizontal, and beside it the torque N tau act: of a patch that drills."""
+    return -b.z / (response(u, push, ball) + torque_acceleration(u, tau, ball).z)
+
+
+@formula
 def slip_normal_force_vector(u, b, n, ball):
     """N of slip along n, a horizontal unit Vector [N]."""
     return -b.z / response(u, Vector(ball.mu * n.x, ball.mu * n.y, 0), ball)
@@ -54,6 +60,15 @@ def along_and_across(G, n):
 def along_and_across_components(G, n_e, n_t):
     """P and Q of Components [m/s^2]; Q = w (beta' + phi')."""
     return n_e * G.e + n_t * G.t, n_e * G.t - n_t * G.e
+
+
+@formula
+def slip_motion(u, L, n, ball):
+    """F, P and Q of slip along the horizontal unit Vector n: force (3,) [N], rate of w, w times the turn of n."""
+    b = bias_vector(u, L, ball)
+    F = slip_force_vector(u, b, n, ball)
+    P, Q = along_and_across(contact_acceleration_vector(u, b, F, ball), n)
+    return F, P, Q
 
 
 # --- rolling ---------------------------------------------------------------------------------------------------------

@@ -1,144 +1,140 @@
-"""How sliding begins from rest: at the edge of the friction cone, and outside of it. [contact 2.4, 2.5]
+"""How slip begins where nothing slips: at the edge of the cone, and outside it. [contact 2.4, 2.5]
 
-Directions are angles from the x axis of space; numbers are float or longdouble.
+At the edge w = 0 and the direction is that against the force of rolling, but its equation w beta' = Q is singular, and
+so stiff nearby that no explicit step begins there. Chebyshev and Picard's sweeps solve it on a whole interval at once:
+the direction from Q = w beta', everything else by integration. Numbers are doubles or longdoubles.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..operand import Vector, cos, cross, sin
-from .ball import Ball, angular_velocity, arm, axis_rate, bias_vector, contact_acceleration_vector
-from .coulomb import along_and_across, reaction_of_rolling_vector, slip_force_vector
+
+class FirstSlip(NamedTuple):
+    """The first moments of slip, at Chebyshev nodes; the last of them is the end."""
+
+    time: np.ndarray  # (n,) since the edge of the cone
+    state: np.ndarray  # (k, n)
+    w: np.ndarray  # (n,) slip speed
+    beta: np.ndarray  # (n,) slip direction, an angle from a fixed axis
+
+    def at(self, t: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """State, w and beta at times t between the ends, by the polynomial through the nodes."""
+        x = 2 * np.asarray(t) / self.time[-1] - 1
+        values = np.vstack([self.state, self.w, self.beta]) @ _coefficients(self.time).T
+        found = np.polynomial.chebyshev.chebval(x, values.T)
+        return found[:-2], found[-2], found[-1]
 
 
-NODES, SWEEPS = 12, 16
-SPAN = 0.03  # of 1/|omega|: the time over which sliding is begun
-DIRECTIONS = 360
-
-
-class Push(NamedTuple):
-    """What sliding in a direction leads to."""
-
-    P: Any  # rate of the speed
-    Q: Any  # speed times the rate of the direction
-    force: Vector
-
-
-def push(u: Vector, L: Vector, beta: Any, ball: Ball) -> Push:
-    """P, Q and the force of sliding in the direction beta; of numbers or arrays."""
-    n = Vector(cos(beta), sin(beta), 0 * beta)
-    b = bias_vector(u, L, ball)
-    F = slip_force_vector(u, b, n, ball)
-    P, Q = along_and_across(contact_acceleration_vector(u, b, F, ball), n)
-    return Push(P, Q, F)
-
-
-def first_direction(u: Vector, L: Vector, ball: Ball) -> Vector | None:
-    """The direction in which a contact at rest begins to slide, whose rolling force lies outside the friction cone.
+def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nodes: int = 12) -> FirstSlip:
+    """The motion from the edge of the cone, where w = P = Q = 0.
 
     Parameters
     ----------
-    u, L
-        3hat, and the angular momentum about the centre of mass.
-    ball
-        The ball in contact.
+    rates
+        rates(state, w, beta) -> (the state's rate, P, Q) of slip in the direction beta, an angle from a fixed axis;
+        of arrays (k, n), (n,), (n,).
+    state
+        At the edge, (k,).
+    beta
+        The direction of the first slip: against the horizontal force of rolling.
+    duration
+        How long; 0.03/|omega| is right. It is halved until the sweeps converge.
+    nodes
+        How many times in it.
 
     Returns
     -------
-    Vector or None
-        A horizontal unit vector: there Q = 0, P > 0 and N > 0; None if there is no such direction.
+    FirstSlip
+        Its end is where an integrator goes on.
+
+    Raises
+    ------
+    ArithmeticError
+        Nothing begins to slip so.
     """
-    at = 2 * np.pi * np.arange(DIRECTIONS + 1) / DIRECTIONS
-    values = push(u, L, at, ball)
-    signs = np.sign(np.asarray(values.Q, float))
-    best: tuple[Any, Any] | None = None
-    for k in np.flatnonzero(signs[1:] * signs[:-1] <= 0):
-        low, high = (at[k] + 0 * u.z, at[k + 1] + 0 * u.z)
-        rising = signs[k] <= 0 and signs[k + 1] >= 0
-        while (middle := (low + high) / 2) not in (low, high):
-            below = (push(u, L, middle, ball).Q < 0) == rising
-            low, high = (middle, high) if below else (low, middle)
-        found = push(u, L, low, ball)
-        if found.P > 0 and found.force.z > 0 and (best is None or best[0] < found.P):
-            best = found.P, low
-    return None if best is None else Vector(cos(best[1]), sin(best[1]), 0 * best[1])
+    for _ in range(12):
+        found, change = _swept(rates, state, beta, duration, nodes)
+        if change < 1e4 * np.finfo(np.result_type(state)).eps and bool(np.all(found.w[1:] > 0)):
+            return found
+        duration = duration / 2
+    raise ArithmeticError("no slip begins at this edge of the cone")
 
 
-class Begun(NamedTuple):
-    """Sliding that has begun, at Chebyshev's nodes of the time that it took; arrays (NODES,).
+def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes: int) -> tuple[FirstSlip, float]:
+    """Sweeps until they change nothing more than rounding; and the last change of w and beta, relative."""
+    angle = np.pi * np.arange(nodes, dtype=start.dtype) / (nodes - 1)
+    time = duration * (1 - np.cos(angle)) / 2
+    integral, slope = (m * duration / 2 if i == 0 else m * 2 / duration for i, m in enumerate(_matrices(time)))
+    state, beta, w = np.repeat(start[:, None], nodes, 1), np.full_like(time, beta0), np.zeros_like(time)
+    change = np.inf
+    with np.errstate(all="ignore"):
+        for sweep in range(40):
+            old_w, old_beta, turn = w, beta, w * (slope @ beta)
+            for _ in range(2):
+                excess = rates(state, w, beta)[2] - turn
+                steep = (rates(state, w, beta + 1e-5)[2] - rates(state, w, beta - 1e-5)[2]) / 2e-5
+                beta = beta - excess / steep
+            state_rate, P, _ = rates(state, w, beta)
+            state, w = start[:, None] + state_rate @ integral.T, integral @ P
+            newer = np.max(np.abs(w - old_w)) / np.max(np.abs(w)) + np.max(np.abs(beta - old_beta))
+            if not np.isfinite(newer) or (sweep > 6 and newer >= change):
+                break
+            change = newer
+    return FirstSlip(time, state, w, beta), float(change)
 
-    `integrate` gives integrals from the start to each node, by the fraction of that time."""
 
-    u: Vector
-    L: Vector
-    v: Vector  # of the contact
-    time: Any
-    integrate: Any
+def _coefficients(time: np.ndarray) -> np.ndarray:
+    """From values at the nodes to Chebyshev coefficients, (n, n)."""
+    n = len(time) - 1
+    k = np.arange(n + 1, dtype=time.dtype)
+    matrix = 2 / n * np.cos(np.pi * np.outer(k, n - k) / n)
+    matrix[[0, n]] /= 2
+    matrix[:, [0, n]] /= 2
+    return matrix
 
 
-def leave_rolling(u: Vector, L: Vector, ball: Ball, span: float = SPAN) -> Begun:
-    """The sliding that begins where rolling needs just the friction that there is, over the time span/|omega|.
+def _matrices(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Integral from the first node, and derivative, of values at the nodes, on [-1, 1]."""
+    n = len(time) - 1
+    angle = np.pi * np.arange(n, -1, -1, dtype=time.dtype) / n  # cos(angle) ascends from -1
 
-    The direction is attracted to Q = w beta' from the first moment on, which no explicit step follows: Picard's sweeps
-    on Chebyshev's nodes solve for it at every node, and integrate the rest.
+    def T(k: int) -> np.ndarray:
+        return np.cos(k * angle)
+
+    sums, slopes = [], []
+    for k in range(n + 1):
+        s = T(1) if k == 0 else T(2) / 4 if k == 1 else (T(k + 1) / (k + 1) - T(k - 1) / (k - 1)) / 2
+        sums.append(s - s[0])
+        inner = k * np.sin(k * angle[1:-1]) / np.sin(angle[1:-1])
+        slopes.append(np.concatenate([[(-1) ** (k + 1) * k**2], inner, [k**2]]))
+    coefficients = _coefficients(time)
+    return np.column_stack(sums) @ coefficients, np.column_stack(slopes) @ coefficients
+
+
+def first_directions(law: Callable, count: int = 360) -> np.ndarray:
+    """Every direction in which slip can begin from rest: Q = 0, P > 0, N > 0; exactly one outside the cone.
+
+    Parameters
+    ----------
+    law
+        law(beta) -> (P, Q, N) of slip in the directions beta, an array of angles from any axis.
+    count
+        How many directions are looked at; zeros between them are bisected to rounding.
+
+    Returns
+    -------
+    array
+        The angles, ascending, in [0, 2 pi) or so; empty inside the cone, where the contact rolls.
     """
-    zero = 0 * u.z
-    w = angular_velocity(u, L, ball)
-    time = span / np.sqrt(w.x * w.x + w.y * w.y + w.z * w.z)
-    x, integrate, differentiate = _chebyshev(np.result_type(zero).type)
-    F = reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
-    n = np.ones_like(x)
-    state = np.array([value * n for value in (*u, *L)])
-    start, w_nodes, beta_dot = state[:, :1], zero * n, zero * n
-    beta = np.arctan2(-F.y, -F.x) * n
-    for _ in range(SWEEPS):
-        at_u, at_L = Vector(*state[:3]), Vector(*state[3:])
-        for _ in range(3):
-            beta = beta - _miss(at_u, at_L, beta, w_nodes, beta_dot, ball)
-        pushed = push(at_u, at_L, beta, ball)
-        rates = np.array([*axis_rate(at_u, at_L, ball), *cross(arm(at_u, ball), pushed.force)])
-        state = start + time * (rates @ integrate.T)
-        w_nodes = time * (integrate @ pushed.P)
-        beta_dot = differentiate @ beta / time
-    v = Vector(w_nodes * np.cos(beta), w_nodes * np.sin(beta), zero * n)
-    return Begun(Vector(*state[:3]), Vector(*state[3:]), v, time, integrate)
-
-
-def between_nodes(values: Any, x: Any) -> Any:
-    """Values (..., NODES) at Chebyshev's nodes, at other fractions x, (n,), of the time: (..., n)."""
-    nodes, *_ = _chebyshev(np.result_type(values).type)
-    weights = (-1.0) ** np.arange(NODES)
-    weights[[0, -1]] /= 2
-    apart = np.asarray(x)[:, None] - nodes[None, :]
-    exact = apart == 0
-    terms = weights / np.where(exact, 1, apart)
-    whole = (values[..., None, :] * terms).sum(axis=-1) / terms.sum(axis=-1)
-    at_node = exact.any(axis=1)
-    whole[..., at_node] = values[..., exact[at_node].argmax(axis=1)]
-    return whole
-
-
-def _miss(u: Vector, L: Vector, beta: Any, w: Any, beta_dot: Any, ball: Ball) -> Any:
-    """Newton's correction of Q(beta) = w beta'."""
-    small = 1e-5
-    slope = (push(u, L, beta + small, ball).Q - push(u, L, beta - small, ball).Q) / (2 * small)
-    return (push(u, L, beta, ball).Q - w * beta_dot) / slope
-
-
-def _chebyshev(number: Any) -> tuple[Any, Any, Any]:
-    """Chebyshev's nodes in [0, 1], and the matrices that integrate from 0, and differentiate, values at them."""
-    k = np.arange(NODES).astype(number)
-    x = (1 - np.cos(np.pi * k / (NODES - 1))) / 2
-    weights = (-1.0) ** np.arange(NODES)
-    weights[[0, -1]] /= 2
-    apart = x[:, None] - x[None, :] + np.eye(NODES, dtype=number)
-    differentiate = weights[None, :] / weights[:, None] / apart
-    np.fill_diagonal(differentiate, 0)
-    np.fill_diagonal(differentiate, -differentiate.sum(axis=1))
-    basis = np.polynomial.chebyshev
-    values = basis.chebvander(2 * x.astype(float) - 1, NODES - 1)
-    integrals = np.array(
-        [basis.chebval(2 * x.astype(float) - 1, basis.chebint(row, lbnd=-1)) / 2 for row in np.eye(NODES)]
-    )
-    return x, (integrals.T @ np.linalg.inv(values)).astype(number), differentiate
+    grid = 2 * np.pi * (np.arange(count + 1) + 1 / np.e) / count
+    Q = law(grid)[1]
+    low, high = (grid[i + np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0))] for i in (0, 1))
+    above = law(low)[1] > 0
+    for _ in range(60):
+        middle = (low + high) / 2
+        same = (law(middle)[1] > 0) == above
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    P, _, N = law(low)
+    return np.sort(low[(P > 0) & (N > 0)])

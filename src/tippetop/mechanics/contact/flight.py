@@ -82,7 +82,8 @@ def hop(u: Vector, L: Vector, V_z: Any, gap: Any, ball: Ball, zeros: int = 0) ->
     across = cross(along, u)
     even, odd = -ball.offset * cross(along, across).z, ball.offset * across.z
     taylor = [gap, V_z + odd * Omega, -ball.g - even * Omega**2]
-    return Hop(*(0 * c if i < zeros else c for i, c in enumerate(taylor)), even, odd, Omega, V_z, ball.g)
+    start, speed, bend = (0 * c if i < zeros else c for i, c in enumerate(taylor))
+    return Hop(start, speed, bend, even, odd, Omega, V_z, ball.g)
 
 
 def gap_series(h: Hop) -> tuple:

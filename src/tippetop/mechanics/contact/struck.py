@@ -50,7 +50,9 @@ class _Moment(NamedTuple):
     b: Any
     w: Any
     v_n: Any
-    impulse: Any
+    p_e: Any  # of the impact so far
+    p_2: Any
+    impulse: Any  # normal
     work_n: Any
     slid: Any  # the integral of w over the impulse
 
@@ -82,30 +84,31 @@ def struck(v_e: Any, v_2: Any, v_n: Any, K: Mobility, mu: Any, e_n: Any, restitu
     Impact
         After it.
     """
-    v_e, v_2, v_n = (float(v) if isinstance(v, (int, float)) else v for v in (v_e, v_2, v_n))
-    K = Mobility(*(float(k) if isinstance(k, (int, float)) else k for k in K))
-    if restitution not in RESTITUTIONS or not 0 <= e_n <= 1 or not v_n < 0 or not mu * abs(K.ez) < K.zz:
+    numbers = [float(x) if isinstance(x, (int, float)) else x for x in (v_e, v_2, v_n, mu, e_n, *K)]
+    v_e, v_2, v_n, mu, e_n = numbers[:5]
+    slip = _Slip(Mobility(*numbers[5:]), mu, abs(v_n), 1 if v_2 >= 0 else -1)
+    if restitution not in RESTITUTIONS or not 0 <= e_n <= 1 or not v_n < 0 or not mu * abs(slip.K.ez) < slip.K.zz:
         raise ValueError(f"no impact: v_n = {v_n}, e_n = {e_n}, mu = {mu}, restitution = {restitution!r}")
     w = (v_e * v_e + v_2 * v_2) ** 0.5
-    side = 1 if v_e >= 0 else -1
-    b = v_2 * v_2 / (w * (w + abs(v_e))) if w else 0 * w
-    slip = _Slip(K, mu, abs(v_n))
-    at = slip.followed(_Moment(side, b, w, v_n, 0 * w, 0 * w, 0 * w), _Stage("v_n", 0 * v_n))
-    p_z, compression, slid = at.impulse, at.work_n, at.slid
-    work_n = compression
+    none = 0 * w
+    b = v_2 * v_2 / (w * (w + abs(v_e))) if w else none
+    start = _Moment(1 if v_e >= 0 else -1, b, w, v_n, *(none,) * 5)
+    at = pressed = slip.followed(start, _Stage("v_n", none))
     if e_n > 0:
         field, value = {
-            "energetic": ("work_n", -(e_n**2) * compression),
-            "poisson": ("impulse", e_n * p_z),
+            "energetic": ("work_n", -(e_n**2) * pressed.work_n),
+            "poisson": ("impulse", e_n * pressed.impulse),
             "newton": ("v_n", -e_n * v_n),
         }[restitution]
-        at = slip.followed(at._replace(v_n=0 * v_n, impulse=0 * w, work_n=0 * w, slid=0 * w), _Stage(field, value))
-        p_z, work_n, slid = p_z + at.impulse, compression + at.work_n, slid + at.slid
+        at = slip.followed(pressed._replace(impulse=none, work_n=none, slid=none), _Stage(field, value))
+        total = (pressed.impulse + at.impulse, pressed.work_n + at.work_n, pressed.slid + at.slid)
+        at = at._replace(impulse=total[0], work_n=total[1], slid=total[2])
     if mu == 0:
-        return Impact(0 * w, 0 * w, p_z, v_e + K.ez * p_z, v_2, at.v_n, work_n, 0 * w, compression, "slip")
-    after_e, after_2 = at.side * (1 - at.b) * at.w, (at.b * (2 - at.b)) ** 0.5 * at.w * (1 if v_2 >= 0 else -1)
-    p_e, p_2 = (after_e - v_e - K.ez * p_z) / K.ee, (after_2 - v_2) / K.tt
-    return Impact(p_e, p_2, p_z, after_e, after_2, at.v_n, work_n, -mu * slid, compression, slip.mode)
+        v_e = v_e + slip.K.ez * at.impulse
+        return Impact(none, none, at.impulse, v_e, v_2, at.v_n, at.work_n, none, pressed.work_n, "slip")
+    after = (at.side * (1 - at.b) * at.w, slip.turn * (at.b * (2 - at.b)) ** 0.5 * at.w, at.v_n)
+    works = (at.work_n, -mu * at.slid, pressed.work_n)
+    return Impact(at.p_e, at.p_2, at.impulse, *after, *works, slip.mode)
 
 
 def struck_planar(v_x: Any, v_n: Any, K: Mobility, mu: Any, e_n: Any, restitution: str = "energetic") -> Impact:
@@ -116,26 +119,33 @@ def struck_planar(v_x: Any, v_n: Any, K: Mobility, mu: Any, e_n: Any, restitutio
 class _Slip:
     """The contact during one impact."""
 
-    def __init__(self, K: Mobility, mu: Any, speed: Any) -> None:
-        self.K, self.mu, self.mode = K, mu, "slip"
+    def __init__(self, K: Mobility, mu: Any, speed: Any, turn: int) -> None:
+        self.K, self.mu, self.turn, self.mode = K, mu, turn, "slip"  # turn: the sign of v_2
         eps = _epsilon(speed)
         self.stopped_below = eps * speed * min(1, mu) / 1000
-        self.order = max(20, math.ceil(-0.82 * math.log(eps)))
+        self.order = max(20, math.ceil(-0.56 * math.log(eps)))
+        self.straight_below = eps**2 / 100  # v_2 is sqrt(2 b) w
         self.share = eps / 10  # of a value: the terms that a series leaves out
+        self.most = 0 * speed  # the greatest w so far
+        D = mu * (K.ee - K.tt)
+        turns = K.ez**2 / (4 * D) if abs(K.ez) < 2 * D else 0  # the rate of log w is K_ez C - D C^2 - mu K_tt
+        self.decays = abs(K.ez) < mu * K.ee and turns < mu * K.tt
 
     def followed(self, at: _Moment, stage: _Stage) -> _Moment:
         """The moment at which the stage ends."""
-        K, ended = self.K, False
+        K, mu, ended = self.K, self.mu, False
         while not ended:
-            if self.mu == 0:
-                at, ended = _linear(at, stage, K.zz, 0 * at.w)
+            pull = at.side * K.ez
+            if mu == 0:
+                at, ended = _linear(at, stage, K.zz, 0, 0)
             elif self.mode == "slip" and at.w <= self.stopped_below:
-                self.mode = "stick" if abs(K.ez) <= self.mu * K.ee else "reverse"
+                self.mode = "stick" if abs(K.ez) <= mu * K.ee else "reverse"
                 at = at._replace(side=1 if K.ez > 0 else -1, b=0 * at.b, w=0 * at.w)
             elif self.mode == "stick":
-                at, ended = _linear(at, stage, K.zz - K.ez**2 / K.ee, 0 * at.w)
-            elif at.b == 0:
-                at, ended = _linear(at, stage, K.zz - self.mu * (at.side * K.ez), at.side * K.ez - self.mu * K.ee)
+                at, ended = _linear(at, stage, K.zz - K.ez**2 / K.ee, 0, -K.ez / K.ee)
+            elif (at.b <= self.straight_below and pull > mu * (K.ee - K.tt)) or at.b == 0:  # on e, to which slip turns
+                at = at._replace(b=0 * at.b)
+                at, ended = _linear(at, stage, K.zz - mu * pull, pull - mu * K.ee, -mu * at.side)
             else:
                 at, ended = self.turned(at, stage)
         return at
@@ -157,8 +167,8 @@ class _Slip:
         D = mu * (K.ee - K.tt)
         q = K.ez - side * D  # of K_ez - D C = q + side D b
         b, w, v_n = [at.b], [at.w], [at.v_n]
-        x = [side * (1 - at.b) * at.w]  # the slip along e
-        impulse, work_n, slid = [at.impulse], [at.work_n], [at.slid]
+        x, y = [side * (1 - at.b) * at.w], self.turn * (at.b * (2 - at.b)) ** 0.5 * at.w  # the slip along e, along 2hat
+        p_e, p_2, impulse, work_n, slid = ([x] for x in at[4:])
         g, P = [], []  # 1 - C^2 = 2 b - b^2, and the rate of log w
         for n in range(self.order):
             b2 = _term(b, b)
@@ -169,21 +179,28 @@ class _Slip:
             b.append(-(side * q * g[n] + D * _term(g, b)) / (n + 1))
             x.append((K.ez * w[n] - mu * K.ee * x[n]) / (n + 1))
             v_n.append((K.zz * w[n] - mu * K.ez * x[n]) / (n + 1))
+            p_e.append(-mu * x[n] / (n + 1))
+            p_2.append(-mu * y / (n + 1))
+            y = -mu * K.tt * y / (n + 1)
             impulse.append(w[n] / (n + 1))
             work_n.append(_term(w, v_n[:-1]) / (n + 1))
             slid.append(_term(w, w) / (n + 1))
             w.append(_term(w, P) / (n + 1))
-        return {"b": b, "w": w, "v_n": v_n, "impulse": impulse, "work_n": work_n, "slid": slid}
+        return dict(zip(at._fields[1:], (b, w, v_n, p_e, p_2, impulse, work_n, slid), strict=True))
 
     def step(self, series: dict[str, list]) -> Any:
-        """How far the series of the direction and of w hold, to rounding."""
-        K, mu = self.K, self.mu
-        steps = [20 / (mu * (K.ee + K.tt) + abs(K.ez))]
-        for a in (series["b"], series["w"]):
+        """How far the series hold, to rounding: of what the whole impact adds up, where w only falls."""
+        K, mu, w = self.K, self.mu, series["w"][0]
+        self.most = max(self.most, w)
+        share = min(self.share * (self.most / w if self.decays else 1), 1e-3)
+        h = 20 / (mu * (K.ee + K.tt) + abs(K.ez))
+        for field, first in (("b", 0), ("w", 0), ("work_n", 1), ("slid", 1)):
+            a = series[field]
+            size = abs(a[first]) + (abs(a[2]) * h if first else 0)  # the first term of work_n vanishes with v_n
             for n in (self.order - 1, self.order):
                 if a[n]:
-                    steps.append(float(abs(self.share * a[0] / a[n])) ** (1 / n))
-        return min(steps)
+                    h = min(h, float(share * size / abs(a[n])) ** (1 / (n - first)))
+        return h
 
 
 def _epsilon(x: Any) -> float:
@@ -220,8 +237,8 @@ def _root(a: list, value: Any, high: Any) -> Any:
     return h
 
 
-def _linear(at: _Moment, stage: _Stage, lift: Any, pull: Any) -> tuple[_Moment, bool]:
-    """To the end of the stage or of slip, where v_n rises by `lift` and w by `pull` per normal impulse; which of them."""
+def _linear(at: _Moment, stage: _Stage, lift: Any, pull: Any, drag: Any) -> tuple[_Moment, bool]:
+    """To the end of the stage, or of slip: v_n, w and p_e grow by `lift`, `pull` and `drag` per normal impulse."""
     rest = stage.value - getattr(at, stage.field)
     if stage.field == "v_n":
         p = rest / lift
@@ -232,13 +249,12 @@ def _linear(at: _Moment, stage: _Stage, lift: Any, pull: Any) -> tuple[_Moment, 
     stops = bool(pull < 0 and at.w < -pull * p)
     if stops:
         p = -at.w / pull
-    after = _Moment(
-        at.side,
-        at.b,
-        0 * at.w if stops else at.w + pull * p,
-        at.v_n + lift * p,
-        at.impulse + p,
-        at.work_n + p * (at.v_n + lift * p / 2),
-        at.slid + p * (at.w + pull * p / 2),
+    after = at._replace(
+        w=0 * at.w if stops else at.w + pull * p,
+        v_n=at.v_n + lift * p,
+        p_e=at.p_e + drag * p,
+        impulse=at.impulse + p,
+        work_n=at.work_n + p * (at.v_n + lift * p / 2),
+        slid=at.slid + p * (at.w + pull * p / 2),
     )
     return (after, False) if stops else (after._replace(**{stage.field: stage.value}), True)
