@@ -24,7 +24,10 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
         them since; energy_balance = energy + work of friction; axis_norm = |3hat| in forms
         that integrate the axis. Internal units, (k,) each.
     """
-    integrals = {name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(taken(name), 0.0) for name in problem.system.integrals}
+    integrals = {
+        name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(taken(name), 0.0)
+        for name in problem.system.integrals
+    }
     integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
         axis = problem.system.vectors["axis"]

@@ -3,12 +3,12 @@
 To whoever asks it is a driver like any other; its states are rows (`mechanics.contact.phases.row.Row`).
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...mechanics.contact.ball import jellett
-from ...mechanics.contact.first_slip import between_nodes
 from ...mechanics.contact.phases.row import PHASES, Row
 from ...mechanics.events import ON_ZERO
 from ...mechanics.systems.with_contact import kinds_of
@@ -18,7 +18,8 @@ from ..expressions import equations_of_motion
 from ..slices import Driver, Extremes, Passages, Request, Slice
 from ..status import Status
 from ..tallies import SIGN, reset
-from .legs import Balls, Carried, new_leg, rows_of, vector
+from .beginning import states
+from .legs import INTEGRAL_SCALE, Balls, Carried, new_leg, rows_of, vector
 from .tables import Tables
 from .transitions import Change, Moment, Transitions
 
@@ -210,7 +211,7 @@ class ContactDriver:
         if piece.status in (None, Status.FINISHED) or not len(piece.passages.events):
             return None
         event = self.inner.problem.system.events[int(piece.passages.events[-1])]
-        return event.name if event.ends and not piece.status == Status.FALLEN else None
+        return event.name if event.ends and piece.status != Status.FALLEN else None
 
     def _change(
         self, ending: str | None, last: np.ndarray, when: Any, found: "Found", request: Request
@@ -246,34 +247,44 @@ class ContactDriver:
         between, lag = change.between, change.lag
         assert between is not None
 
-        def rows(x: np.ndarray) -> np.ndarray:
-            states = between_nodes(between.q, x).T
-            carried = between_nodes(between.carried, x).T
-            kind, number = self.kinds[self.kind], self.problem.number
-            return rows_of(kind, self.ball, self.balls, states, carried, self.taken, number)
+        kind, body, number = self.kinds[self.kind], self.balls[self.ball], self.problem.number
+        moving = len(kind.form.units)
+
+        def rows(t: np.ndarray) -> np.ndarray:
+            values = states(kind, body, between, t).T
+            carried = values[:, moving:] * INTEGRAL_SCALE
+            return rows_of(kind, self.ball, self.balls, values[:, :moving], carried, self.taken, number)
 
         driver, system = self.inner, self.inner.problem.system
         while not request.steps:
             driver.times = driver.times if len(driver.times) else request.wanted()
             count = int(np.searchsorted(driver.times, float(start + lag)))
             if count:
-                x = (driver.times[:count].astype(self.problem.number) - start) / lag
-                request.take(driver.times[:count], rows(np.clip(x, 0, 1)))
+                t = driver.times[:count].astype(number) - start
+                request.take(driver.times[:count], rows(np.clip(t, 0 * lag, lag)))
             driver.times = driver.times[count:]
             if len(driver.times) or not count:
                 break
-        q = type(driver.problem.form.units)(*between.q)
-        scalars = driver.problem.form.scalars(q, self.balls[self.ball])
         for k, event in enumerate(system.events):
             if event.name not in change.signs:
                 continue
-            values = np.broadcast_to(event.formula(scalars, self.balls[self.ball]), between.q.shape[1:])
-            sign = 1.0 if float(values[-1]) > 0 else -1.0
-            if sign == change.signs[event.name]:
-                continue
-            x = _zero(values, change.signs[event.name])
-            driver.tallies.functions[SIGN, k, 0] = sign
-            found.note(event.name, start + x * lag, rows(np.array([x])), sign)
+            function = self._along(event, driver.problem.form, between)
+            sign, before = 1.0 if function(lag) > 0 else -1.0, change.signs[event.name]
+            if sign != before:
+                t = _zero(function, before, lag)
+                driver.tallies.functions[SIGN, k, 0] = sign
+                found.note(event.name, start + t, rows(np.array([t])), sign)
+
+    def _along(self, event: Any, form: Any, between: Any) -> Callable[[Any], float]:
+        """An event function of the time since the beginning of a slide."""
+        kind, body = self.kinds[self.kind], self.balls[self.ball]
+
+        def function(t: Any) -> float:
+            values = states(kind, body, between, np.array([t]))[:, 0]
+            q = type(form.units)(*values[: len(form.units)])
+            return float(event.formula(form.scalars(q, body), body))
+
+        return function
 
     # --- what is known of it --------------------------------------------------------------------------------------
 
@@ -330,12 +341,11 @@ class ContactDriver:
         self.tables.under_way = kept["under_way"]
 
 
-def _zero(values: np.ndarray, sign: float) -> float:
-    """Where a function of these values at Chebyshev's nodes, which begins with a sign, has its zero, in [0, 1]."""
-    low, high = 0.0, 1.0
+def _zero(function: Callable[[Any], float], sign: float, end: Any) -> Any:
+    """Where a function that begins with a sign has its zero, in [0, end]."""
+    low, high = 0 * end, end
     while low < (middle := (low + high) / 2) < high:
-        same = float(between_nodes(values, np.array([middle]))[0]) * sign > 0
-        low, high = (middle, high) if same else (low, middle)
+        low, high = (middle, high) if function(middle) * sign > 0 else (low, middle)
     return high
 
 

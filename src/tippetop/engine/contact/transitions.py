@@ -1,5 +1,6 @@
 """What follows the end of a phase: the table of the contact's phases, in one place. [contact 6]"""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -8,7 +9,7 @@ import numpy as np
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact import coulomb
 from ...mechanics.contact.ball import Ball
-from ...mechanics.contact.first_slip import SPAN, SWEEPS, first_direction, leave_rolling
+from ...mechanics.contact.first_slip import FirstSlip
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import first_landing
 from ...mechanics.contact.phases.legs import STOPS_AT, Body, Kind
@@ -19,6 +20,7 @@ from ...mechanics.systems.with_contact import PLANAR, kinds_of
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 from ..status import Status
+from .beginning import begun, direction, states
 from .legs import Balls
 from .smooth_impact import struck_smooth
 
@@ -32,14 +34,6 @@ MOST_STRIKES = 16  # of impacts at one instant
 def _wide(value: Any) -> Any:
     """A number as flights take it: a double, or one of 80 bits."""
     return float(value) if isinstance(value, float) else np.longdouble(value)
-
-
-def _rate(values: Any, nodes: int) -> np.ndarray:
-    """The rate of an integral at nodes: at the first, where a contact is at rest, friction has no power."""
-    rates = np.array(np.broadcast_to(values, (nodes,)))
-    if nodes > 1 and not np.isfinite(rates[0]):
-        rates[0] = 0
-    return rates
 
 
 class Moment(NamedTuple):
@@ -67,14 +61,6 @@ class Strike:
 
 
 @dataclass
-class Between:
-    """The short beginning of a slide that no step makes, at Chebyshev's nodes of its time."""
-
-    q: np.ndarray  # (variables of the state, nodes)
-    carried: np.ndarray  # (integrals, nodes)
-
-
-@dataclass
 class Change:
     """A phase that begins."""
 
@@ -87,7 +73,7 @@ class Change:
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
     landing: Any = None  # internal time to the landing of a flight
-    between: Between | None = None  # what passes in the time `lag`
+    between: FirstSlip | None = None  # what passes in the time `lag`
     takes: bool = False  # whether another ball is in contact from now on
     strikes: tuple[Strike, ...] = ()
     ends: Status | None = None
@@ -195,8 +181,7 @@ class Transitions:
         q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
         end = [x + lag * rate for x, rate in zip(q, kind.form.rates(q, body), strict=True)]
         says = kind.says(type(q)(*end), body)
-        nodes = type(q)(*(np.array([x]) for x in q))
-        carried = self._integrated(kind, body, nodes, moment.carried, np.array([[lag]]))[:, -1]
+        carried = self._later(kind, body, q, moment.carried, lag)
         return Moment(says.u, says.L, says.velocity, balls_.height(says.u.z, b), carried), lag
 
     def _stopped(self, b: Ball, moment: Moment) -> Moment:
@@ -221,47 +206,42 @@ class Transitions:
         L = plus(moment.L, times(lag, cross(balls_.arm(moment.u, b), F)))
         velocity, height = balls_.centre_velocity(u, L, times(speed, n), b), balls_.height(u.z, b)
         q = kind.state(u, L, velocity, height, body)
-        carried = self._integrated(kind, body, type(q)(*(np.array([x]) for x in q)), moment.carried, np.array([[lag]]))[
-            :, -1
-        ]
+        carried = self._later(kind, body, q, moment.carried, lag)
         return Moment(u, L, velocity, height, carried), lag
 
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Rolling needs more friction than there is."""
-        b, body, kind, span = self.ball(ball), self.balls[ball], self.kinds["dry-slip"], SPAN
-        while True:  # short enough for nothing else to happen to the contact
-            begun = leave_rolling(moment.u, moment.L, b, span)
-            height, velocity = balls_.height(begun.u.z, b), balls_.centre_velocity(begun.u, begun.L, begun.v, b)
-            q = kind.state(begun.u, begun.L, velocity, height, body)
-            last = type(q)(*(x[-1] for x in q))
-            if span < SPAN / 1000 or (
-                float(kind.says(last, body).force.z) > 0 and float(body.clearance + body.lever * begun.u.z[-1]) > 0
-            ):
-                break
-            span /= 2
-        carried = self._integrated(kind, body, q, moment.carried, begun.time * begun.integrate)
-        at_end = [Vector(*(x[-1] for x in v)) for v in (begun.u, begun.L, velocity)]
-        moment = Moment(*at_end, height[-1], carried[:, -1].copy())
-        between = Between(np.array([np.broadcast_to(x, begun.u.z.shape) for x in q]), carried)
-        return Change("dry-slip", ball, moment, "slip", ("slip",), signs, lag=begun.time, between=between)
+        b, body, kind = self.ball(ball), self.balls[ball], self.kinds["dry-slip"]
+        carried, rate = moment.carried / INTEGRAL_SCALE, self._rates(kind, body)
+        first = begun(kind, body, b, moment.u, moment.L, carried, rate)
+        end = states(kind, body, first, first.time[-1:])[:, 0]
+        says = kind.says(type(kind.form.units)(*end[: len(kind.form.units)]), body)
+        carried = end[len(kind.form.units) :] * INTEGRAL_SCALE
+        moment = Moment(says.u, says.L, says.velocity, says.height, carried)
+        return Change("dry-slip", ball, moment, "slip", ("slip",), signs, lag=first.time[-1], between=first)
 
-    def _integrated(self, kind: Kind, body: Body, q: Any, carried: np.ndarray, integrate: Any) -> np.ndarray:
-        """The integrals at nodes of a short time, (integrals, nodes), from the states q there, and a matrix that
-        integrates from the start."""
+    def _rates(self, kind: Kind, body: Body) -> Callable:
+        """rates(q, carried) of the integrals of a row, (k, n), in a phase."""
         form, variables = kind.form, self.problem.variables
         turning = form.orientation.integrals if self.problem.orientation and form.orientation else ()
-        rates = {integral.name: integral.rate for integral in (*form.integrals, *turning)}
-        start, nodes = carried / INTEGRAL_SCALE, len(integrate)
-        values = [np.full(nodes, value) for value in start]
-        for _ in range(SWEEPS):
-            record = variables.carried(*values)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                values = [
-                    value + integrate @ _rate(rates[name](q, record, body), nodes)
-                    if name in rates else np.full(nodes, value)
-                    for name, value in zip(variables.carried._fields, start, strict=True)
-                ]  # fmt: skip
-        return np.array(values) * INTEGRAL_SCALE
+        by_name = {integral.name: integral.rate for integral in (*form.integrals, *turning)}
+
+        def rates(q: Any, carried: np.ndarray) -> np.ndarray:
+            record = variables.carried(*carried)
+            shape = carried.shape[1:]
+            return np.array(
+                [
+                    np.broadcast_to(by_name[name](q, record, body), shape) if name in by_name else np.zeros(shape)
+                    for name in variables.carried._fields
+                ]
+            )
+
+        return rates
+
+    def _later(self, kind: Kind, body: Body, q: Any, carried: np.ndarray, time: Any) -> np.ndarray:
+        """The integrals after a time so short that their rates stay."""
+        whole = carried / INTEGRAL_SCALE
+        return (whole + time * self._rates(kind, body)(q, whole)) * INTEGRAL_SCALE
 
     # --- what begins ----------------------------------------------------------------------------------------------
 
@@ -294,7 +274,7 @@ class Transitions:
         force = coulomb.reaction_of_rolling_vector(moment.u, balls_.bias_vector(moment.u, moment.L, b), b)
         if float(force.z) > 0 and float(coulomb.cone(force.x, force.y, force.z, b.mu)) >= 0:
             return Change("roll", ball, moment, reason, takes=takes)
-        n = first_direction(moment.u, moment.L, b)
+        n = direction(moment.u, moment.L, b)
         if n is None:
             return self._flight(ball, moment, "opens-at-once", 2)
         n = Vector(np.sign(n.x), none, none) if self.problem.system.name in PLANAR else n

@@ -201,9 +201,7 @@ def _kind(name: str) -> legs.Kind:
 
 
 DRILLING_KINDS = {f"drill-{name}": _kind(name) for name in REGIONS} | {"flight": legs.KINDS["flight"]}
-FOLLOWS = {
-    (f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.items() for word, _, _, to in borders
-}
+FOLLOWS = {(f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.items() for word, _, _, to in borders}
 """The kind that follows a kind and the event that ended it."""
 
 

@@ -305,6 +305,11 @@ def free_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> 
     return FreeState(*u, *L, *velocity, height)
 
 
+def dry_sliding(u: Vector, L: Vector, w: Any, beta: Any, b: Body) -> Any:
+    """The state of sliding with the speed w in the direction beta."""
+    return DrySlipState(*u, *L, beta, w)
+
+
 class Kind(NamedTuple):
     """How a phase moves.
 
@@ -325,12 +330,13 @@ class Kind(NamedTuple):
     events: tuple[Event, ...]
     says: Callable
     state: Callable
+    sliding: Callable | None = None  # sliding(u, L, w, beta, b) -> q with v_A = w (cos(beta), sin(beta))
 
 
 ROLL_FORM = replace(rolling.VECTOR, domains=())
 KINDS = {
     "slip": Kind("slip", gliding.VECTOR, SLIPPING, slipping, slip_state),
-    "dry-slip": Kind("slip", DRY, DRY_SLIPPING, dry_slipping, dry_state),
+    "dry-slip": Kind("slip", DRY, DRY_SLIPPING, dry_slipping, dry_state, dry_sliding),
     "roll": Kind("roll", ROLL_FORM, ROLLING, rolled, roll_state),
     "flight": Kind("flight", FREE, (), flying, free_state),
 }

@@ -180,7 +180,14 @@ SLIP_EVENTS = (
     replace(legs.SLIPPING[0], formula=normal_force),
     replace(legs.STICK, formula=nu_x, direction=0),
 )
-DRY_SLIP = legs.Kind("slip", SLIP_FORM, SLIP_EVENTS, slipping, slip_state)
+
+
+def sliding(u: Vector, L: Vector, w: Any, beta: Any, b: Any) -> SlipState:
+    """The state of sliding with the speed w in the direction beta, 0 or pi."""
+    return SlipState(u.x, u.z, L.y / b.I1, w * np.cos(beta), np.sign(np.cos(beta)))
+
+
+DRY_SLIP = legs.Kind("slip", SLIP_FORM, SLIP_EVENTS, slipping, slip_state, sliding)
 
 SCALARS = {"slip": contact.Scalars, "roll": reaction.Scalars, "flight": reaction.Kinematics}
 PLANAR_KINDS = {
