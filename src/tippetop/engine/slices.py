@@ -104,6 +104,8 @@ class Driver(ABC):
         self.scratch = new_scratch(order + 1, 1)
         self.times = np.zeros(0)  # of rows that are wanted and not yet made
 
+    sentence = ""  # why the contact ended the run, where it did
+
     @property
     def first(self) -> np.ndarray:
         """The state at the start, (1, variables), internal."""

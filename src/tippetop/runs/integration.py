@@ -195,6 +195,8 @@ class Integration:
         beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
         if status is None:
             return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"
+        if self.driver.sentence:
+            return f"{self.driver.sentence}: stopped at t = {t:.9g} s"
         if status is Status.FINISHED:
             return f"finished at t = {t:.6g} s{beyond}"
         if status is Status.SETTLED:

@@ -5,7 +5,7 @@ from typing import Any
 from ..errors import InputError
 from ..mechanics.contact.phases.rules import Rules
 from ..mechanics.contact.uniqueness import painleve_bound
-from ..mechanics.friction import SetValued
+from ..mechanics.friction import Contensou, SetValued
 from ..mechanics.system import System
 from ..mechanics.systems.with_contact import BODIES, with_contact
 from ..problem import Problem
@@ -15,15 +15,21 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     """The system of a scenario: one whose contact may open where the scenario says so, by `[contact]`, `[stem]`, a
     Coulomb law without `eps`, or `on_liftoff = "fly"`. Raises InputError where it cannot."""
     friction, run = tables.get("friction"), tables.get("run")
-    dry = isinstance(friction, dict) and friction.get("law") == "coulomb" and "eps" not in friction
+    law = friction.get("law") if isinstance(friction, dict) else None
+    dry = law == "coulomb" and isinstance(friction, dict) and "eps" not in friction
     asked = [f"`{name}`" for name in ("contact", "stem") if name in tables]
     if isinstance(run, dict) and run.get("on_liftoff") == "fly":
         asked.append('`run.on_liftoff = "fly"`')
+    if law == "contensou":
+        asked.append('`friction.law = "contensou"`')
     if not (asked or (dry and system.name in BODIES)):
         return system
     if system.name not in BODIES or BODIES[system.name] is not system:
         raise InputError([f"{asked[0]} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
-    return with_contact(system.name, dry, "stem" in tables)
+    kind = "dry" if dry else "drilling" if law == "contensou" else "smooth"
+    if kind == "drilling" and system.name != "tippe-top":
+        raise InputError([f'`friction.law = "contensou"` must be of a tippe-top, but the system is {system.name}.'])
+    return with_contact(system.name, kind, "stem" in tables)
 
 
 def rules_of(scenario: Any, system: System) -> Rules | None:
@@ -55,7 +61,7 @@ def contact_faults(problem: Problem) -> list[str]:
         faults.append('`run.output` must not be "keyframes" where the contact may change its phase.')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
-    if isinstance(problem.friction, SetValued):
+    if isinstance(problem.friction, SetValued | Contensou):
         faults += _unique(problem)
     return faults
 

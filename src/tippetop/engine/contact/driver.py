@@ -55,6 +55,8 @@ class ContactDriver:
     ----------
     first
         The row at the start, (1, variables).
+    sentence
+        Why the contact ended the run; empty where it did not.
     """
 
     def __init__(self, problem: Problem, make: Any):
@@ -67,7 +69,7 @@ class ContactDriver:
         self.force, self.tables = Extremes(), Tables(problem)
         self.changes = self.short = 0
         self.taken: Any = problem.number(0)
-        self.times = np.zeros(0)
+        self.times, self.sentence = np.zeros(0), ""
         start = problem.start()
         row = Row(*start[: len(Row._fields)])
         moment = Moment(vector(row[:3]), vector(row[3:6]), vector(row[6:9]), row.height, start[len(row) :].copy())
@@ -101,7 +103,7 @@ class ContactDriver:
     def equations(self) -> list[tuple]:
         """The equations of every phase that the run may have, by name."""
         lines = []
-        for name in ("dry-slip", "roll", "flight") if self.balls.dry else ("slip", "flight"):
+        for name in self.transitions.names:
             system = new_leg(self.problem, name, self.balls[0], np.zeros(1)).system
             variables = type(self.problem.variables)(next(iter(system.forms.values())), self.problem.orientation)
             friction = type(self.balls[0].friction)
@@ -121,7 +123,8 @@ class ContactDriver:
     def _enter(self, change: Change, clock: tuple[Any, Any]) -> None:
         """Begins a phase."""
         self.kind, self.ball, moment = change.kind, change.ball, change.moment
-        self.tables.begin(PHASES.index(self.kinds[self.kind].phase), self.ball, float(clock[0]), change)
+        if change.reason:
+            self.tables.begin(PHASES.index(self.kinds[self.kind].phase), self.ball, float(clock[0]), change)
         kind, body, number = self.kinds[self.kind], self.balls[self.ball], self.problem.number
         q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
         if change.takes:
@@ -163,6 +166,8 @@ class ContactDriver:
                 at[k], on_zero[k] = signs[event.name], False
             elif event.name in ("stick", "slip"):
                 at[k], on_zero[k] = at[k] if event.direction == 0 else 1.0, False
+            elif event.name in ("faster", "slower") and abs(values[k]) < ON_ZERO:
+                at[k], on_zero[k] = -float(event.direction), True
             elif event.name == "touch" and on_zero[k]:
                 at[k] = 1.0
         reset(driver.tallies, driver.rows, 0, at, on_zero)
@@ -232,10 +237,12 @@ class ContactDriver:
             row_after = last if event == "liftoff" else None
             found.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
         if change.ends is not None:
+            self.sentence = change.sentence
             return change.ends
         if ending == "liftoff" and self.problem.on_liftoff == "stop":
             return Status.LIFTOFF
         if self.short > 2 or self.changes > MOST_CHANGES:
+            self.sentence = f"the contact has changed {self.changes} times, and its phases have become too short"
             return Status.STALLED
         self._enter(change, (time, 0 * time))
         if change.between is not None:

@@ -10,7 +10,7 @@ from ...mechanics.contact.phases import legs as phases
 from ...mechanics.contact.phases.legs import Body, Kind, Reached
 from ...mechanics.contact.phases.row import BALLS, PHASES, Row
 from ...mechanics.contact.phases.rules import stem_height
-from ...mechanics.friction import Frictionless, SetValued, is_frictionless
+from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless
 from ...mechanics.operand import Vector, leaves
 from ...mechanics.systems.with_contact import leg
 from ...mechanics.units import METRE, Scales
@@ -33,7 +33,10 @@ class Balls:
         assert rules is not None
         friction = body.friction
         self.dry = isinstance(friction, SetValued) and not is_frictionless(friction)
-        friction = friction if self.dry or not isinstance(friction, SetValued) else Frictionless()
+        self.drills = isinstance(friction, Contensou) and not is_frictionless(friction)
+        friction = (
+            friction if self.dry or self.drills or not isinstance(friction, SetValued | Contensou) else Frictionless()
+        )
         one = number(1)
         self.stem = rules.stem
         self.bodies = [Body(body.m, one * body.R, body.c, body.I1, body.I3, body.g, friction, one, 0 * one)]

@@ -12,6 +12,8 @@ from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.first_slip import FirstSlip
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import first_landing
+from ...mechanics.contact.patch_impact import patch_struck
+from ...mechanics.contact.phases.drilling import DRILLING_KINDS, FOLLOWS, LOST, region_kind
 from ...mechanics.contact.phases.legs import STOPS_AT, Body, Kind
 from ...mechanics.contact.struck import struck
 from ...mechanics.friction import Frictionless, slip_coefficient
@@ -27,6 +29,9 @@ from .smooth_impact import struck_smooth
 
 BEGINS_AT = 1e-8  # |v_A| with which sliding begins from rest outside the friction cone; its square is the error
 CLOSES_AT = 1e-8  # v_n below which an impact does not bounce: the error is its square
+BOTH_AT = 1e-5  # v_n at which one ball takes over from the other below which both are on the plane at once
+NO_WAY = "the contact opens and closes at once: the model has no solution"
+BOTH = "the body stands on its sphere and its stem at once, which is not followed"
 ON_PLANE = 1e-9  # gap of a ball that touches
 MOST_STRIKES = 16  # of impacts at one instant
 
@@ -77,6 +82,7 @@ class Change:
     takes: bool = False  # whether another ball is in contact from now on
     strikes: tuple[Strike, ...] = ()
     ends: Status | None = None
+    sentence: str = ""  # why the run ends
 
 
 class Transitions:
@@ -94,12 +100,20 @@ class Transitions:
         self.problem, self.balls, self.number = problem, balls, problem.number
         names = problem.variables.names[problem.variables.moving :]
         self.work, self.impulse = names.index("work"), names.index("impulse")
+        self.lost = names.index(LOST[0]) if LOST[0] in names else -1
         self.rules, self.kinds = problem.contact, kinds_of(problem.system.name)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The kinds of phases that the run may have."""
+        if self.balls.dry:
+            return "dry-slip", "roll", "flight"
+        return tuple(DRILLING_KINDS) if self.balls.drills else ("slip", "flight")
 
     def ball(self, index: int) -> Ball:
         """A ball as the formulas of its contact take it."""
         b: Body = self.balls[index]
-        mu = b.friction.mu if self.balls.dry else 0 * b.m
+        mu = b.friction.mu if self.balls.dry or self.balls.drills else 0 * b.m
         return Ball(b.m, b.I1, b.I3, b.g, mu, b.c, b.R)
 
     def gap(self, index: int, moment: Moment) -> Any:
@@ -140,6 +154,8 @@ class Transitions:
         signs
             Of the functions of the axis.
         """
+        if (kind, end) in FOLLOWS:  # the same phase in other words
+            return Change(FOLLOWS[kind, end], ball, moment, "", signs=signs)
         if end == "stick":
             return self._stick(ball, moment, signs)
         if end == "slip":
@@ -256,7 +272,7 @@ class Transitions:
             hops.append(hop(*numbers, _wide(moment.velocity.z), _wide(gap), self.ball(k), known))
         _, landing = first_landing(hops)
         if not landing > 0:
-            return Change("flight", ball, moment, reason, landing=landing, ends=Status.STALLED)
+            return Change("flight", ball, moment, reason, landing=landing, ends=Status.STALLED, sentence=NO_WAY)
         return Change("flight", ball, moment, reason, landing=landing)
 
     def _on_plane(self, ball: int, moment: Moment, reason: str, takes: bool = False) -> Change:
@@ -265,6 +281,8 @@ class Transitions:
         w = self._size(v)
         if not self.balls.dry or float(w) > STOPS_AT:
             kind = "dry-slip" if self.balls.dry else "slip"
+            if self.balls.drills:
+                kind = region_kind(moment.u, moment.L, moment.velocity, self.balls[ball])
             q = self.kinds[kind].state(moment.u, moment.L, moment.velocity, moment.height, self.balls[ball])
             if float(self.kinds[kind].says(q, self.balls[ball]).force.z) > 0:
                 return Change(kind, ball, moment, reason, takes=takes)
@@ -286,6 +304,8 @@ class Transitions:
     ) -> Change:
         """An impact at a ball; then at the other one, should that be pressed into the plane."""
         strikes: list[Strike] = []
+        if old is not None and float(self.point(ball, moment).z) > -BOTH_AT:
+            return Change("flight", ball, moment, reason, ends=Status.ENDED, sentence=BOTH)
         while len(strikes) < MOST_STRIKES:
             moment, strike = self._struck(ball, moment)
             strikes.append(strike)
@@ -310,6 +330,8 @@ class Transitions:
         closes = abs(float(v.z)) < CLOSES_AT
         K = balls_.mobility(across, u.z, b)
         e_n, law = 0.0 if closes else self.rules.e_n, self.balls[index].friction
+        if self.balls.drills:
+            return self._struck_patch(index, moment, e, across, (along, sideways, v.z), e_n, closes)
         if self.balls.dry or isinstance(law, Frictionless):
             result = struck(along, sideways, v.z, K, b.mu, e_n, self.rules.restitution)
         else:
@@ -329,6 +351,34 @@ class Transitions:
             velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding
         strike = Strike(
             index, (float(v.z), float(after.z)), (float(self._size(v)), float(self._size(after))), float(p.z),
+            float(self._size(p)), float(gained), result.mode, plastic,
+        )  # fmt: skip
+        return Moment(u, L, velocity, moment.height, carried), strike
+
+    def _struck_patch(
+        self, index: int, moment: Moment, e: Vector, s: Any, v: tuple, e_n: float, closes: bool
+    ) -> tuple[Moment, Strike]:
+        """The same with friction that drills, whose torque is struck too."""
+        b, u, law = self.ball(index), moment.u, self.balls[index].friction
+        assert self.rules is not None
+        omega = balls_.angular_velocity(u, moment.L, b)
+        numbers = tuple(map(float, v))
+        result = patch_struck(numbers, float(omega.z), s, u.z, b, law.patch, e_n, self.rules.restitution)
+        p = Vector(result.p_e * e.x - result.p_2 * e.y, result.p_e * e.y + result.p_2 * e.x, result.p_z)
+        before = balls_.contact_velocity(u, moment.L, moment.velocity, b)
+        velocity, turn = plus(moment.velocity, times(1 / b.m, p)), cross(balls_.arm(u, b), p)
+        L = plus(moment.L, turn._replace(z=turn.z + result.twist))
+        after, omega_after = balls_.contact_velocity(u, L, velocity, b), balls_.angular_velocity(u, L, b)
+        gained = (dot(p, before) + dot(p, after) + result.twist * (omega.z + omega_after.z)) / 2
+        carried = moment.carried.copy()
+        carried[self.work] = carried[self.work] - gained * INTEGRAL_SCALE
+        carried[self.impulse] = carried[self.impulse] + p.z * INTEGRAL_SCALE
+        carried[self.lost] = carried[self.lost] + result.twist * balls_.arm(u, b).z * INTEGRAL_SCALE
+        plastic = closes or self.rules.e_n == 0
+        if plastic:
+            velocity = velocity._replace(z=velocity.z - after.z)
+        strike = Strike(
+            index, (numbers[2], float(after.z)), (float(self._size(before)), float(self._size(after))), float(p.z),
             float(self._size(p)), float(gained), result.mode, plastic,
         )  # fmt: skip
         return Moment(u, L, velocity, moment.height, carried), strike

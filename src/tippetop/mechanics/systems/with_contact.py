@@ -1,19 +1,22 @@
 """Systems whose contact may change its phase: the same body, followed from phase to phase."""
 
-from collections.abc import Callable, Mapping
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from typing import Any
 
 from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding.euler import centre_velocity
 from ..contact.phases import legs
+from ..contact.phases.drilling import ANGLES as DRILLING_ANGLES
+from ..contact.phases.drilling import DRILLING_KINDS, DRILLING_ROW, LOST
+from ..contact.phases.drilling import Angles as DRILLING
 from ..contact.phases.planar import ANGLES as PLANAR_ANGLES
 from ..contact.phases.planar import PLANAR_KINDS, PLANAR_ROW
 from ..contact.phases.planar import Angles as PlanarAngles
 from ..contact.phases.row import ANGLES, JELLETTS, ROW, Angles, quantities
 from ..events import Event
-from ..friction import LAWS, SET_VALUED
+from ..friction import CONTENSOU, LAWS, SET_VALUED
 from ..operand import formula
 from ..parameter import Parameter
 from ..system import Phase, System
@@ -43,9 +46,9 @@ LONG_NAMES = {
 }
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: contact.Body) -> Angles:
+def start(angles: Any, data: dict[str, Any], s: Any, z: Any, b: contact.Body) -> Any:
     """The angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
-    e = gliding.given_angles(Angles, data, z)
+    e = gliding.given_angles(angles, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
         e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
@@ -85,15 +88,15 @@ def of_the_axis(system: System) -> tuple[Event, ...]:
 
 
 @lru_cache
-def with_contact(name: str, dry: bool, stem: bool) -> System:
+def with_contact(name: str, friction: str, stem: bool) -> System:
     """The system of this name, whose contact may open and close.
 
     Parameters
     ----------
     name
         One of BODIES.
-    dry
-        Whether friction is Coulomb's law itself, without eps.
+    friction
+        "dry": Coulomb's law itself, without eps; "drilling": on a disc; "smooth": a law of the sliding velocity.
     stem
         Whether there is a stem, that is another ball.
 
@@ -103,7 +106,10 @@ def with_contact(name: str, dry: bool, stem: bool) -> System:
     """
     system, planar = BODIES[name], name in PLANAR
     form = PLANAR_ROW if planar else ROW
-    laws: Mapping[str, Any] = {"coulomb": SET_VALUED} if dry else {k: v for k, v in system.laws.items() if k in LAWS}
+    drills = friction == "drilling"
+    form = DRILLING_ROW if drills else form
+    smooth = {k: v for k, v in system.laws.items() if k in LAWS}
+    laws = {"dry": {"coulomb": SET_VALUED}, "drilling": {"contensou": CONTENSOU}}.get(friction, smooth)
     return system.replace(
         title=f"{system.title}, which may slip, roll and fly",
         forms={form.name: form},
@@ -111,9 +117,9 @@ def with_contact(name: str, dry: bool, stem: bool) -> System:
         events=(*of_the_axis(system), *CONTACT_EVENTS),
         laws=dict(laws),
         initial=system.initial | ABOVE,
-        start=planar_start if planar else start,
-        angles=PLANAR_ANGLES if planar else ANGLES,
-        long_names=system.long_names | LONG_NAMES,
+        start=planar_start if planar else partial(start, DRILLING if drills else Angles),
+        angles=PLANAR_ANGLES if planar else DRILLING_ANGLES if drills else ANGLES,
+        long_names=system.long_names | LONG_NAMES | {LOST[0]: LOST[2]},
         integrals=() if planar else ("jellett",),
         landscape=None,
         potential=None,
@@ -121,7 +127,7 @@ def with_contact(name: str, dry: bool, stem: bool) -> System:
         borders=None,
         motion=None,
         long_form="",
-        contact=(dry, stem),
+        contact=(friction, stem),
     )
 
 
@@ -132,7 +138,7 @@ def plain(system: System) -> System:
 
 def kinds_of(name: str) -> dict[str, legs.Kind]:
     """Every way in which the body of a system moves, by name."""
-    return PLANAR_KINDS if name in PLANAR else legs.KINDS
+    return PLANAR_KINDS if name in PLANAR else legs.KINDS | DRILLING_KINDS
 
 
 @lru_cache

@@ -19,8 +19,8 @@ from ..ball import (
     height,
     torque_acceleration,
 )
-from ..coulomb import response
-from ..drilling import EDGE, FAR, REGIONS
+from ..coulomb import loaded_normal_force
+from ..drilling import OUTSIDE_FROM, between, inside, outside
 from ..gliding import catalogue as gliding
 from ..integrals import integral
 from ..orientation import carried_along
@@ -76,29 +76,26 @@ def patch_speed2(omega, b):
 
 
 @formula
-def per_force(shares, U2, omega, v, b):
-    """Horizontal force and torque per normal force: -push and the torque, (3,) each."""
+def per_force(drag, omega, v, b):
+    """Of friction per normal force: minus the horizontal force, and the torque, (3,) each."""
     law = b.friction
-    k = law.mu * shares.slide / sqrt(U2)
-    turning = sqrt(omega.z * omega.z + STILL**2)
     rolling = law.mu_r / sqrt(omega.x * omega.x + omega.y * omega.y + STILL**2)
-    torque = Vector(
-        -(rolling * omega.x), -(rolling * omega.y), -(law.mu * law.patch * shares.drill * (omega.z / turning))
-    )
+    drilling = law.mu * law.patch**2 * drag.twist
+    k = law.mu * drag.k
+    torque = Vector(-(rolling * omega.x), -(rolling * omega.y), -(drilling * omega.z))
     return Vector(k * v.x, k * v.y, 0 * k), torque
 
 
-def _contact(shares: Callable) -> Callable:
-    """contact(q, b) in the region of these shares."""
+def _contact(drag: Callable) -> Callable:
+    """contact(q, b) in the region of this drag."""
 
     @formula
     def contact(q, b):
         u, L, v = row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz)
         omega = angular_velocity(u, L, ball(b))
         U2 = patch_speed2(omega, b)
-        push, torque = per_force(shares((v.x * v.x + v.y * v.y) / U2), U2, omega, v, b)
-        rise = response(u, push, ball(b)) + torque_acceleration(u, torque, ball(b)).z
-        N = -bias_vector(u, L, ball(b)).z / rise
+        push, torque = per_force(drag(v.x * v.x + v.y * v.y, U2), omega, v, b)
+        N = loaded_normal_force(u, bias_vector(u, L, ball(b)), push, torque, ball(b))
         return Contact(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), U2, omega)
 
     return contact
@@ -184,10 +181,14 @@ def normal_force(s, b):
 
 
 COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH)
+REGIONS = {"inside": inside, "between": between, "outside": outside}
+EDGE = 1 + 1e-6
+"""x = w/U from which `between` holds: its slope has a root at 1, and `inside` is still right there to 1e-15."""
+
 BORDERS: dict[str, tuple[tuple[str, float, int, str], ...]] = {
-    "inner": (("faster", EDGE, 1, "outer"),),
-    "outer": (("slower", EDGE, -1, "inner"), ("faster", FAR, 1, "far")),
-    "far": (("slower", FAR, -1, "outer"),),
+    "inside": (("faster", EDGE, 1, "between"),),
+    "between": (("slower", EDGE, -1, "inside"), ("faster", OUTSIDE_FROM, 1, "outside")),
+    "outside": (("slower", OUTSIDE_FROM, -1, "between"),),
 }
 """Of each region: name of the event in which it ends, x, direction, and the region that follows."""
 
@@ -203,6 +204,13 @@ def _kind(name: str) -> legs.Kind:
 DRILLING_KINDS = {f"drill-{name}": _kind(name) for name in REGIONS} | {"flight": legs.KINDS["flight"]}
 FOLLOWS = {(f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.items() for word, _, _, to in borders}
 """The kind that follows a kind and the event that ended it."""
+
+
+def region_kind(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
+    """The kind of sliding of a body, by the numbers of its state."""
+    v, U2 = contact_velocity(u, L, velocity, ball(b)), patch_speed2(angular_velocity(u, L, ball(b)), b)
+    x2 = (v.x * v.x + v.y * v.y) / U2
+    return f"drill-{'inside' if x2 < EDGE**2 else 'between' if x2 < OUTSIDE_FROM**2 else 'outside'}"
 
 
 class Angles(NamedTuple):

@@ -112,8 +112,8 @@ ROLLING = (rolling.LIFTOFF, TOUCH, SLIP)
 
 
 class DrySlipState(NamedTuple):
-    """3hat, L about the centre of mass, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its
-    direction its length, where sliding stops."""
+    """3hat, L about the centre of mass, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits,
+    and its direction its length, where sliding stops."""
 
     ux: Operand
     uy: Operand

@@ -88,7 +88,7 @@ def _with_theta(form: Form, scalars: Any) -> Form:
     )
 
 
-# --- sliding under Coulomb's law itself: the direction is a sign, and v_A = 0 an ordinary zero -------------------------
+# --- sliding under Coulomb's law itself: the direction is a sign, and v_A = 0 an ordinary zero ------------------------
 
 
 class SlipState(NamedTuple):
