@@ -128,7 +128,8 @@ class ContactDriver:
         kind, body, number = self.kinds[self.kind], self.balls[self.ball], self.problem.number
         q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
         if change.takes:
-            self.taken = number(jellett(moment.u, moment.L, self.transitions.ball(self.ball)))
+            lost = moment.carried[self.transitions.lost] / INTEGRAL_SCALE if self.transitions.lost >= 0 else 0
+            self.taken = number(jellett(moment.u, moment.L, self.transitions.ball(self.ball))) + lost
         self.carried = moment.carried
         if (self.kind, self.ball) not in self.drivers:
             first = np.zeros(len(q) + self._integrals(), dtype=number)
