@@ -145,14 +145,20 @@ class _Way:
             last = abs(step) >= abs(until - self.v_n)
             step = until - self.v_n if last else step
             y, error = extrapolated(self.rate, self.v_n, self.y, step)
-            scale = np.abs(self.y) + np.abs(y)
-            scale[:3] = scale[:3].max() if still > 0 else 1.0
-            excess = float(np.max(error[:3] / (1e-14 * scale[:3] + 1e-30)))
+            excess = float(np.max(error / self.tolerated(still, step)))
             if not excess <= 1 and abs(step) > 1e-15 * self.size:
                 step = step / 3
                 continue
             self.y, self.v_n = y, until if last else self.v_n + step
             step = step * (2 if excess < 0.01 else 1)
+
+    def tolerated(self, still: Any, step: Any) -> np.ndarray:
+        """Errors of a step that are rounding: of velocities by what is left of them, of the rest by what there is."""
+        p = self.y[P_Z] + abs(step) / self.K.zz
+        turn = max(abs(self.y[2]), still / self.patch if self.patch else 1.0)
+        twist = p * (self.patch or 1.0)
+        sizes = np.array([still, still, turn, p, p, p, twist, p * self.size, p * self.size])
+        return 1e-14 * sizes + 1e-30
 
 
 def extrapolated(rate: Callable, t: Any, y: np.ndarray, step: Any) -> tuple[np.ndarray, np.ndarray]:
