@@ -15,7 +15,7 @@ BODY, STEM = (0.003, 0.015), (0.016, 0.005)
 
 
 def scanned(m: float, I1: float, offset: float, radius: float) -> float:
-    theta = np.linspace(0, np.pi, 400_001)[1:-1]
+    theta = np.linspace(0, np.pi, 100_001)[1:-1]
     K = mobility(np.sin(theta), np.cos(theta), Ball(m, I1, I1, 9.8, 0, offset, radius))
     with np.errstate(divide="ignore"):
         return float(np.min(K.zz / np.abs(K.ez)))
@@ -44,7 +44,7 @@ def test_the_bound_is_the_least_of_a_dense_scan(rng: np.random.Generator) -> Non
         *rng.uniform(0.1, 2, (2, 30)), rng.normal(0, 1, 30), [*rng.uniform(0, 1, 28), 0, 0], strict=True
     ):
         bound, least = painleve_bound(m, I1, offset, radius), scanned(m, I1, offset, radius)
-        assert least * (1 - 1e-8) <= bound <= least * (1 + 1e-12)
+        assert least * (1 - 1e-7) <= bound <= least * (1 + 1e-12)
     assert painleve_bound(1, 1, 0, 1) == math.inf
 
 

@@ -23,8 +23,8 @@ class FirstSlip(NamedTuple):
         """State, w and beta at times t between the ends, by the polynomial through the nodes."""
         x = 2 * np.asarray(t) / self.time[-1] - 1
         values = np.vstack([self.state, self.w, self.beta]) @ _coefficients(self.time).T
-        found = np.polynomial.chebyshev.chebval(x, values.T)
-        return found[:-2], found[-2], found[-1]
+        moment = np.polynomial.chebyshev.chebval(x, values.T)
+        return moment[:-2], moment[-2], moment[-1]
 
 
 def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nodes: int = 12) -> FirstSlip:
@@ -47,7 +47,7 @@ def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nod
     Returns
     -------
     FirstSlip
-        Its end is where an integrator goes on.
+        Its end is where an integrator begins.
 
     Raises
     ------
@@ -55,9 +55,9 @@ def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nod
         Nothing begins to slip so.
     """
     for _ in range(12):
-        found, change = _swept(rates, state, beta, duration, nodes)
-        if change < 1e4 * np.finfo(np.result_type(state)).eps and bool(np.all(found.w[1:] > 0)):
-            return found
+        start, change = _swept(rates, state, beta, duration, nodes)
+        if change < 1e4 * np.finfo(np.result_type(state)).eps and bool(np.all(start.w[1:] > 0)):
+            return start
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")
 

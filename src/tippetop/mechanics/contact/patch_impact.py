@@ -100,6 +100,9 @@ def patch_struck(
 
 P_Z, WORK_N = 3, 7
 
+MOST_STEPS = 100_000
+"""A patch that hardly drills is stiff: thousands of steps."""
+
 
 class _Way:
     """v_e, v_2, Omega_z; impulses p_z, p_e, p_2, twist; works of normal force and friction: y, by v_n."""
@@ -134,10 +137,12 @@ class _Way:
     def follow(self, until: Any) -> None:
         """To v_n = until, forwards or a little backwards."""
         step = until - self.v_n
-        while self.v_n != until:
+        for _ in range(MOST_STEPS):
+            if self.v_n == until:
+                return
             still = np.hypot(self.y[0], self.y[1]) + self.patch * abs(self.y[2])
             if not self.stuck and still < 1e-13 * self.size and abs(self.K.ez) <= self.mu * self.K.ee:
-                self.stuck, self.y[:3] = True, 0.0
+                self.stuck, self.y[:3], step = True, 0.0, until - self.v_n
             change = self.rate(self.v_n, self.y)
             change = np.hypot(change[0], change[1]) + self.patch * abs(change[2])
             if change * abs(step) > still / 2 > 0:  # a step that reverses friction would look exact
@@ -145,14 +150,21 @@ class _Way:
             last = abs(step) >= abs(until - self.v_n)
             step = until - self.v_n if last else step
             y, error = extrapolated(self.rate, self.v_n, self.y, step)
-            scale = np.abs(self.y) + np.abs(y)
-            scale[:3] = scale[:3].max() if still > 0 else 1.0
-            excess = float(np.max(error[:3] / (1e-14 * scale[:3] + 1e-30)))
+            excess = float(np.max(error / self.tolerated(still, step)))
             if not excess <= 1 and abs(step) > 1e-15 * self.size:
                 step = step / 3
                 continue
             self.y, self.v_n = y, until if last else self.v_n + step
-            step = step * (2 if excess < 0.01 else 1)
+            step = step * (2 if excess < 0.1 else 1)
+        raise ArithmeticError(f"the impact of a patch did not end in {MOST_STEPS} steps")
+
+    def tolerated(self, still: Any, step: Any) -> np.ndarray:
+        """Errors of a step that are rounding: of velocities by what is left of them, of the rest by what there is."""
+        p = self.y[P_Z] + abs(step) / self.K.zz
+        turn = max(abs(self.y[2]), still / self.patch if self.patch else 1.0)
+        twist = p * (self.patch or 1.0)
+        sizes = np.array([still, still, turn, p, p, p, twist, p * self.size, p * self.size])
+        return 3e-14 * sizes + 1e-30
 
 
 def extrapolated(rate: Callable, t: Any, y: np.ndarray, step: Any) -> tuple[np.ndarray, np.ndarray]:
