@@ -37,7 +37,8 @@ def columns(name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
     result = {}
     for key, values in table.items():
         if key in MEASURED:
-            result[key] = column(values, *MEASURED[key], dims)
+            unit, words = MEASURED[key]
+            result[key] = column(values, unit, words, dims)
             continue
         flags = {"flag_values": list(range(len(FLAGS[key]))), "flag_meanings": " ".join(FLAGS[key])}
         result[key] = Column(dims, values, {"units": "1", "long_name": NAMED[key], **flags})

@@ -59,11 +59,13 @@ def begun(kind: Kind, body: Body, b: Ball, u: Vector, L: Vector, carried: np.nda
         Its state is u, L and the integrals.
     """
 
+    sliding: Any = kind.sliding
+
     def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any, Any]:
         at_u, at_L = Vector(*state[:3]), Vector(*state[3:6])
         F, P, Q = pushed(at_u, at_L, beta, b)
         moved = [*balls_.axis_rate(at_u, at_L, b), *cross(balls_.arm(at_u, b), F)]
-        return np.concatenate([np.array(moved), rates_of(kind.sliding(at_u, at_L, w, beta, body), state[6:])]), P, Q
+        return np.concatenate([np.array(moved), rates_of(sliding(at_u, at_L, w, beta, body), state[6:])]), P, Q
 
     F = reaction_of_rolling_vector(u, balls_.bias_vector(u, L, b), b)
     omega = balls_.angular_velocity(u, L, b)
@@ -83,5 +85,6 @@ def begun(kind: Kind, body: Body, b: Ball, u: Vector, L: Vector, carried: np.nda
 def states(kind: Kind, body: Body, first: FirstSlip, t: np.ndarray) -> np.ndarray:
     """The states (variables, n) of the slide at times t since its beginning; then its integrals, not scaled."""
     state, w, beta = first.at(t)
-    q = kind.sliding(Vector(*state[:3]), Vector(*state[3:6]), w, beta, body)
+    sliding: Any = kind.sliding
+    q = sliding(Vector(*state[:3]), Vector(*state[3:6]), w, beta, body)
     return np.array([*(np.broadcast_to(x, w.shape) for x in q), *state[6:]])

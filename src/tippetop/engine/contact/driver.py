@@ -11,15 +11,17 @@ import numpy as np
 from ...mechanics.contact.ball import jellett
 from ...mechanics.contact.phases.row import PHASES, Row
 from ...mechanics.events import ON_ZERO
+from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import kinds_of
 from ...mechanics.units import SECOND
+from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 from ..expressions import equations_of_motion
 from ..slices import Driver, Extremes, Passages, Request, Slice
 from ..status import Status
 from ..tallies import SIGN, reset
 from .beginning import states
-from .legs import INTEGRAL_SCALE, Balls, Carried, new_leg, rows_of, vector
+from .legs import Balls, Carried, new_leg, rows_of
 from .tables import Tables
 from .transitions import Change, Moment, Transitions
 
@@ -72,7 +74,7 @@ class ContactDriver:
         self.times, self.sentence = np.zeros(0), ""
         start = problem.start()
         row = Row(*start[: len(Row._fields)])
-        moment = Moment(vector(row[:3]), vector(row[3:6]), vector(row[6:9]), row.height, start[len(row) :].copy())
+        moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, start[len(row) :].copy())
         change = self.transitions.at_start(moment)
         change.takes = True
         self._enter(change, (problem.number(0), problem.number(0)))
@@ -163,7 +165,7 @@ class ContactDriver:
         at = np.where(values > 0, 1.0, -1.0)
         on_zero = np.abs(values) < ON_ZERO
         for k, event in enumerate(events):
-            if event.name in signs:  # it goes on from the phase before
+            if event.name in signs:  # it continues from the phase before
                 at[k], on_zero[k] = signs[event.name], False
             elif event.name in ("stick", "slip"):
                 at[k], on_zero[k] = at[k] if event.direction == 0 else 1.0, False
@@ -187,7 +189,7 @@ class ContactDriver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps, through as many phases as they take."""
-        asked, found, samples, steps = _Asked(self, request), Found(self.problem), [], 0
+        asked, log, samples, steps = _Asked(self, request), RunPassages(self.problem), [], 0
         while True:
             piece = self.inner.advance(asked, most - steps)
             steps += piece.steps
@@ -196,12 +198,12 @@ class ContactDriver:
             ending = self._ending(piece)
             count = len(piece.passages.times) - (ending is not None)
             passages = Passages(*(column[:count] for column in piece.passages))
-            found.add(passages, self.inner.problem.system, self.rows(passages.states))
+            log.add(passages, self.inner.problem.system, self.rows(passages.states))
             if status is None or not (self.lands or ending is not None):
                 break
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
-            status = self._change(ending, last, when, found, request)
+            status = self._change(ending, last, when, log, request)
             if status is not None:
                 break
             last = self.present()
@@ -210,7 +212,7 @@ class ContactDriver:
         if status is not None:
             self.tables.end(float(when), str(status.value))
         rows = self.present() if status is None else last
-        return Slice(steps, when, rows, np.concatenate(samples), found.passages(), status, self.tables.take())
+        return Slice(steps, when, rows, np.concatenate(samples), log.passages(), status, self.tables.take())
 
     def _ending(self, piece: Slice) -> str | None:
         """The event that ended the present phase; None if none did."""
@@ -220,12 +222,12 @@ class ContactDriver:
         return event.name if event.ends and piece.status != Status.FALLEN else None
 
     def _change(
-        self, ending: str | None, last: np.ndarray, when: Any, found: "Found", request: Request
+        self, ending: str | None, last: np.ndarray, when: Any, log: "RunPassages", request: Request
     ) -> Status | None:
         """What follows the end of a phase; gives how it ends the run, or None."""
         row = Row(*last[0, : len(Row._fields)])
         moment = Moment(
-            vector(row[:3]), vector(row[3:6]), vector(row[6:9]), row.height, last[0, len(Row._fields) :].copy()
+            Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, last[0, len(Row._fields) :].copy()
         )
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
@@ -236,7 +238,7 @@ class ContactDriver:
         time = self.problem.number(when) + change.lag
         for event in change.events:
             row_after = last if event == "liftoff" else None
-            found.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
+            log.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
         if change.ends is not None:
             self.sentence = change.sentence
             return change.ends
@@ -247,10 +249,10 @@ class ContactDriver:
             return Status.STALLED
         self._enter(change, (time, 0 * time))
         if change.between is not None:
-            self._between(change, self.problem.number(when), found, request)
+            self._between(change, self.problem.number(when), log, request)
         return None
 
-    def _between(self, change: Change, start: Any, found: "Found", request: Request) -> None:
+    def _between(self, change: Change, start: Any, log: "RunPassages", request: Request) -> None:
         """Rows and events of the beginning of a slide."""
         between, lag = change.between, change.lag
         assert between is not None
@@ -281,7 +283,7 @@ class ContactDriver:
             if sign != before:
                 t = _zero(function, before, lag)
                 driver.tallies.functions[SIGN, k, 0] = sign
-                found.note(event.name, start + t, rows(np.array([t])), sign)
+                log.note(event.name, start + t, rows(np.array([t])), sign)
 
     def _along(self, event: Any, form: Any, between: Any) -> Callable[[Any], float]:
         """An event function of the time since the beginning of a slide."""
@@ -336,7 +338,7 @@ class ContactDriver:
         start = self.present()[0]
         row = Row(*start[: len(Row._fields)])
         moment = Moment(
-            vector(row[:3]), vector(row[3:6]), vector(row[6:9]), row.height, np.array(kept["carried"], number)
+            Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, np.array(kept["carried"], number)
         )
         self.taken = number(kept["taken"])
         end, lands = kept["phase_end"]
@@ -357,7 +359,7 @@ def _zero(function: Callable[[Any], float], sign: float, end: Any) -> Any:
     return high
 
 
-class Found:
+class RunPassages:
     """Passages of a slice, of all its phases, in the order of the run's events."""
 
     def __init__(self, problem: Problem):
@@ -374,7 +376,7 @@ class Found:
         self.parts.append(passages._replace(events=events, states=rows))
 
     def note(self, name: str, time: Any, row: np.ndarray, way: float = 1.0) -> None:
-        """Takes an event that no step has found, such as the end of a phase."""
+        """Takes an event that no step has log, such as the end of a phase."""
         sign = np.array([int(way)])
         self.parts.append(
             Passages(

@@ -6,15 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact.phases import legs as phases
 from ...mechanics.contact.phases.legs import Body, Kind, Reached
-from ...mechanics.contact.phases.row import BALLS, PHASES, Row
+from ...mechanics.contact.phases.row import PHASES, Row
 from ...mechanics.contact.phases.rules import stem_height
 from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless
-from ...mechanics.operand import Vector, leaves
+from ...mechanics.operand import leaves
 from ...mechanics.systems.with_contact import leg
 from ...mechanics.units import METRE, Scales
-from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 
 
@@ -63,12 +61,12 @@ class Leg(Problem):
     first: Any = None  # a state in which it may begin, (variables,)
 
     @property
-    def scales(self) -> Scales:  # type: ignore[override]
+    def scales(self) -> Scales:
         """Those of the whole run."""
         return self.whole.scales
 
     @property
-    def internal_body(self) -> Any:  # type: ignore[override]
+    def internal_body(self) -> Any:
         """The ball in contact."""
         return self.internal
 
@@ -77,7 +75,7 @@ class Leg(Problem):
         return self.first
 
     @property
-    def alone(self) -> Any:  # type: ignore[override]
+    def alone(self) -> Any:
         """What event functions at the start are computed of."""
         start = np.array(self.first[:, None])
         return SimpleNamespace(
@@ -176,11 +174,3 @@ def rows_of(
         rows[:, k] = value
     rows[:, len(row) :] = carried
     return rows
-
-
-def vector(values: Any) -> Vector:
-    """Three numbers as a Vector."""
-    return Vector(*values)
-
-
-__all__ = ["BALLS", "INTEGRAL_SCALE", "Balls", "Carried", "Leg", "new_leg", "phases", "reached", "rows_of", "vector"]

@@ -74,7 +74,7 @@ class Change:
     moment: Moment
     reason: str
     events: tuple[str, ...] = ()  # of the run, that happen now
-    signs: dict[str, float] = field(default_factory=dict)  # of event functions that go on as they were
+    signs: dict[str, float] = field(default_factory=dict)  # of event functions that continue as they were
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
     landing: Any = None  # internal time to the landing of a flight
@@ -268,8 +268,8 @@ class Transitions:
             gap, mine = self.gap(k, moment), k == ball
             touches = float(gap) <= ON_PLANE
             known = zeros if mine else int(touches)
-            numbers = (Vector(*map(_wide, v)) for v in (moment.u, moment.L))
-            hops.append(hop(*numbers, _wide(moment.velocity.z), _wide(gap), self.ball(k), known))
+            u, L = (Vector(*map(_wide, v)) for v in (moment.u, moment.L))
+            hops.append(hop(u, L, _wide(moment.velocity.z), _wide(gap), self.ball(k), known))
         _, landing = first_landing(hops)
         if not landing > 0:
             return Change("flight", ball, moment, reason, landing=landing, ends=Status.STALLED, sentence=NO_WAY)

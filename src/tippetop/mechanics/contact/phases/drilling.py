@@ -117,7 +117,7 @@ def _form(name: str, contact: Callable) -> Form:
             torque_acceleration(u, c.torque, ball(b)),
         )
         turn = plus(cross(arm(u, ball(b)), c.force), c.torque)
-        return State(*row.axis_rate(q, b), *turn, G.x, G.y)
+        return State._make((*row.axis_rate(q, b), *turn, G.x, G.y))
 
     @formula
     def velocity(q, b):
@@ -232,13 +232,13 @@ class Angles(NamedTuple):
     jellett_lost: Operand
 
 
-ANGLES = Angles(*row.ANGLES, JELLETT)
+ANGLES = Angles._make((*row.ANGLES, JELLETT))
 
 
 @formula
 def angles_of_row(q, carried, b):
     """The angles of a row."""
-    return Angles(*row.angles_of_row(q, carried, b), carried.jellett_lost)
+    return Angles._make((*row.angles_of_row(q, carried, b), carried.jellett_lost))
 
 
 DRILLING_ROW = replace(

@@ -53,7 +53,7 @@ class Body(NamedTuple):
 
 def body_units(friction: Any) -> Body:
     """The units of a Body."""
-    return Body(*contact.body_units(friction), METRE, METRE)
+    return Body._make((*contact.body_units(friction), METRE, METRE))
 
 
 PARAMETERS = ("m", "R", "c", "I1", "I3", "g", "clearance", "lever")
@@ -63,7 +63,7 @@ PARAMETERS = ("m", "R", "c", "I1", "I3", "g", "clearance", "lever")
 def body(parameters: Any, friction: Any) -> Body:
     """The Body of parameters by name."""
     *of_ball, clearance, lever = (parameters[name] for name in PARAMETERS)
-    return Body(*of_ball, friction, clearance, lever)
+    return Body._make((*of_ball, friction, clearance, lever))
 
 
 class Reached(NamedTuple):
@@ -165,7 +165,7 @@ def dry_rates(q, b):
     u, F = row.axis(q), dry_force(q, b)
     G = contact_acceleration_vector(u, bias_vector(u, row.momentum(q), ball(b)), F, ball(b))
     P, Q = along_and_across(G, direction(q))
-    return DrySlipState(*row.axis_rate(q, b), *cross(arm(u, ball(b)), F), Q / q.w, P)
+    return DrySlipState._make((*row.axis_rate(q, b), *cross(arm(u, ball(b)), F), Q / q.w, P))
 
 
 @formula
@@ -241,7 +241,7 @@ def free_scalars(q, b):
 def free_rates(q, b):
     """3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat. [contact 3.1]"""
     none = 0 * q.uz
-    return FreeState(*row.axis_rate(q, b), none, none, none, none, none, none - b.g, q.rz_dot)
+    return FreeState._make((*row.axis_rate(q, b), none, none, none, none, none, none - b.g, q.rz_dot))
 
 
 FREE = Form(

@@ -79,10 +79,10 @@ PLANAR_ROW = replace(
 
 def _with_theta(form: Form, scalars: Any) -> Form:
     """A form of a phase that integrates theta too, and whose scalars know theta'."""
-    known = namedtuple(f"Planar{scalars.__name__}", (*scalars._fields, "theta_dot"))
+    known: Any = namedtuple("PlanarScalars", (*scalars._fields, "theta_dot"))  # type: ignore[misc]
     return replace(
         form,
-        scalars=formula(lambda q, b: known(*form.scalars(q, b), theta_dot(q, b))),
+        scalars=formula(lambda q, b: known._make((*form.scalars(q, b), theta_dot(q, b)))),
         integrals=(THETA, *(integral for integral in form.integrals if integral.name != "y")),
         orientation=PLANAR_ROW.orientation,
     )

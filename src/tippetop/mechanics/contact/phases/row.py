@@ -180,7 +180,7 @@ def row_scalars(q, b):
     k = kinematics(u, L, u_dot, b)
     v = point_velocity(u, L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.radius, q.offset, b)
     return Scalars(
-        *k,
+        **k._asdict(),
         v_u=u.x * v.x + u.y * v.y,
         v_n=u.x * v.y - u.y * v.x,
         v2=v.x * v.x + v.y * v.y,
@@ -203,7 +203,8 @@ def row_scalars(q, b):
 def free_rates(q, b):
     """The motion in free flight: L stays, s'' = -g zhat. The contact's numbers change by jumps alone."""
     u_dot, none = axis_rate(q, b), 0 * q.uz
-    return Row(*u_dot, none, none, none, none, none, none - b.g, q.rz_dot, *(none for _ in Row._fields[10:]))
+    kept = [none] * (len(Row._fields) - 10)
+    return Row._make((*u_dot, none, none, none, none, none, none - b.g, q.rz_dot, *kept))
 
 
 @formula
