@@ -38,7 +38,7 @@ RETIRED = {  # a pattern of a retired word -> the word to use
     r"a line (of results )?(per|for each) top\b": "a row",
     r"unfolded\b": "normalised_to",
     r"at_once\b": "SLICES_PER_CHECK",
-    r"(Course|Measured|Lean|Relief|Two|Shown|Machine|Sources|ContactData)\b": "Integration, Outcomes, Point, ...",
+    r"(Course|Measured|Lean|Relief|Two|Shown|Machine|Sources|Rules)\b": "Integration, Outcomes, Point, ...",
     r"(remarks|worded|varied|sweep_lines)\b": "a verb for what acts, a noun for what it gives",
     r"(JAMMED|POLE)\b": "Domain: must stay positive",
     r"precession\b(?= *[=:*])": "phi_dot_s2",

@@ -9,7 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from ..errors import unknown_key
-from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactData, stem_faults
+from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactLaw, stem_faults
 from ..mechanics.friction import LAWS, Law
 from ..mechanics.operand import refill
 from ..mechanics.system import Form, Parameter, System
@@ -46,7 +46,7 @@ class Problem:
     keyframe_steps: int = KEYFRAME_STEPS  # from one keyframe to the next
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
-    contact: ContactData | None = None  # where the contact may change its phase: how it opens and closes
+    contact: ContactLaw | None = None  # where the contact may change its phase: how it opens and closes
     origin: dict[str, Any] | None = None  # the end of another run, where it starts exactly; `initial` says it rounded
 
     def __post_init__(self) -> None:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.contact.phases.rules import ContactData
+from ..mechanics.contact.phases.rules import ContactLaw
 from ..mechanics.contact.uniqueness import painleve_bound
 from ..mechanics.friction import Contensou, SetValued
 from ..mechanics.system import System
@@ -32,13 +32,13 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     return with_contact(system.name, kind, "stem" in tables)
 
 
-def rules_of(scenario: Any, system: System) -> ContactData | None:
+def rules_of(scenario: Any, system: System) -> ContactLaw | None:
     """What a checked scenario says of the contact; None where that never opens."""
     if system.contact is None:
         return None
     contact = scenario.contact.model_dump() if scenario.contact is not None else {}
     stem = scenario.stem.model_dump() if getattr(scenario, "stem", None) is not None else {}
-    return ContactData(**{key: value for key, value in {**contact, **stem}.items() if value is not None})
+    return ContactLaw(**{key: value for key, value in {**contact, **stem}.items() if value is not None})
 
 
 def contact_tables(problem: Problem) -> dict[str, dict[str, Any]]:

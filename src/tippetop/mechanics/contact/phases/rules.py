@@ -11,7 +11,7 @@ from ...units import METRE, ONE
 RESTITUTIONS = ("energetic", "poisson", "newton")
 
 
-class ContactData(NamedTuple):
+class ContactLaw(NamedTuple):
     """How the contact opens and closes; SI.
 
     Parameters
