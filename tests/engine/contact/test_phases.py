@@ -93,7 +93,7 @@ def test_rows_within_the_beginning_of_a_slide_are_those_of_the_slide(monkeypatch
     [
         (LEINE_GLOCKER, {"theta": 0.1, "omega3": 180.0, "centre_at_rest": True}, 0.0361449219, 0.0363789785, 0.117),
         (
-            {"m": 0.015, "R": 0.025, "alpha": 0.2, "I1": 0.4 * 0.015 * 0.025**2, "I3": 0.4 * 0.015 * 0.025**2, "g": 9.81},
+            COHEN,
             {"theta": 0.1, "omega3": 100.0, "centre_at_rest": True}, 0.02878761568, 0.0528961411, 0.288,
         ),
     ],

@@ -350,8 +350,8 @@ class Transitions:
         if plastic:
             velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding
         strike = Strike(
-            index, (float(v.z), 0.0 if plastic else float(after.z)), (float(self._size(v)), float(self._size(after))), float(p.z),
-            float(self._size(p)), float(gained), result.mode, plastic,
+            index, (float(v.z), 0.0 if plastic else float(after.z)), (float(self._size(v)), float(self._size(after))),
+            float(p.z), float(self._size(p)), float(gained), result.mode, plastic,
         )  # fmt: skip
         return Moment(u, L, velocity, moment.height, carried), strike
 
@@ -378,8 +378,9 @@ class Transitions:
         if plastic:
             velocity = velocity._replace(z=velocity.z - after.z)
         strike = Strike(
-            index, (numbers[2], 0.0 if plastic else float(after.z)), (float(self._size(before)), float(self._size(after))), float(p.z),
-            float(self._size(p)), float(gained), result.mode, plastic,
+            index, (numbers[2], 0.0 if plastic else float(after.z)),
+            (float(self._size(before)), float(self._size(after))),
+            float(p.z), float(self._size(p)), float(gained), result.mode, plastic,
         )  # fmt: skip
         return Moment(u, L, velocity, moment.height, carried), strike
 
