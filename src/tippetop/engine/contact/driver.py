@@ -21,9 +21,11 @@ from ..slices import Driver, Extremes, Passages, Request, Slice
 from ..status import Status
 from ..tallies import SIGN, reset
 from .beginning import states
+from .impacts import Moment
 from .legs import Balls, Carried, new_leg, rows_of
+from .passages import RunPassages, zero_of
 from .tables import Tables
-from .transitions import Change, Moment, Transitions
+from .transitions import Change, Transitions
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -281,7 +283,7 @@ class ContactDriver:
             function = self._along(event, driver.problem.form, between)
             sign, before = 1.0 if function(lag) > 0 else -1.0, change.signs[event.name]
             if sign != before:
-                t = _zero(function, before, lag)
+                t = zero_of(function, before, lag)
                 driver.tallies.functions[SIGN, k, 0] = sign
                 log.note(event.name, start + t, rows(np.array([t])), sign)
 
@@ -349,45 +351,3 @@ class ContactDriver:
         self.changes, self.short, self.began = kept["changes"]
         self.tables = Tables(self.problem)
         self.tables.under_way = kept["under_way"]
-
-
-def _zero(function: Callable[[Any], float], sign: float, end: Any) -> Any:
-    """Where a function that begins with a sign has its zero, in [0, end]."""
-    low, high = 0 * end, end
-    while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if function(middle) * sign > 0 else (low, middle)
-    return high
-
-
-class RunPassages:
-    """Passages of a slice, of all its phases, in the order of the run's events."""
-
-    def __init__(self, problem: Problem):
-        self.problem = problem
-        self.names = [event.name for event in problem.system.events]
-        self.parts: list[Passages] = []
-
-    def add(self, passages: Passages, system: Any, rows: np.ndarray) -> None:
-        """Takes passages of a phase, whose states are these rows."""
-        numbers = np.array(
-            [self.names.index(event.name) if event.name in self.names else -1 for event in system.events]
-        )
-        events = numbers[passages.events] if len(passages.events) else passages.events
-        self.parts.append(passages._replace(events=events, states=rows))
-
-    def note(self, name: str, time: Any, row: np.ndarray, way: float = 1.0) -> None:
-        """Takes an event that no step has log, such as the end of a phase."""
-        sign = np.array([int(way)])
-        self.parts.append(
-            Passages(
-                np.array([time], dtype=self.problem.number),
-                np.array([self.names.index(name)]),
-                sign,
-                np.array([False]),
-                row.copy(),
-            )
-        )
-
-    def passages(self) -> Passages:
-        """All of them."""
-        return Passages(*(np.concatenate(columns) for columns in zip(*self.parts, strict=True)))
