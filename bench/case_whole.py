@@ -4,6 +4,7 @@ import os
 import statistics
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -50,12 +51,13 @@ def compare(quick: bool) -> dict[str, Any]:
 
 
 def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
-    """The motion alone, the whole run without rows, the run with the rows of its preset in memory; heyoka by hand."""
+    """The motion alone; the whole run without rows, for which the orientation is not integrated; the run with the rows
+    of its preset in memory, and the orientation; heyoka by hand."""
     minimal = Minimal(problem, np.array([problem.until]))
-    moving = motion((), minimal)(0.0)
+    moving, bare = motion((), minimal)(0.0), replace(problem, orientation=False)
     works = {
         "motion": lambda: moving.work(None),
-        "whole": lambda: Integration(problem).run(Nowhere()),
+        "whole": lambda: Integration(bare).run(Nowhere()),
         "rows": lambda: solve(problem),
     }
     if hand:

@@ -138,6 +138,15 @@ def _overhead(result: dict[str, Any]) -> tuple[str, bool]:
     return f"{100 * added:.1f} % of the processor's time", added <= 0.05
 
 
+def _started(what: str, most: float) -> Any:
+    def judge(result: dict[str, Any]) -> tuple[str, bool]:
+        if what not in result:
+            raise LookupError(what)
+        return f"{result[what]['wall']:.2f} s", result[what]["wall"] <= most
+
+    return judge
+
+
 def _scipy(result: dict[str, Any]) -> tuple[str, bool]:
     return _against(result["contestants"], "DOP853, SciPy", BARE, ERROR, 200)
 
@@ -198,6 +207,8 @@ GOALS: tuple[tuple[str, str, str, Any], ...] = (
     ("the same with class and inverted_at only", ">= 12 times (AMD), 8 (Intel)", "ensemble",
      _lanes_against(FEW, 12, 8)),
     ("processor time / wall time of a run", "<= 1.1", "whole", _processors),
+    ("`tippetop run inverting`, warm", "<= 0.6 s", "startup", _started("alone", 0.6)),
+    ("`tippetop --help`", "<= 0.12 s", "startup", _started("help", 0.12)),
     ("the same against SciPy's solve_ivp, formulas in Python", ">= 1000 times", "ensemble", _python),
     ("two workers of a sweep, efficiency", ">= 0.95", "sweep", _workers),
     ("dask and the store of a sweep, added to the tops alone", "<= 5 %", "sweep", _overhead),

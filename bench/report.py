@@ -221,6 +221,7 @@ def startup(result: dict[str, Any]) -> str:
     rows += [
         ["**the command, wall clock**", number(cold["wall"]), number(warm["wall"])],
         ["the command, processor", number(cold["processor"]), number(warm["processor"])],
+        *([["`tippetop run inverting`, wall clock", "", number(result["alone"]["wall"])]] if "alone" in result else []),
         ["`tippetop --help`, wall clock", "", number(result["help"]["wall"])],
         ["`python -c pass`, wall clock", "", number(result["interpreter"]["wall"])],
     ]

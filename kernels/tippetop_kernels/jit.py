@@ -8,6 +8,7 @@ counted (`_nrt`): a loop that passes twenty arrays on spends more time with coun
 import ctypes
 import functools
 import threading
+from array import array
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +16,8 @@ from . import disk, machine, words
 from .origin import Foreign, digest
 
 
-Code = Callable[[Any], int]  # takes a result and the words of arguments
+Words = array  # of int64: a result, then the words of arguments
+Code = Callable[[Words], int]
 
 
 class Kernel:
@@ -93,13 +95,14 @@ class Entry(Kernel):
             Takes the other arguments.
         """
         kinds, numbers = words.of(first)
+        row, codes = array("q", (0, *numbers)), {}
 
         def call(*others: Any) -> int:
             more_kinds, more_numbers = words.of(others)
-            code = self._code(kinds + more_kinds)
-            if code is None:
-                return int(self.alone(*first, *others) or 0)
-            return code((ctypes.c_int64 * (1 + len(numbers) + len(more_numbers)))(0, *numbers, *more_numbers))
+            if more_kinds not in codes:
+                codes[more_kinds] = self._code(kinds + more_kinds)
+            code = codes[more_kinds]
+            return int(self.alone(*first, *others) or 0) if code is None else code(row + array("q", more_numbers))
 
         return call
 
@@ -162,10 +165,10 @@ def _callable(name: str, code: bytes) -> Code:
         loaded = machine.load(code, ("entry",))
     function = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)(loaded.addresses[0])
 
-    def call(numbers: Any) -> int:
-        if function(ctypes.addressof(numbers)):
+    def call(row: Words) -> int:
+        if function(row.buffer_info()[0]):
             raise RuntimeError(f"`{name}` must come to its end, but an error stopped it")
-        return int(numbers[0])
+        return row[0]
 
     call.engine = loaded.engine  # type: ignore[attr-defined]  # it owns the memory
     return call
