@@ -1,6 +1,7 @@
 """What `tippetop run inverting --out RUN.zarr` takes from the shell, cold and warm, and where it goes.
 
-Cold: heyoka has nothing compiled on disk (a home and a cache of its own, empty). Warm: the second run with them.
+Cold: heyoka and numba have nothing compiled on disk (a home and caches of its own, empty). Warm: the second run with
+them; alone: one that stores nothing.
 """
 
 import json
@@ -55,6 +56,7 @@ def compare(quick: bool) -> dict[str, Any]:
                 "processor": statistics.median(processor for _, processor in commands),
                 "stages": {stage: statistics.median(s[stage] for s in stages) for stage in stages[0]},
             }
+        found["alone"] = {"wall": statistics.median(command(homes[0], "run", "inverting")[0] for _ in range(3))}
         found["help"] = {"wall": statistics.median(command(homes[0], "--help")[0] for _ in range(3))}
         found["interpreter"] = {"wall": statistics.median(run(homes[0], ["-c", "pass"])[0] for _ in range(3))}
     return found
@@ -62,8 +64,8 @@ def compare(quick: bool) -> dict[str, Any]:
 
 def environment(home: Path) -> dict[str, str]:
     """An environment whose caches are the home's."""
-    caches = {"HOME": str(home), "XDG_CACHE_HOME": str(home / "cache"), "HEYOKA_CACHE_DIR": str(home / "heyoka")}
-    return {**os.environ, **caches}
+    places = {"HOME": ".", "XDG_CACHE_HOME": "cache", "HEYOKA_CACHE_DIR": "heyoka", "TIPPETOP_CACHE_DIR": "kernels"}
+    return {**os.environ, **{name: str(home / place) for name, place in places.items()}}
 
 
 def run(home: Path, arguments: list[str]) -> tuple[float, float, str]:

@@ -5,6 +5,7 @@ Wall clock: the store is written by a second thread.
 
 import statistics
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -44,19 +45,23 @@ def stored(problem: Problem) -> float:
         return elapsed(lambda: recording.record(problem, Path(folder) / "run.zarr"))
 
 
+def keyframes(problem: Problem) -> float:
+    """Seconds of the run into a store that keeps keyframes and events, and no rows."""
+    return stored(replace(problem, output="keyframes"))
+
+
 def compare(quick: bool) -> dict[str, Any]:
-    """Seconds of each run, bare, followed and stored."""
+    """Seconds of each run, bare, followed, and stored with keyframes or rows."""
     keep_memory()  # as `tippetop run` does
     found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])
         problem = build.load(preset, sets, until / 10 if quick else until)
-        works = {f.__name__: lambda f=f, p=problem: f(p) for f in (bare, followed, stored)}
+        works = {f.__name__: lambda f=f, p=problem: f(p) for f in (bare, followed, keyframes, stored)}
         seconds = interleaved(works, 3)
         found["runs"][name] = {
             "rows": len(problem.times),
             "seconds": {name: statistics.median(times) for name, times in seconds.items()},
-            "followed / bare": ratio(seconds["followed"], seconds["bare"]),
-            "stored / bare": ratio(seconds["stored"], seconds["bare"]),
+            **{f"{way} / bare": ratio(seconds[way], seconds["bare"]) for way in ("followed", "keyframes", "stored")},
         }
     return found

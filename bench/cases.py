@@ -16,6 +16,7 @@ from . import (
     case_storing,
     case_surface,
     case_sweep,
+    case_whole,
 )
 from .case_precision import Comparison
 from .measure import machine
@@ -29,6 +30,7 @@ COMPARISONS = {
 }
 CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
     **{name: partial(case_precision.compare, comparison) for name, comparison in COMPARISONS.items()},
+    "whole": case_whole.compare,
     "ensemble": case_ensemble.compare,
     "formulations": case_formulations.compare,
     "sweep": case_sweep.compare,

@@ -156,11 +156,33 @@ def formulations(result: dict[str, Any]) -> str:
 
 def storing(result: dict[str, Any]) -> str:
     """Seconds of runs at 1 kHz."""
+    words = {"bare": "equations only", "followed": "followed", "keyframes": "with keyframes", "stored": "with all rows"}
+    ways = [way for way in words if all(way in r["seconds"] for r in result["runs"].values())]
     rows = [
-        [name, str(r["rows"]), *(number(x) for x in r["seconds"].values()), number(r["stored / bare"])]
+        [
+            name,
+            str(r["rows"]),
+            *(number(r["seconds"][way]) for way in ways),
+            *(number(r[f"{way} / bare"]) for way in ways[2:]),
+        ]
         for name, r in result["runs"].items()
     ]
-    return table(["run", "rows", "equations only [s]", "followed [s]", "stored [s]", "stored / equations only"], rows)
+    head = [f"{words[way]} [s]" for way in ways] + [f"{words[way]} / equations only" for way in ways[2:]]
+    return table(["run", "rows", *head], rows)
+
+
+def whole(result: dict[str, Any]) -> str:
+    """What runs cost beside their motion."""
+    rows = [
+        [
+            f"{name}, {r['form']} form",
+            *(_milliseconds(r["seconds"][way]) for way in ("motion", "whole", "rows")),
+            *(number(r[way]) for way in ("whole / motion", "rows / motion", "processor / wall")),
+        ]
+        for name, r in result["runs"].items()
+    ]
+    head = ["motion alone [ms]", "whole run [ms]", "with rows in memory [ms]", "whole / motion", "rows / motion"]
+    return table(["run", *head, "processor / wall"], rows)
 
 
 def sweep(result: dict[str, Any]) -> str:
@@ -199,6 +221,7 @@ def startup(result: dict[str, Any]) -> str:
     rows += [
         ["**the command, wall clock**", number(cold["wall"]), number(warm["wall"])],
         ["the command, processor", number(cold["processor"]), number(warm["processor"])],
+        *([["`tippetop run inverting`, wall clock", "", number(result["alone"]["wall"])]] if "alone" in result else []),
         ["`tippetop --help`, wall clock", "", number(result["help"]["wall"])],
         ["`python -c pass`, wall clock", "", number(result["interpreter"]["wall"])],
     ]
@@ -236,6 +259,7 @@ def sections(results: dict[str, Any]) -> dict[str, str]:
         **dict.fromkeys(COMPARISONS, comparison),
         "formulations": formulations,
         "storing": storing,
+        "whole": whole,
         "sweep": sweep,
         "surface": surface,
         "startup": startup,

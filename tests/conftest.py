@@ -1,10 +1,64 @@
 """Fixtures that every test may use."""
 
+import contextlib
+import os
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from plans import PLAN
+
+
+MANY = 300  # tests of a session, of which some are bound to need each kernel
+PATIENCE = 180.0  # [s] that a worker waits for the others
+
+
+def _loop() -> None:
+    from tippetop.runs.run import solve
+    from tippetop.scenario import build
+
+    solve(build.load("inverting", until=0.01), keep=False)
+
+
+def _minima() -> None:
+    from tippetop.landscape import surface
+    from tippetop.scenario import build
+
+    top = dict(build.load("inverting").parameters)
+    surface.minimal_surface(top, np.linspace(-1e-4, 1e-4, 3), np.linspace(0.0, 1e-4, 3))
+
+
+def _wide_observer() -> None:
+    from tippetop.runs.run import solve
+    from tippetop.scenario import build
+
+    solve(build.load("rolling-cylinder", ["run.precision=longdouble"], until=0.01), keep=False)
+
+
+def _turnings() -> None:
+    from tippetop.landscape import turning
+    from tippetop.scenario import build
+
+    turning.turning_angles(dict(build.load("inverting").parameters), 1e-4, 1e-5, 0.1)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Kernels that many tests need are compiled once, shared out among the workers, which wait for one another and find
+    on disk what others compiled. A session of few tests compiles what it needs."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "")
+    if not worker or request.session.testscollected < MANY:
+        return
+    place = tmp_path_factory.getbasetemp().parent
+    for compile_some in (_loop, _minima, _wide_observer, _turnings):  # 23, 15, 8 and 6 s
+        with contextlib.suppress(FileExistsError):
+            (place / f"kernels{compile_some.__name__}").mkdir()  # whoever makes it does it
+            compile_some()
+    (place / f"compiled-{worker}").touch()
+    workers, deadline = int(os.environ["PYTEST_XDIST_WORKER_COUNT"]), time.monotonic() + PATIENCE
+    while len(list(place.glob("compiled-*"))) < workers and time.monotonic() < deadline:
+        time.sleep(0.05)
 
 
 @pytest.fixture

@@ -155,6 +155,16 @@ def test_a_check_changes_nothing_and_says_what_is_wrong() -> None:
         tops.valid[0] = False
 
 
+@pytest.mark.parametrize("name", ["x", "y"])
+def test_a_start_so_far_away_that_it_would_set_the_steps_is_refused(name: str) -> None:
+    """Integrals are scaled by 2^-32, so that they have no say: a start at 1e300 m was one step, 4 % wrong."""
+    base = build.load("inverting")
+    far = Problems.vary(base, {f"initial.{name}": np.array([0.0, 1e6, -1e6, 1e300, -1e12])})
+    valid, faults = far.check()
+    assert valid.tolist() == [True, True, True, False, False]
+    assert all(f"must keep {name} within 4.3e+09 of its unit" in sentence for _, sentence in faults)
+
+
 def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
     """Where the contact jams at the start, and where numbers overflow together."""
     for key, good, value in (("initial.nu_x", 0.0, 100.0), ("initial.omega3", 155.0, 1e200)):

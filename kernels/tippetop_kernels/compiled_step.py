@@ -1,62 +1,25 @@
-"""Calls machine code that was compiled elsewhere: an object file becomes addresses, and a kernel calls an address.
+"""The machine code of a Taylor integrator that was compiled elsewhere, called by its addresses.
 
-The code is that of a Taylor integrator: step(state, pars, time, h, tc) makes one step in place, and dense(out, tc, h)
-gives the state at h after the beginning of the step. All are arrays of doubles.
+step(state, pars, time, h, tc) makes one step in place, and dense(out, tc, h) gives the state at h after the beginning
+of the step. All are arrays of doubles.
 """
 
-import struct
+import ctypes
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-import llvmlite.binding as llvm
-from llvmlite import ir
-from numba import types
+import numpy as np
 
-from .jit import entry, intrinsic
+from .jit import intrinsic
+from .machine import load as load_object
 
 
 class MachineCode(NamedTuple):
-    """MachineCode code in memory."""
+    """The functions of an integrator in memory."""
 
     engine: Any  # owns the memory
     step: int  # addresses
     dense: int
-
-
-def undefined_symbols(code: bytes) -> list[str]:
-    """The names that an ELF object (64 bits, little-endian) expects from elsewhere.
-
-    Parameters
-    ----------
-    code
-        The object file.
-
-    Returns
-    -------
-    list of str
-
-    Raises
-    ------
-    ValueError
-        If it is none.
-    """
-    if code[:6] != b"\x7fELF\x02\x01":
-        raise ValueError("an object must be a 64-bit little-endian ELF file")
-    try:
-        (table,), (size, count) = struct.unpack_from("<Q", code, 40), struct.unpack_from("<HH", code, 58)
-        sections = [struct.unpack_from("<IIQQQQIIQQ", code, table + i * size) for i in range(count)]
-        names = []
-        for _, kind, _, _, start, length, link, _, _, entry in sections:
-            if kind != 2:  # not the table of symbols
-                continue
-            for place in range(start + entry, start + length, entry):
-                name, _, _, section = struct.unpack_from("<IBBH", code, place)
-                if section == 0 and name:
-                    begin = sections[link][4] + name
-                    names.append(code[begin : code.index(b"\0", begin)].decode())
-    except (struct.error, IndexError, OverflowError) as error:
-        raise ValueError(f"an object must be a whole ELF file: {error}") from None
-    return names
 
 
 def load(code: bytes, libraries: Iterable[str] = (), names: tuple[str, str] = ("step", "d_out_f")) -> MachineCode:
@@ -80,25 +43,29 @@ def load(code: bytes, libraries: Iterable[str] = (), names: tuple[str, str] = ("
     ValueError
         If it is no object of this machine, or a function is missing that it calls or has.
     """
-    for library in libraries:
-        llvm.load_library_permanently(library)
-    missing = [name for name in undefined_symbols(code) if llvm.address_of_symbol(name) is None]
-    if missing:  # LLVM would abort the process
-        raise ValueError(f"the functions that an object calls must be there, but {', '.join(missing)} are missing")
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    machine = llvm.Target.from_default_triple().create_target_machine(jit=True)
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-    engine.finalize_object()
-    step, dense = (engine.get_function_address(name) for name in names)
-    if not (step and dense):
-        raise ValueError(f"an object must have the functions {' and '.join(names)}")
-    return MachineCode(engine, step, dense)
+    engine, addresses = load_object(code, names, libraries)
+    return MachineCode(engine, *addresses)
+
+
+def call(address: int, *arrays: np.ndarray) -> None:
+    """Calls one of the functions from Python: `step` with five arrays, `dense` with three.
+
+    Parameters
+    ----------
+    address
+        Of the function.
+    arrays
+        Doubles, contiguous.
+    """
+    if not all(array.dtype == np.float64 and array.flags.c_contiguous for array in arrays):
+        raise ValueError("the arrays of a step must be contiguous doubles")
+    ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(arrays))(address)(*(array.ctypes.data for array in arrays))
 
 
 def _calling(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """Calls the address that is the first argument, with pointers to the numbers of the others."""
+    from llvmlite import ir
+
     pointer = ir.IntType(8).as_pointer()
     pointers = [
         builder.bitcast(context.make_array(kind)(context, builder, value=array).data, pointer)
@@ -112,16 +79,14 @@ def _calling(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 @intrinsic
 def call_step(typing, address, state, pars, time, h, tc):
     """One step in place: h is the longest that is allowed, and then the one that was made."""
+    from numba import types
+
     return types.void(address, state, pars, time, h, tc), _calling
 
 
 @intrinsic
 def call_dense(typing, address, out, tc, h):
     """The state at h after the beginning of a step, into out."""
+    from numba import types
+
     return types.void(address, out, tc, h), _calling
-
-
-@entry
-def first_step(step, state, pars, time, h, tc):
-    """One step, called from Python."""
-    call_step(step, state, pars, time, h, tc)

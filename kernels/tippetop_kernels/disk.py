@@ -1,33 +1,24 @@
-"""Compiled kernels kept on disk, so that the next process need not compile: found by their digest, or not at all.
+"""The machine code of kernels on disk, so that the next process need not compile: found by its digest, or not at all.
 
-A file holds a pickle and machine code: whoever can write it can run code as us. So the folder and the file must be our
-own and nobody else's to write, and nothing is read through links. A checksum makes of a damaged file a missing one.
-Whatever goes wrong here, the kernel is compiled, as it would be without: numba's own cache forgets formulas in other
-files (numba#1833), and knows no functions as arguments.
+Whoever can write a file of machine code can run code as us. So the folder and the file must be our own and nobody
+else's to write, and nothing is read through links. A checksum makes of a damaged file a missing one. Whatever goes
+wrong here, the kernel is compiled, as it would be without: numba's own cache forgets formulas in other files
+(numba#1833), and knows no functions as arguments.
 """
 
 import contextlib
 import hashlib
-import io
 import logging
 import os
-import pickle
 import secrets
 import stat
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
-from numba.core.dispatcher import Dispatcher
-from numba.core.serialize import NumbaPickler
-
-from .origin import Foreign, digest, dispatchers
-
 
 LARGEST = 256 * 2**20  # [B] of all files together; those not used for longest go first
-MAGIC = b"tippetop kernel 1\n"
+MAGIC = b"tippetop kernel 2\n"
 log = logging.getLogger("tippetop.kernels")
 
 
@@ -46,49 +37,40 @@ def folder() -> Path | None:
     return Path(caches) / "tippetop" / "kernels" if os.path.isabs(caches) else None
 
 
-class DiskCache(_Cache):
-    """The cache of one kernel, as numba asks for it."""
+def read(name: str, key: bytes) -> bytes | None:
+    """The machine code of a kernel.
 
-    def __init__(self, dispatcher: Dispatcher):
-        self._dispatcher = dispatcher
-        self._enabled = True
+    Parameters
+    ----------
+    name
+        Of the kernel.
+    key
+        The digest of what it is made from.
 
-    @property
-    def cache_path(self) -> str | None:
-        """Where it is."""
-        path = folder()
-        return None if path is None else str(path)
+    Returns
+    -------
+    bytes or None
+        None where there is none, or none that is ours alone and whole.
+    """
+    code = None
+    with _unharmed("load"), _directory(create=False) as directory:
+        code = _read(directory, _name(name, key), key)
+    return code  # noqa: RET504  # a block that may end before its end
 
-    def enable(self) -> None:
-        """Use it."""
-        self._enabled = True
 
-    def disable(self) -> None:
-        """Use it no more."""
-        self._enabled = False
+def write(name: str, key: bytes, code: bytes) -> None:
+    """Keeps the machine code of a kernel, if it can be kept.
 
-    def flush(self) -> None:
-        """Nothing is ever stale."""
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled kernel for the types `sig`, or None."""
-        target_context.refresh()
-        with _unharmed("load"), _directory(create=False) as directory:
-            key = digest(self._dispatcher, sig, target_context.codegen())
-            payload = _read(directory, _name(self._dispatcher, key), key)
-            if payload is not None:
-                return CompileResult._rebuild(target_context, *_loads(payload, dispatchers(sig)))
-        return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keeps the compiled kernel `data` for the types `sig`."""
-        if data.objectmode or data.lifted or data.library.has_dynamic_globals:  # addresses of this process
-            return
-        with _unharmed("save"), _directory(create=True) as directory:
-            key = digest(self._dispatcher, sig, data.codegen)
-            payload = _dumps(data._reduce(), dispatchers(sig))
-            _write(directory, _name(self._dispatcher, key), key, payload)
-            _shrink(directory)
+    Parameters
+    ----------
+    name, key
+        As for `read`.
+    code
+        The object file.
+    """
+    with _unharmed("save"), _directory(create=True) as directory:
+        _write(directory, _name(name, key), key, code)
+        _shrink(directory)
 
 
 class _Unusable(Exception):
@@ -99,54 +81,14 @@ class _Unusable(Exception):
 def _unharmed(what: str) -> Iterator[None]:
     try:
         yield
-    except (FileNotFoundError, Foreign, _Unusable) as reason:
+    except (FileNotFoundError, _Unusable) as reason:
         log.debug("no %s of machine code: %s", what, reason)
-    except Exception as fault:  # private parts of numba may change: it then compiles
+    except OSError as fault:
         log.info("no %s of machine code: %r", what, fault)
 
 
-# --- pickles in which functions are numbers ---------------------------------------------------------------------------
-
-
-class _Pickler(NumbaPickler):
-    """Functions that a kernel was given become their numbers: they are others in each process."""
-
-    def __init__(self, file: Any, given: list):
-        super().__init__(file, protocol=5)
-        self._numbers = {id(function): i for i, function in enumerate(given)}
-
-    def persistent_id(self, thing: Any) -> int | None:
-        """The number of a function; None: pickle it."""
-        if isinstance(thing, Dispatcher) and id(thing) not in self._numbers:
-            raise Foreign(repr(thing))
-        return self._numbers.get(id(thing))
-
-
-class _Unpickler(pickle.Unpickler):
-    def __init__(self, file: Any, given: list):
-        super().__init__(file)
-        self._given = given
-
-    def persistent_load(self, number: int) -> Any:
-        """The function of a number."""
-        return self._given[number]
-
-
-def _dumps(data: Any, given: list) -> bytes:
-    with io.BytesIO() as buffer:
-        _Pickler(buffer, given).dump(data)
-        return buffer.getvalue()
-
-
-def _loads(payload: bytes, given: list) -> Any:
-    return _Unpickler(io.BytesIO(payload), given).load()
-
-
-# --- files ------------------------------------------------------------------------------------------------------------
-
-
-def _name(dispatcher: Dispatcher, key: bytes) -> str:
-    return f"{dispatcher.py_func.__name__}-{key.hex()}"
+def _name(name: str, key: bytes) -> str:
+    return f"{name}-{key.hex()}"
 
 
 @contextlib.contextmanager

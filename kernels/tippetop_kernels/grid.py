@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from .jit import entry, kernel
+from .jit import allocating, allocating_entry, entry, kernel
 from .level_crossings import Level, band_of, crossings, swing
 from .minimise import AT_REST, MOST_EXTREMES, NEARLY, Status, clipped, extremes, factor, lowest, minimise, settled
 from .staging import BLOCK, first, get, put, second, third, width
@@ -22,7 +22,7 @@ ROWS_BETWEEN_GUESSES = (
 )
 
 
-@kernel
+@allocating
 def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough, before):
     """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`.
 
@@ -156,7 +156,7 @@ def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status
         row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST, guessed)
 
 
-@entry
+@allocating_entry
 def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
     """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits.
 
@@ -228,7 +228,7 @@ def potentials(prepare, slopes, value, zs, xs, ys, r, V, V_z, V_zz):
                 V_zz[i, j, k] = 4 * (g2 - z * g1) / (q * w * w)
 
 
-@entry
+@allocating_entry
 def turnings(
     prepare,
     guess,
@@ -260,7 +260,7 @@ def turnings(
         bends[i] = bend(q[i], p, r)
 
 
-@entry
+@allocating_entry
 def wells(
     prepare, slopes, value, excess, bend, allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status
 ):

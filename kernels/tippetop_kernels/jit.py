@@ -1,54 +1,196 @@
-"""The decorators that compile with numba: every flag is set here, once.
+"""The decorators that compile: nobody waits for numba before something must be compiled, and every flag is set here.
 
 error_model="numpy": a division does not test for zero; 3.1 ns per potential instead of 5.7. No fastmath: it gained
-nothing, and the compensated sums of the potential would not survive it. numba's own cache is off: it is stale when a
-formula in another file changes (numba#1833).
+nothing, and the compensated sums of the potential would not survive it. Arrays are lent, references to them are not
+counted (`_nrt`): a loop that passes twenty arrays on spends more time with counting than with a Taylor step.
 """
 
+import ctypes
+import functools
+import threading
+from array import array
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic as _intrinsic
-
-from .disk import DiskCache
+from . import disk, machine, words
+from .origin import Foreign, digest
 
 
-intrinsic: Any = _intrinsic
+Words = array  # of int64: a result, then the words of arguments
+Code = Callable[[Words], int]
 
 
-kernel = njit(error_model="numpy", nogil=True)
-inlined = njit(
-    error_model="numpy", nogil=True, forceinline=True
-)  # for a formula inside a loop that is to be vectorised
+class Kernel:
+    """A function that numba compiles when something calls it.
 
-
-def entry(function: Callable) -> Any:
-    """A kernel that Python calls: its machine code, with all that is compiled into it, is kept on disk.
-
-    Not for kernels that kernels call: those are in the code of their callers. Addresses must come as arguments, not as
-    constants of a module, and symbols that LLVM is to know by name must be added before the first call: another process
-    has others.
+    Parameters
+    ----------
+    function
+        What it is in Python.
+    options
+        Of numba.
     """
-    dispatcher: Any = kernel(function)
-    dispatcher._cache = DiskCache(dispatcher)
-    return dispatcher
+
+    plainly = False  # for all: numba has other private parts than `compiling` knows, and compiles as it always did
+
+    def __init__(self, function: Callable, **options: Any):
+        self.__name__: str
+        self.py_func, self.stages = function, ()
+        self.options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False, **options}
+        functools.update_wrapper(self, function)
+
+    @functools.cached_property
+    def dispatcher(self) -> Any:
+        """It as numba knows it: to be compiled into what calls it."""
+        from .compiling import part
+
+        return part(self)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba takes it for, in the code of a kernel and among the arguments of one."""
+        return (self.alone if Kernel.plainly else self.dispatcher)._numba_type_
+
+    @functools.cached_property
+    def alone(self) -> Any:
+        """It as a function of numba, with all that calling it from Python takes."""
+        from numba import njit
+
+        return njit(**{**self.options, "_nrt": True})(self.py_func)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Calls it from Python."""
+        return self.alone(*arguments)
 
 
-@intrinsic
-def lent(typing, record):
-    """A named tuple whose arrays nobody counts references to, for as long as the caller has it: a loop that passes
-    twenty arrays on spends more time with counting than with a Taylor step."""
+class Entry(Kernel):
+    """A kernel that Python calls by its address: its machine code, with all that is compiled into it, is kept on disk.
 
-    def generate(context, builder, signature, arguments):
-        value, kind = arguments[0], signature.args[0]
-        for i, member in enumerate(kind.types):
-            if isinstance(member, types.Array):
-                array = context.make_array(member)(context, builder, value=builder.extract_value(value, i))
-                array.meminfo = cgutils.get_null_value(array.meminfo.type)
-                array.parent = cgutils.get_null_value(array.parent.type)
-                value = builder.insert_value(value, array._getvalue(), i)
-        return value
+    Not for kernels that kernels call: those are in the code of their callers. It takes numbers, arrays, named tuples of
+    them and kernels, and gives nothing or an integer. Addresses must come as arguments, not as constants of a module:
+    another process has others.
+    """
 
-    return record(record), generate
+    def __init__(self, function: Callable, **options: Any):
+        super().__init__(function, **options)
+        self._codes: dict[tuple, Code | None] = {}
+        self._compiling = threading.RLock()
+        self.found = 0  # how often its machine code was on disk
+
+    def __call__(self, *arguments: Any) -> int:
+        """Calls it."""
+        return self.on()(*arguments)
+
+    def on(self, *first: Any) -> Callable[..., int]:
+        """It with its first arguments given, whose arrays are then looked at once.
+
+        Parameters
+        ----------
+        first
+            Arguments, kept alive.
+
+        Returns
+        -------
+        callable
+            Takes the other arguments.
+        """
+        kinds, numbers = words.of(first)
+        row, codes = array("q", (0, *numbers)), {}
+
+        def call(*others: Any) -> int:
+            more_kinds, more_numbers = words.of(others)
+            if more_kinds not in codes:
+                codes[more_kinds] = self._code(kinds + more_kinds)
+            code = codes[more_kinds]
+            return int(self.alone(*first, *others) or 0) if code is None else code(row + array("q", more_numbers))
+
+        return call
+
+    def _code(self, kinds: tuple) -> Code | None:
+        """What calls its code for such arguments; None: numba does."""
+        try:
+            return self._codes[kinds]
+        except KeyError:
+            with self._compiling:
+                if kinds not in self._codes:
+                    self._codes[kinds] = self._found(kinds) or self._made(kinds)
+            return self._codes[kinds]
+
+    def _found(self, kinds: tuple) -> Code | None:
+        """Its code from the disk."""
+        key = self._key(kinds)
+        kept = disk.read(self.__name__, key) if key else None
+        if kept is None:
+            return None
+        try:
+            code = _callable(self.__name__, kept)
+        except ValueError as fault:
+            disk.log.info("no load of machine code: %s", fault)
+            return None
+        self.found += 1
+        return code
+
+    def _made(self, kinds: tuple) -> Code | None:
+        """Its code from numba, which is kept."""
+        try:
+            from .compiling import object_code
+
+            code, lasts = object_code(self, kinds)
+            called = _callable(self.__name__, code)
+        except Exception as fault:  # if it is the kernel's own fault, numba says so again
+            disk.log.info("numba compiles as it always did: %r", fault)
+            Kernel.plainly = True
+            return None
+        key = self._key(kinds)
+        if key and lasts:
+            disk.write(self.__name__, key, code)
+        return called
+
+    def _key(self, kinds: tuple) -> bytes | None:
+        try:
+            return digest(self, kinds)
+        except Foreign as reason:
+            disk.log.debug("no machine code is kept: %s", reason)
+            return None
+
+
+def _callable(name: str, code: bytes) -> Code:
+    """What calls the machine code of an entry with the numbers of its arguments; numba's runtime is there if needed."""
+    try:
+        loaded = machine.load(code, ("entry",))
+    except ValueError:
+        from .compiling import runtime
+
+        runtime()
+        loaded = machine.load(code, ("entry",))
+    function = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)(loaded.addresses[0])
+
+    def call(row: Words) -> int:
+        if function(row.buffer_info()[0]):
+            raise RuntimeError(f"`{name}` must come to its end, but an error stopped it")
+        return row[0]
+
+    call.engine = loaded.engine  # type: ignore[attr-defined]  # it owns the memory
+    return call
+
+
+class Intrinsic:
+    """A function that writes LLVM's code: numba learns it when something that calls it is compiled."""
+
+    def __init__(self, definition: Callable):
+        self._defn = definition
+        functools.update_wrapper(self, definition)  # type: ignore[arg-type]
+
+    @functools.cached_property
+    def _numba_type_(self) -> Any:
+        from .compiling import intrinsic_type
+
+        return intrinsic_type(self._defn)
+
+
+kernel: Any = Kernel
+inlined: Any = functools.partial(Kernel, forceinline=True)  # for a formula inside a loop that is to be vectorised
+allocating: Any = functools.partial(Kernel, _nrt=True)  # makes arrays
+entry: Any = Entry
+allocating_entry: Any = functools.partial(Entry, _nrt=True)
+intrinsic: Any = Intrinsic

@@ -6,10 +6,10 @@ names may be bound anew); the types of the arguments; numba, LLVM, numpy, Python
 What comes from elsewhere has no digest: `Foreign` is raised.
 """
 
+import contextlib
 import enum
 import functools
 import hashlib
-import importlib.metadata
 import importlib.util
 import inspect
 import math
@@ -23,17 +23,16 @@ from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import llvmlite
-import numba
+import llvmlite.binding as llvm
 import numpy as np
-from numba.core import config, entrypoints, types
-from numba.core.dispatcher import Dispatcher
 
 
 PACKAGES = ("tippetop", "tippetop_kernels")  # whose sources are in every digest
 TRUSTED = {"heyoka", "llvmlite", "numba", "numpy"}  # whose versions, and the standard library's, stand for their code
-IDLE = {"CACHE_DIR", "CACHE_LOCATOR_CLASSES", "NUMBA_DEFAULT_NUM_THREADS", "NUMBA_NUM_THREADS"}  # no bit depends on it
+IDLE = {"NUMBA_CACHE_DIR", "NUMBA_CACHE_LOCATOR_CLASSES", "NUMBA_NUM_THREADS"}  # no bit depends on them
 
 
+MAKERS = ("compiling", "disk", "jit", "machine", "origin", "words")  # they make kernels: their files count
 EDIT_MARGIN = 0.05  # [s] by which the clocks of files and processes may differ
 
 
@@ -53,53 +52,42 @@ def _began() -> float:
 BEGAN = _began()  # kept: a fork has the modules of its parent
 
 
-def digest(dispatcher: Dispatcher, arguments: Iterable[Any], codegen: Any) -> bytes:
-    """The digest of a kernel for the numba types of its arguments.
+def digest(kernel: Any, kinds: Iterable[Any]) -> bytes:
+    """The digest of a kernel for arguments of some kinds.
 
     Parameters
     ----------
-    dispatcher
-        The kernel.
-    arguments
-        numba types.
-    codegen
-        numba's code generator: it names the processor.
+    kernel
+        Of `jit`.
+    kinds
+        Of its arguments (see `words`).
 
     Raises
     ------
     Foreign
         If a formula or a record among the arguments is not a public name of our packages.
     """
-    entrypoints.init_all()  # so that what numba is taught is always the same
     modules: set[str] = set()
-    parts = [_described(types.Dispatcher(dispatcher), modules), *(_described(kind, modules) for kind in arguments)]
-    parts += [*_software(), repr(codegen.magic_tuple()), files().hex(), *loaded(modules)]
+    parts = [_described(kernel, modules), *(_described(kind, modules) for kind in kinds)]
+    parts += [*_software(), *_processor(), files().hex(), *loaded(modules)]
     return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).digest()
-
-
-def dispatchers(kinds: Iterable[Any]) -> list[Dispatcher]:
-    """The functions among numba types of arguments, in order."""
-    return [kind.dispatcher for kind in kinds if isinstance(kind, types.Dispatcher)]
 
 
 # --- what a kernel is given -------------------------------------------------------------------------------------------
 
 
 def _described(kind: Any, modules: set[str]) -> str:
-    """A numba type in words that mean the same in every process; adds the modules that it comes from."""
-    if isinstance(kind, types.Dispatcher):
-        function = kind.dispatcher
-        stages = (_described(types.Dispatcher(stage), modules) for stage in getattr(function, "stages", ()))
-        return f"{_public(function.py_func, modules)} {sorted(function.targetoptions.items())} [{', '.join(stages)}]"
-    if isinstance(kind, types.BaseTuple):
-        fields: Any = kind
-        record = _public(fields.instance_class, modules) if isinstance(kind, types.BaseNamedTuple) else ""
-        return f"{record}({', '.join(_described(field, modules) for field in fields)})"
-    if isinstance(kind, types.Array):
-        return f"{kind} of {_described(kind.dtype, modules)}"
-    if isinstance(kind, types.Number | types.Boolean | types.Literal | types.Record | types.NoneType):
-        return str(kind)
-    raise Foreign(str(kind))
+    """The kind of an argument in words that mean the same in every process; adds the modules that it comes from."""
+    if isinstance(kind, tuple) and kind[0] == "array":
+        return repr(kind)
+    if isinstance(kind, tuple):
+        _, record, fields = kind
+        name = _public(record, modules) if record is not tuple else ""
+        return f"{name}({', '.join(_described(field, modules) for field in fields)})"
+    if isinstance(kind, type):
+        return kind.__name__
+    name = _public(kind.py_func, modules)
+    return f"{name} {sorted(kind.options.items())} [{', '.join(_described(stage, modules) for stage in kind.stages)}]"
 
 
 def _public(thing: Any, modules: set[str]) -> str:
@@ -123,14 +111,17 @@ def files() -> bytes:
     total, latest = hashlib.sha256(), BEGAN - EDIT_MARGIN
     for package in PACKAGES:
         spec = importlib.util.find_spec(package)
-        roots = [Path(root) for root in (spec.submodule_search_locations or ())] if spec else []
-        paths = sorted((path.relative_to(root).as_posix(), path) for root in roots for path in root.rglob("*.py"))
+        roots = list(spec.submodule_search_locations or ()) if spec else []
+        places = (os.path.join(folder, name) for root in roots for folder, _, names in os.walk(root) for name in names)
+        paths = sorted(place for place in places if place.endswith(".py"))
         if not paths:
             raise Foreign(package)
-        for name, path in paths:
-            if path.stat().st_ctime > latest:
-                raise Foreign(f"{path}, changed since this process began")
-            text = path.read_bytes()
+        for path in paths:
+            with open(path, "rb") as file:
+                if os.fstat(file.fileno()).st_ctime > latest:
+                    raise Foreign(f"{path}, changed since this process began")
+                text = file.read()
+            name = next(os.path.relpath(path, root) for root in roots if path.startswith(os.path.join(root, "")))
             total.update(f"\0{package}/{name} {len(text)}\0".encode() + text)
     return total.digest()
 
@@ -138,13 +129,35 @@ def files() -> bytes:
 @functools.cache
 def _software() -> tuple[str, ...]:
     """Versions and settings."""
-    settings = {name: repr(getattr(config, name)) for name in dir(config) if name.isupper() and name not in IDLE}
-    extensions = sorted(
-        f"{e.value} {e.dist and e.dist.name} {e.dist and e.dist.version}"
-        for e in importlib.metadata.entry_points(group="numba_extensions")
-    )
-    versions = (numba.__version__, llvmlite.__version__, np.__version__, sys.version, platform.platform())
-    return (*versions, repr(sorted(settings.items())), repr(extensions))
+    given = Path(".numba_config.yaml")
+    written = given.read_text() if given.is_file() else ""
+    settings = {name: value for name, value in os.environ.items() if name.startswith("NUMBA_") and name not in IDLE}
+    versions = (*_installed(), llvmlite.__version__, np.__version__, sys.version, platform.platform())
+    return (*versions, repr(sorted(settings.items())), written)
+
+
+def _installed() -> list[str]:
+    """Names and versions of numba and of what teaches it more (`importlib.metadata` takes ten times as long)."""
+    there = []
+    for place in sys.path:
+        with contextlib.suppress(OSError):
+            names = [name for name in os.listdir(place or ".") if name.endswith((".dist-info", ".egg-info"))]
+            there += [name for name in names if name.startswith("numba-") or _teaches(os.path.join(place, name))]
+    return sorted(there)
+
+
+def _teaches(folder: str) -> bool:
+    """Whether a distribution has an extension of numba."""
+    try:
+        with open(os.path.join(folder, "entry_points.txt"), "rb") as file:
+            return b"numba_extensions" in file.read()
+    except OSError:
+        return False
+
+
+@functools.cache
+def _processor() -> tuple[str, ...]:
+    return llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
 # --- what is loaded ---------------------------------------------------------------------------------------------------
@@ -152,7 +165,7 @@ def _software() -> tuple[str, ...]:
 
 def loaded(modules: Iterable[str]) -> Iterator[str]:
     """The functions and constants of modules, and of those of our packages that they know, as they are in memory."""
-    todo, known = sorted(modules), {*modules, __name__, f"{__package__}.disk"}  # what keeps code is not in it
+    todo, known = sorted(modules), {*modules, *(f"{__package__}.{name}" for name in MAKERS)}
     while todo:
         name = todo.pop(0)
         others: set[str] = set()
@@ -170,8 +183,9 @@ def _in_memory(value: Any, modules: set[str]) -> str:
         if _ours(value.__name__) and not hasattr(value, "__path__"):
             modules.add(value.__name__)
         return value.__name__
-    if isinstance(value, Dispatcher):
-        return f"{_in_memory(value.py_func, modules)} {sorted(value.targetoptions.items())}"
+    if hasattr(value, "py_func") and not isinstance(value, type):
+        stages = [_in_memory(stage, modules) for stage in value.stages]
+        return f"{_in_memory(value.py_func, modules)} {sorted(value.options.items())} {stages}"
     for inner in ("_defn", "__wrapped__"):  # intrinsics; what functools wraps
         if isinstance(function := getattr(value, inner, None), FunctionType):
             return _in_memory(function, modules)
@@ -180,7 +194,7 @@ def _in_memory(value: Any, modules: set[str]) -> str:
         defaults = (value.__defaults__, value.__kwdefaults__, cells)
         return f"{_origin(value, modules)} {_code(value.__code__)} {[_plain(given) for given in defaults]}"
     if isinstance(value, type) and _ours(value.__module__):
-        inside = [f"{key} = {_plain(v) or _in_memory_of_class(v, modules)}" for key, v in sorted(vars(value).items())]
+        inside = [f"{key} = {_in_memory_of_class(v, modules) or _plain(v)}" for key, v in sorted(vars(value).items())]
         return f"{_origin(value, modules)} {{{', '.join(inside)}}}"
     return _plain(value)
 

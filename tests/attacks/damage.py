@@ -183,6 +183,8 @@ def _json(place: Path, rng: np.random.Generator, store: Path) -> str:
     else:
         number = isinstance(old, int | float) and not isinstance(old, bool) and way == 1
         new = old * 2 + 1 if number else VALUES[int(rng.integers(len(VALUES)))]
+        if json.dumps(new) == json.dumps(old):
+            return _json(place, rng, store)
         node[key] = new
         words = f"{key}: {str(new)[:40]} instead of {str(old)[:40]}"
     place.write_text(json.dumps(document))

@@ -71,6 +71,12 @@ def test_a_file_is_no_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert "nowhere` does not exist" in printed(capsys, "info", str(tmp_path / "nowhere"), code=5)[1]
 
 
+def test_a_plan_is_no_scenario(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of PLAN.toml, whose `[[axis]]` and `chunk` were unknown keys."""
+    sentence = f"tippetop: `{file}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it.\n"
+    assert printed(capsys, "run", str(file), code=2)[1] == sentence
+
+
 def test_a_figure_says_for_which_systems_it_is(stores: Path, capsys: pytest.CaptureFixture[str]) -> None:
     draw = ["--out", str(stores / "f.png")]
     err = printed(capsys, "plot", str(stores / "gliding.zarr"), "surface", *draw, code=2)[1]

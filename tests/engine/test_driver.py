@@ -6,11 +6,13 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
+import heyoka as hy
 import numpy as np
 import pytest
 
 import tippetop
 from tippetop.engine import compiled as compiling
+from tippetop.engine.expressions import equations_of_motion
 from tippetop.engine.one_run import CompiledDriver
 from tippetop.engine.slices import Driver
 from tippetop.engine.status import Status
@@ -186,7 +188,7 @@ def unloadable(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 @pytest.fixture
 def unlike(monkeypatch: pytest.MonkeyPatch) -> None:
     """A process in which the loaded code makes other steps than heyoka."""
-    monkeypatch.setattr("tippetop.engine.taylor.is_same_step", lambda *_: False)
+    monkeypatch.setattr("tippetop.engine.taylor._checked", lambda _, code: code._replace(machine=None))
     monkeypatch.setattr("tippetop.ensembles.lanes.is_same_step", lambda *_: False)
 
 
@@ -242,6 +244,8 @@ def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: py
     compared(usual, solve(made))
     again = tippetop.ensemble("inverting", varied, until=0.5, threads=1)
     assert all(same_bits(many[name].values, again[name].values) for name in many)
+    assert "steps_by" not in many.attrs
+    assert again.attrs["steps_by"] == "heyoka"
 
 
 def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(request: pytest.FixtureRequest) -> None:
@@ -348,3 +352,19 @@ def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
     integration = Integration(build.load("inverting", None, 0.2))
     integration.run(Nowhere())
     assert (integration.status, integration.filled) == (Status.FINISHED, 0)
+
+
+@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"])
+def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str) -> None:
+    """An event function that is a variable plus a number: the same number, to the bit, as heyoka finds at zero."""
+    made = build.load(preset, None, 0.1)
+    code = driver_of(made).compiled
+    q, _, body, rates = equations_of_motion(made.system, made.variables, type(made.friction))
+    scalars = made.form.scalars(q, body)
+    several = 0
+    for event, row in zip(made.system.events, code.rows.events, strict=True):
+        if row["shift"] == 0 and row["scale"] == 1.0 and row["row"] < len(rates):
+            function = hy.expression(0.0) + event.formula(scalars, body)
+            assert hy.cfunc([function], vars=[rates[row["row"]][0]])([0.0])[0] == row["offset"], event.name
+            several += 1
+    assert several or preset == "gliding-cylinder"

@@ -7,7 +7,8 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
-from tippetop_kernels.compiled_step import first_step, load, undefined_symbols
+from tippetop_kernels.compiled_step import call, load
+from tippetop_kernels.machine import undefined_symbols
 
 
 SCALED = """
@@ -35,7 +36,7 @@ def object_of(calls: str = "sin", second: str = "d_out_f", triple: str = "") -> 
 def test_a_loaded_step_is_called() -> None:
     machine = load(object_of())
     state, other = np.array([0.5, 7.0]), np.zeros(3)
-    first_step(machine.step, state, other, other, other, other)
+    call(machine.step, state, other, other, other, other)
     assert state.tolist() == [np.sin(0.5), 7.0]
 
 

@@ -1,6 +1,7 @@
 """Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write and draw them."""
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -200,6 +201,8 @@ DAMAGES = {
     "metadata": lambda part: edit(part / "surface/F/zarr.json", '"J"', '"eV"'),
     "shape": lambda part: edit(part / "surface/z/zarr.json", '"shape"', '"shapes"'),
     "group": lambda part: (part / "surface/zarr.json").write_text("{}"),
+    "pipe": lambda part: pipe(part / "zarr.json"),
+    "pipe as a chunk": lambda part: pipe(part / "surface/status/c/0/0"),
     "root": lambda part: edit(part / "zarr.json", "minimal surface", "maximal surface"),
 }
 
@@ -208,6 +211,12 @@ def exchange(one, other):
     mine, yours = one.read_bytes(), other.read_bytes()
     one.write_bytes(yours)
     other.write_bytes(mine)
+
+
+def pipe(place):
+    """Whoever opens it to read waits until somebody writes."""
+    place.unlink()
+    os.mkfifo(place)
 
 
 def edit(place, old, new):

@@ -213,6 +213,22 @@ def test_an_event_of_ones_own_is_checked(own, changes: dict, sentence: str) -> N
         tt.run("inverting", until=0.05, events=[dataclasses.replace(own.EIGHTH, **changes)])
 
 
+def test_a_second_event_of_a_kind_is_refused(own) -> None:
+    """A run follows one turning, one lasting event: of a second the log had rows that meant nothing."""
+    for fields, sentence in (
+        ({"sense": 1}, "`sense` .* is given in `turning` and `again`"),
+        ({"lasting": True, "direction": 1}, "`lasting` .* is given in `settled` and `again`"),
+        ({"extremes": "speed"}, "`extremes` .* is given in `liftoff` and `again`"),
+    ):
+        event = dataclasses.replace(own.EIGHTH, name="again", **fields)
+        with pytest.raises(tt.InputError, match=sentence):
+            tt.run(TOP, tt.Viscous(0.3), start=START, until=0.1, events=[event])
+    system = systems.SYSTEMS["tippe-top"]
+    twice = [*system.events, dataclasses.replace(system.events[0], name="again")]
+    with pytest.raises(tt.InputError, match=r"`sense` .* is given in `turning` and `again`"):
+        tt.register(system.replace(name="turning-twice", events=tuple(twice)))
+
+
 def test_which_events_are_logged(own) -> None:
     """All by default, none of an empty list; own ones beside those that are named, or beside all if none is named."""
 

@@ -89,6 +89,31 @@ def test_contradictions_are_named(changes: dict[str, Any], sentence: str) -> Non
     assert sentence in fault
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "sentence"),
+    [
+        (
+            {"sense": 1},
+            {"sense": -1},
+            "`sense` (turns of theta) must be that of one event, but is given in `a` and",
+        ),
+        (
+            {"lasting": True, "direction": 1},
+            {"lasting": True, "direction": -1},
+            "`lasting` (what a motion settles into) must be that of one event, but is given in `a` and `b`.",
+        ),
+        ({"extremes": "f"}, {"extremes": "g"}, "`extremes` (the quantity whose least and greatest values"),
+        ({"lasting": True, "direction": 0}, {}, "`direction` of the event `a` must be -1 or 1, for it is `lasting`"),
+    ],
+)
+def test_a_run_follows_one_event_of_a_kind(first: dict, second: dict, sentence: str) -> None:
+    """A second one was registered without a word, and never looked at."""
+    events = [dataclasses.replace(LANDING, name=name, **fields) for name, fields in (("a", first), ("b", second))]
+    rest = dataclasses.replace(FLIGHT, events=tuple(events), exits=())
+    (fault,) = inconsistencies(dataclasses.replace(BALL, phases={**BALL.phases, "flight": rest}))
+    assert fault.startswith(sentence)
+
+
 def test_a_variable_has_one_meaning() -> None:
     (phase,) = SYSTEMS["tippe-top"].phases.values()
     vector = phase.forms["vector"]

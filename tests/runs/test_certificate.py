@@ -1,15 +1,17 @@
 """A planted error is seen, by the drift of what a run must keep or by its witness; and none is seen in a sound run."""
 
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tippetop.cli import outcome
 from tippetop.engine.status import Status
 from tippetop.problem import Problem
 from tippetop.runs import certificate
-from tippetop.runs.certificate import broken_certificate, broken_promises
+from tippetop.runs.certificate import broken_certificate, broken_promises, remedy
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario import build
 
@@ -115,3 +117,30 @@ def test_a_drift_that_is_not_finite_breaks_the_promise() -> None:
     """JSON has None for it. Before, a traceback."""
     (sentence,) = broken_promises({"t_end": 1.0, "drift": {"energy": None}}, 0.0, "double")
     assert sentence == "the drift of energy must be at most 1.0e-12, but is nan."
+
+
+def test_a_broken_promise_near_a_pole_names_the_form_that_keeps_it(capsys: pytest.CaptureFixture[str]) -> None:
+    """A heavy top that swings through its lowest point: Euler's angles are singular there."""
+    sets = ["--set", "initial.omega3=0.0", "--set", "initial.theta=3.0", "--set", "initial.phi_dot=0.001"]
+    words = ["run", "heavy-top", *sets, "--until", "5", "--json"]
+    assert outcome([*words, "--set", "form=euler"]) == 4
+    said = capsys.readouterr().err.strip().splitlines()[-1]
+    assert said.endswith('rad of a pole, where form = "euler" is singular: take form = "vector".')
+    assert said.startswith("tippetop: the accuracy contract is broken: the drift of energy")
+    assert outcome(words) == 0
+
+
+@pytest.mark.parametrize(
+    ("form", "drift", "theta", "named"),
+    [
+        ("euler", {"energy": 1e-9}, 0.01, True),
+        ("euler", {"energy": 1e-9}, math.pi - 0.01, True),
+        ("euler", {"energy": 1e-9}, 1.0, False),  # far from a pole: something else is wrong
+        ("vector", {"energy": 1e-9}, 0.01, False),
+        ("contact", {"energy": 1e-9, "axis_norm": 1e-9}, 0.01, False),
+    ],
+)
+def test_another_form_is_named_where_it_is_the_remedy(form: str, drift: dict, theta: float, named: bool) -> None:
+    report = {"drift": drift, "theta_end": theta, "nutational_band": {"theta_min": None, "theta_max": None}}
+    attrs = {"form": form, "auto_form": {"form": "vector"}, "initial": {"theta": 1.2}, "report": report}
+    assert bool(remedy(attrs)) == named

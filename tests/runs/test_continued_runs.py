@@ -1,8 +1,6 @@
 """A finished run is continued: bit by bit the run that would have been made at once."""
 
 import json
-import os
-import shutil
 import signal
 from pathlib import Path
 from typing import Any
@@ -146,12 +144,12 @@ def test_whatever_fails_before_it_begins_leaves_the_finished_run(
     with monkeypatch.context() as patch:
         patch.setattr(module[step], step, fails)
         with pytest.raises((StoreError, OSError)):
-            tt.resume(store, until=100.0)
+            tt.resume(store, until=20.0)
     assert tt.open(store).summary.status == "finished"
     if step == "exchange":
         assert files(store) == before
-    tt.resume(store, until=100.0)
-    assert_same(store, made(tmp_path / "whole.zarr", 100.0, "run.output_step=0.01"))
+    tt.resume(store, until=20.0)
+    assert_same(store, made(tmp_path / "whole.zarr", 20.0, "run.output_step=0.01"))
 
 
 @pytest.mark.parametrize(("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "later"), ("-1", "later")])
@@ -184,21 +182,21 @@ def test_a_store_without_its_end_or_of_other_versions_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
-    kept = (store / "end.json").read_text()
-    (store / "end.json").unlink()
-    with pytest.raises(StoreError, match=r"must have its `end.json`"):
-        tt.resume(store, until=4.0)
-    (store / "end.json").write_text(kept.replace("0x1", "0x2", 1))
-    with pytest.raises(StoreError, match="its digest is another"):
-        tt.resume(store, until=4.0)
-    (store / "end.json").write_text(kept)
-    content = json.loads((store / "zarr.json").read_text())
-    content["attributes"]["friction"]["mu"] = 0.1
-    del content["attributes"]["seal"]  # that of another scenario
-    other = Path(shutil.copytree(store, tmp_path / "other.zarr"))
-    (other / "zarr.json").write_text(json.dumps(content))
-    with pytest.raises(StoreError, match="root attributes were changed"):
-        tt.resume(other, until=4.0)
+    attrs = said(store)
+    unsealed = {key: value for key, value in attrs.items() if key != "seal"}
+    other = json.loads(json.dumps(attrs["end"]).replace("0x1", "0x2", 1))
+    for changed, sentence in (
+        ({**attrs, "end": other}, "its seal says"),
+        ({key: value for key, value in unsealed.items() if key != "end"}, "must have the root attribute `end`"),
+        ({**unsealed, "end": other}, "its digest is another"),
+        ({**unsealed, "end": {}}, "must have a whole root attribute `end`"),
+        ({**unsealed, "end": 3}, "is damaged"),
+        ({**unsealed, "friction": {**attrs["friction"], "mu": 0.1}}, "root attributes were changed"),
+    ):
+        seal.replace_attributes(store, changed)
+        with pytest.raises(StoreError, match=sentence):
+            tt.resume(store, until=4.0)
+    seal.replace_attributes(store, attrs)
     with monkeypatch.context() as patch:
         patch.setattr(provenance, "cpu", lambda: "another")
         with pytest.raises(StoreError, match="must be continued by the versions and processor"):
@@ -215,11 +213,22 @@ def test_a_certificate_does_not_hinder_and_does_not_stay(tmp_path: Path) -> None
     assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
 
 
+def test_a_store_that_keeps_its_end_in_a_file_is_continued(tmp_path: Path) -> None:
+    """The first stores had `end.json` beside the groups; zarr warned of it."""
+    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+    attrs = said(store)
+    (store / "end.json").write_text(json.dumps(attrs.pop("end")))
+    seal.replace_attributes(store, attrs | {"seal": seal.of(store, attrs, ("trajectory", "events"))})
+    assert tt.open(store).summary.t_end == 3.0
+    tt.resume(store, until=4.0)
+    assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
+
+
 def test_a_replay_is_not_continued(tmp_path: Path) -> None:
     store = made(tmp_path / "run.zarr", 3.0)
     words = ["--from", "1", "--until", "2", "--step", "0.1", "--out", str(tmp_path / "rows.zarr")]
     assert outcome(["replay", str(store), *words]) == 0
-    assert not os.path.exists(tmp_path / "rows.zarr" / "end.json")
+    assert "end" not in said(tmp_path / "rows.zarr")
     assert said(tmp_path / "rows.zarr")["seal"] != said(store)["seal"]
     with pytest.raises(StoreError, match="is a replay"):
         tt.resume(tmp_path / "rows.zarr", until=6.0)

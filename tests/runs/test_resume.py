@@ -34,11 +34,13 @@ from tippetop.store.files import LOCK
 
 
 SETS = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # it turns for ever
-UNTIL = 400.0
-PRELUDE = """
-import tippetop.runs.recording as r
-r.COMMIT_EVERY, r.MOST_ROWS, r.EVENTS_PER_CHUNK = 0.02, 5000, 1000
-"""  # small chunks and frequent commits
+UNTIL = 100.0
+STEPS = 1024  # of a slice: some 6 s of this motion
+PRELUDE = f"""
+import tippetop.runs.integration as i, tippetop.runs.recording as r
+i.STEPS_PER_SLICE = {STEPS}
+r.COMMIT_EVERY, r.MOST_ROWS, r.EVENTS_PER_CHUNK = 0.02, 1000, 250
+"""  # short slices, small chunks, frequent commits
 
 
 def problem(until: float = UNTIL, *sets: str) -> Problem:
@@ -62,14 +64,14 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("kills", "until", "step"), [(3, UNTIL, 0.01), pytest.param(50, 4000.0, 0.05, marks=pytest.mark.slow)]
+    ("kills", "until", "step"), [(3, UNTIL, 0.01), pytest.param(50, 3000.0, 0.05, marks=pytest.mark.slow)]
 )
 def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
     kills: int, until: float, step: float, tmp_path: Path, rng: np.random.Generator
 ) -> None:
     """Each kill falls at a random moment after at least one new commit; none may cost an acknowledged row.
 
-    A commit follows a slice, some 46 s of this motion: each life takes one or two of them.
+    A commit follows a slice: each life takes a few of them.
     """
     store, whole = tmp_path / "run.zarr", tmp_path / "whole.zarr"
     assert ended(start(*running(whole, until, step)))[0] == 0
@@ -99,8 +101,7 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
 ) -> None:
     store = tmp_path / "run.zarr"
     process = start(*running(store))
-    wait_until((store / "checkpoint.json").exists, process)
-    time.sleep(0.1)
+    wait_until(lambda: acknowledged(store) > 0, process)
     process.send_signal(number)
     found, err = ended(process)
     assert found == code
@@ -112,7 +113,7 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
 def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path, tmp_path: Path) -> None:
     """A file-size limit makes a write fail in the middle, as a full disk does."""
     store = tmp_path / "run.zarr"
-    limits = (30_000, 30_000)
+    limits = (20_000, 20_000)
     prelude = f"import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n{PRELUDE}"
     process = subprocess.run(
         [sys.executable, "-c", f"{prelude}\nfrom tippetop.cli import main; main({running(store)!r})"],
@@ -179,11 +180,17 @@ def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["run.zarr"]
 
 
+def short_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What PRELUDE does, with a commit after each slice."""
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", STEPS)
+    for name, value in (("COMMIT_EVERY", 0.0), ("MOST_ROWS", 1000), ("EVENTS_PER_CHUNK", 250)):
+        monkeypatch.setattr(recording, name, value)
+
+
 def interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A store that was interrupted after some chunks."""
     store = tmp_path / "run.zarr"
-    for name, value in (("COMMIT_EVERY", 0.0), ("MOST_ROWS", 5000), ("EVENTS_PER_CHUNK", 1000)):
-        monkeypatch.setattr(recording, name, value)
+    short_slices(monkeypatch)
     seen = []
 
     def stop(integration: object) -> None:
@@ -202,7 +209,7 @@ def test_a_damaged_chunk_is_said_on_resume(tmp_path: Path, monkeypatch: pytest.M
     whole = chunk.read_bytes()
     for damage in (whole[: len(whole) // 2], whole[:100] + b"\x00" + whole[101:]):
         chunk.write_bytes(damage)
-        with pytest.raises(StoreError, match=r"theta.* must be readable in rows 5000 to"):
+        with pytest.raises(StoreError, match=r"theta.* must be readable in rows 1000 to"):
             resuming.resume(store)
     chunk.unlink()
     with pytest.raises(StoreError, match="missing"):
@@ -250,7 +257,7 @@ def test_a_scenario_that_was_changed_under_its_checkpoint_is_refused(
 ) -> None:
     store = interrupted(tmp_path, monkeypatch)
     document = json.loads((store / "zarr.json").read_text())
-    key, value = {"parameters": ("alpha", 0.31), "run": ("until", 100.0), "versions": ("heyoka", "0")}[table]
+    key, value = {"parameters": ("alpha", 0.31), "run": ("until", 99.0), "versions": ("heyoka", "0")}[table]
     document["attributes"][table][key] = value
     (store / "zarr.json").write_text(json.dumps(document))
     with pytest.raises(StoreError, match="its root attributes were changed"):
@@ -364,8 +371,7 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
 def test_what_a_checkpoint_acknowledges_is_on_the_disk_before_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name, value in (("COMMIT_EVERY", 0.0), ("MOST_ROWS", 5000), ("EVENTS_PER_CHUNK", 1000)):
-        monkeypatch.setattr(recording, name, value)
+    short_slices(monkeypatch)
     store, synced, late = tmp_path / "run.zarr", {}, []
     monkeypatch.setattr("tippetop.store.chunks.synced", lambda path: synced.update({path: path.stat().st_mtime_ns}))
     replaced = store_files.replace_text

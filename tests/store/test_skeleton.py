@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
+import zarr
 
 import tippetop
 from tippetop.cli import outcome
@@ -21,6 +23,19 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("made") / "run.zarr"
     tippetop.run("inverting", until=0.1, out=path)
     return path
+
+
+def test_nothing_warns_of_a_whole_store_and_its_datasets_are_bare_of_what_only_we_need(made: Path) -> None:
+    """zarr warns of every file that is no member of a hierarchy; a warning fails a test."""
+    whole = xr.open_datatree(made, engine="zarr", consolidated=False)
+    assert set(whole.children) == {"trajectory", "events"}
+    assert {"status", "end", "seal"} <= whole.attrs.keys()
+    assert xr.open_zarr(made, consolidated=False).attrs == whole.attrs
+    assert len(list(zarr.open_group(made, mode="r").members(max_depth=None))) > 20
+    run = tippetop.open(made)
+    for attrs in (run.attributes, run.trajectory.attrs, root.open_group(made, "events").attrs):
+        assert "end" not in attrs
+        assert attrs["status"] == "finished"
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tippetop.columns import Column
 from tippetop.ensembles import outcomes
 from tippetop.errors import InputError
 from tippetop.problem import Problem
@@ -194,15 +195,19 @@ def test_all_that_is_wrong_is_said_at_once() -> None:
     assert len(error.value.sentences) == 4
 
 
+def rows(base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None) -> dict[str, Column]:
+    return chunk.columns(chunk.measure(base, numbers, keep), keep)
+
+
 def test_the_orientation_is_kept_only_where_it_is_named() -> None:
     base, numbers = made(GRID[0]).base, {"initial.omega3": np.array([120.0, 155.0]), "run.until": np.array([0.1, 0.1])}
-    all_of_them = chunk.columns(base, numbers, None)
+    all_of_them = rows(base, numbers, None)
     assert not set(all_of_them) & set(outcomes.ORIENTATION)
     assert not {"final_fx", "final_turn"} & set(all_of_them)
     assert {"orientation", *outcomes.ORIENTATION} <= set(chunk.column_names(base))
-    kept = chunk.columns(base, numbers, ["orientation", "final_state"])
+    kept = rows(base, numbers, ["orientation", "final_state"])
     assert set(outcomes.ORIENTATION) < set(kept)
     assert {name for name in kept if name.startswith("final_")} == {n for n in all_of_them if n.startswith("final_")}
     assert all(kept[n].values.tobytes() == all_of_them[n].values.tobytes() for n in set(kept) & set(all_of_them))
-    assert set(chunk.columns(base, numbers, ["psi_end"])) == {"status", "psi_end"}
+    assert set(rows(base, numbers, ["psi_end"])) == {"status", "psi_end"}
     assert sum(kept[f"orientation_{part}_end"].values ** 2 for part in "wxyz") == pytest.approx(1.0, abs=1e-15)

@@ -55,7 +55,11 @@ def run(
     from ..store import root
     from .text import following, warn
 
-    problem = starting.load(scenario, set_, until)
+    try:
+        problem = starting.load(scenario, set_, until)
+    except InputError:
+        _refuse_plan(scenario)
+        raise
     warn(suspicions(problem))
     if figure is not None:
         check_picture(figure, "--figure")
@@ -217,13 +221,25 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
     return _contract(attrs)
 
 
+def _refuse_plan(scenario: str) -> None:
+    """Raises InputError if what should be a scenario is a plan."""
+    from ..errors import InputError
+    from ..scenario import reading
+    from ..sweeps.plan import is_plan
+
+    if is_plan(reading.read(scenario)):
+        raise InputError([f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."])
+
+
 def _contract(attrs: dict[str, Any]) -> int:
     """4 and a sentence for each promise that was broken, else 0."""
-    from ..runs.certificate import broken_certificate, broken_promises
+    from ..runs.certificate import broken_certificate, broken_promises, remedy
 
     broken = broken_promises(attrs["report"], attrs["tolerance"], attrs["precision"])
     if "certificate" in attrs:
         broken += broken_certificate(attrs["certificate"])
+    if broken and (better := remedy(attrs)):
+        broken[-1] += f" {better[0].upper()}{better[1:]}"
     for sentence in broken:
         print(f"tippetop: the accuracy contract is broken: {sentence}", file=sys.stderr)
     return 4 if broken else 0

@@ -2,15 +2,17 @@
 
 import re
 import threading
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
 
-from tippetop_kernels.compiled_step import MachineCode, first_step, load
+from tippetop_kernels.compiled_step import MachineCode, call, load
 
+from ..mechanics.events import Event
 from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
@@ -85,7 +87,7 @@ def compiled(
     sources = []
     for event in system.events:
         function = hy.expression(0.0) + event.formula(scalars, body)
-        source = _source(function, equations)
+        source = _source(function, equations, partial(_at_zero, event, system, variables, friction))
         sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
         if not source:
             equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
@@ -101,17 +103,29 @@ def compiled(
     return Compiled(integrator, event_rows(system.events, sources, axis), machine, [])
 
 
-def _source(function: Any, equations: list[tuple]) -> tuple[int, int, float, float] | None:
+def _source(
+    function: Any, equations: list[tuple], at_zero: Callable[[int], float]
+) -> tuple[int, int, float, float] | None:
     """Index of the variable that an expression is, give or take a number (shift 0), or is the rate of (shift 1); its
-    scale, and that number."""
+    scale, and that number: what the expression is `at_zero` of a variable."""
     for index, (variable, rate) in enumerate(equations):
         alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
         if alone and hy.diff(function, variable) == hy.expression(1.0):
-            return index, 0, 1.0, float(hy.cfunc([function], vars=[variable])([0.0])[0])
+            return index, 0, 1.0, at_zero(index)
         for scale in (1.0, INTEGRAL_SCALE):
             if hy.expression(scale) * function == rate:
                 return index, 1, scale, 0.0
     return None
+
+
+def _at_zero(event: Event, system: System, variables: Variables, friction: Any, index: int) -> float:
+    """An event function that depends on one variable, where this is zero: heyoka would take 70 ms to compile it."""
+    body = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    state = np.ones(len(variables.names))
+    state[index] = 0.0
+    with np.errstate(all="ignore"):  # the others mean nothing
+        q, _ = variables.split(list(state))
+        return float(event.formula(variables.form.scalars(q, body), body))
 
 
 def _machine(integrator: Any) -> MachineCode | None:
@@ -126,7 +140,9 @@ def _machine(integrator: Any) -> MachineCode | None:
 def _libraries() -> tuple[str, ...]:
     """The shared libraries of this process whose functions heyoka's code calls."""
     mapped = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
-    return tuple(sorted(set(re.findall(r"\S*/lib(?:heyoka|sleef)[^/\s]*\.so\S*", mapped))))
+    lines = (line for line in mapped.splitlines() if "heyoka" in line or "sleef" in line)
+    places = (re.search(r"\S*/lib(?:heyoka|sleef)[^/\s]*\.so\S*", line) for line in lines)
+    return tuple(sorted({place[0] for place in places if place}))
 
 
 _comparing = threading.Lock()
@@ -153,7 +169,7 @@ def _compare(code: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
     theirs, lanes = code.integrator, state.shape[1:]
     zero, longest = np.zeros(lanes or (1,)), np.ones(lanes or (1,))
     mine, tc, h = state.copy(), np.zeros((*state.shape[:1], theirs.order + 1, *lanes)), longest.copy()
-    first_step(code.machine.step, mine, pars.copy(), zero.copy(), h, tc)
+    call(code.machine.step, mine, pars.copy(), zero.copy(), h, tc)
     theirs.state[:], theirs.pars[:] = state, pars
     if lanes:
         theirs.step(longest.tolist(), write_tc=True)

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop_kernels.compiled_step import call_dense, call_step
-from tippetop_kernels.jit import entry, inlined, lent
+from tippetop_kernels.compiled_step import call, call_dense, call_step
+from tippetop_kernels.jit import entry, inlined
 
 from .observer import take_step
 from .status import Status
@@ -57,7 +57,7 @@ def no_rows(variables: int) -> Rows:
 
 
 @entry
-def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scratch, most):
+def drive(step, dense, motion, events, tallies, log, samples, scratch, rows, rules, most):
     """Makes at most so many steps; stops where a lane ends, and where there is no more room for what is asked for.
 
     Parameters
@@ -78,8 +78,6 @@ def drive(step, dense, motion, events, rules, tallies, log, samples, rows, scrat
     int
         Steps made.
     """
-    motion, events, tallies, log = lent(motion), lent(events), lent(tallies), lent(log)
-    samples, rows, scratch = lent(samples), lent(rows), lent(scratch)
     steps, ended = 0, False
     room = len(events.events) * len(scratch.zeros)
     while True:
@@ -197,9 +195,7 @@ def _copy(values, table, row):
         table[row, i] = values[i]
 
 
-@entry
-def dense_state(dense, motion, when, out):
+def dense_state(dense: int, motion: Motion, when: np.ndarray, out: np.ndarray) -> None:
     """The states at the times `when` (lanes,) of the present step, into out (variables, lanes)."""
-    for lane in range(len(when)):
-        motion.limit[lane] = (when[lane] - motion.start_high[lane]) - motion.start_low[lane]
-    call_dense(dense, out, motion.tc, motion.limit)
+    motion.limit[:] = (when - motion.start_high) - motion.start_low
+    call(dense, out, motion.tc, motion.limit)

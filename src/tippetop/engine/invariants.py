@@ -1,9 +1,8 @@
 """Conserved quantities of a motion, and what their drift is relative to."""
 
-from typing import Any
-
 import numpy as np
 
+from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT
 from ..problem import Problem
 from .expressions import component, integrated, integrates_axis
 
@@ -21,10 +20,14 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
     Returns
     -------
     dict
-        The conserved quantities of the system; energy_balance = energy + work of friction; axis_norm = |3hat| in forms
+        The conserved quantities of the system, of a ball that was taken later than at the start what has become of
+        them since; energy_balance = energy + work of friction; axis_norm = |3hat| in forms
         that integrate the axis. Internal units, (k,) each.
     """
-    integrals = {name: values[name] for name in problem.system.integrals}
+    integrals = {
+        name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(taken(name), 0.0)
+        for name in problem.system.integrals
+    }
     integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
         axis = problem.system.vectors["axis"]
@@ -33,17 +36,35 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
     return integrals
 
 
-def size(start: Any) -> Any:
-    """What the drift of an invariant is relative to: its start; an invariant that is zero, to internal units.
+def taken(name: str) -> str:
+    """The quantity that says what an integral was when the ball in contact was taken, if the ball may change."""
+    return f"{name}_taken"
+
+
+CANCELS = 0.1  # of what it is made of: below, an invariant is small because its parts cancel
+
+
+def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What the drifts of the invariants are relative to: their start. Rounding does not become less where the parts of
+    an invariant cancel at the start: it is then compared with a tenth of them, that is of the internal unit (m g R) or,
+    for a momentum, of the angular momentum |L| if that is more.
 
     Parameters
     ----------
-    start
-        The invariant at t = 0, internal units, (k,).
+    problem
+        The run, or what runs have in common.
+    values
+        Arrays (k,) by name at the start, internal units.
 
     Returns
     -------
-    array
-        (k,), internal units.
+    dict
+        (k,) each, internal units.
     """
-    return np.where(np.abs(start) > 1e-6, np.abs(start), 1.0)
+    parts = [values[component(name)] for name in problem.system.vectors.get("L", ())]
+    momentum = np.maximum(1.0, np.sqrt(sum(part**2 for part in parts)))
+    momenta = {q.name for q in problem.system.quantities if q.unit in (ANGULAR_MOMENTUM, JELLETT)}
+    return {
+        name: np.maximum(np.abs(values.get(taken(name), start)), CANCELS * (momentum if name in momenta else 1.0))
+        for name, start in invariants(problem, values).items()
+    }

@@ -29,6 +29,8 @@ class Observables:
         body = problem.internal_body
         self.body = _cast(body, lambda leaf: _widened(np.array(leaf), self._wide)[()])
         self._pars = np.array(leaves(self.body), dtype=float)
+        self._row = b""  # the row that was read last
+        self._of_row: dict[str, np.ndarray] = {}  # what it says
 
     def state(self, rows: np.ndarray) -> tuple[Any, Any]:
         """The state record of the rows and the record of their integrals, in internal units."""
@@ -39,7 +41,16 @@ class Observables:
         return self.form.scalars(self.state(rows)[0], self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole."""
+        """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole. Not
+        to be changed: a single row, the start or the end of a run, is read several times, and kept."""
+        if len(rows) != 1:
+            return self._evaluated(rows)
+        row = np.asarray(rows).tobytes()
+        if row != self._row:
+            self._row, self._of_row = row, self._evaluated(rows)
+        return dict(self._of_row)
+
+    def _evaluated(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         polar = np.empty((0, len(rows)))
         if self._wide is np.float64:
             problem = self.problem
@@ -113,6 +124,13 @@ class Observables:
                 columns |= self._split("psi", psi, RADIAN, PSI)
             columns |= self._split("orientation", turns, ONE, ORIENTATION, ("time", "wxyz"))
         for q in self.system.quantities:
+            if q.meanings:
+                flags = {"flag_values": list(range(len(q.meanings))), "flag_meanings": " ".join(q.meanings)}
+                attributes = {"units": "1", "long_name": q.long_name, **flags}
+                columns[q.name] = Column(("time",), np.rint(values[q.name]).astype(np.int8), attributes)
+                continue
+            if not q.is_column:
+                continue
             si = values[q.name] * scale(q.unit)
             columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
         if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole

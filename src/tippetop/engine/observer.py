@@ -6,7 +6,7 @@ is data (`EventRows`): nothing here knows one kind from another.
 
 import numpy as np
 
-from tippetop_kernels.jit import entry, inlined, kernel, lent
+from tippetop_kernels.jit import entry, inlined, kernel
 from tippetop_kernels.polynomials import crossings, extremes, ranges
 
 from ..mechanics.events import AT_POLE, NEAR_POLE, ON_ZERO_FOR, hysteresis
@@ -25,7 +25,6 @@ def follow(times, tcs, rows, rules, tallies, log, scratch):
 
     The tally of a run that ended says in which step and where in it: later ones are not looked at.
     """
-    rows, tallies, log, scratch = lent(rows), lent(tallies), lent(log), lent(scratch)
     for i in range(len(tcs)):
         take_step(i, tcs[i], times[i], times[i + 1], rows, rules, tallies, log, scratch)
 
@@ -105,6 +104,10 @@ def _bound(tc, events, factors, known, sums):
         if event.leader < 0:
             low, high, steady = known[LOW, e], known[HIGH, e], known[STEADY, e]
             ranges(tc[event.row], event.shift, factors[event.shift], low, high, steady, sums)
+            if event.offset != 0.0:
+                for lane in range(len(low)):
+                    low[lane] += event.offset
+                    high[lane] += event.offset
     for e in range(len(events)):
         event = events[e]
         if event.leader >= 0:

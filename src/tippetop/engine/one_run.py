@@ -1,5 +1,7 @@
 """One run in doubles, driven by the compiled step."""
 
+from typing import Any
+
 import numpy as np
 
 from ..mechanics.operand import leaves
@@ -22,28 +24,12 @@ class CompiledDriver(Driver):
         self.motion.state[: self.variables, 0] = problem.start()
         self.motion.end[0] = float(self.end)
         self.nothing = no_rows(len(self.motion.state))
-        self.times = np.zeros(0)  # of rows that are wanted and not yet made
+        machine, watch = compiled.machine, (self.rows, self.tallies, self.log, self.samples, self.scratch)
+        self._drive = drive.on(machine.step, machine.dense, self.motion, *watch)
 
     def prepare(self) -> None:
         """Compiles the loop, if it is not yet compiled."""
-        self._drive(self.nothing, 0)
-
-    def _drive(self, rows: Rows, most: int) -> int:
-        machine = self.compiled.machine
-        assert machine is not None
-        return drive(
-            machine.step,
-            machine.dense,
-            self.motion,
-            self.rows,
-            self.rules,
-            self.tallies,
-            self.log,
-            self.samples,
-            rows,
-            self.scratch,
-            most,
-        )
+        self._drive(self.nothing, self.rules, 0)
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
@@ -52,7 +38,8 @@ class CompiledDriver(Driver):
         steps, before = 0, int(self.tally["steps"])
         while True:
             rows = self._asked(request)
-            steps += self._drive(rows, most - steps if self.tally["status"] == Status.RUNNING.code else 0)
+            left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
+            steps += self._drive(rows, self.rules, left)
             filled = int(rows.filled[0])
             if filled:
                 request.take(rows.times[:filled], rows.states[:filled, : self.variables])
@@ -81,6 +68,11 @@ class CompiledDriver(Driver):
             return self.nothing
         states = np.empty((len(self.times), len(self.motion.state)))
         return Rows(self.times, states, np.zeros(1, np.int64), request.steps, self.nothing.out)
+
+    def end_at(self, end: Any) -> None:
+        """Puts the end of the run at an internal time."""
+        super().end_at(end)
+        self.motion.end[0] = float(end)
 
     @property
     def clock(self) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """What an engine gives of a run, slice by slice, whichever way its steps are made."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -62,6 +62,7 @@ class Slice:
     samples: np.ndarray  # (k, variables) states on the way
     passages: Passages
     status: Status | None  # None: to be continued
+    tables: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # new rows of further tables, SI
 
 
 class Request(Protocol):
@@ -101,6 +102,26 @@ class Driver(ABC):
         self.log = new_log(1024 + len(self.rows.events) * (order + 1), n)
         self.samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
         self.scratch = new_scratch(order + 1, 1)
+        self.times = np.zeros(0)  # of rows that are wanted and not yet made
+
+    sentence = ""  # why the contact ended the run, where it did
+
+    @property
+    def first(self) -> np.ndarray:
+        """The state at the start, (1, variables), internal."""
+        return self.problem.start()[None, :]
+
+    def present(self) -> np.ndarray:
+        """The present state, (1, variables), internal."""
+        return self.state[None, : self.variables].copy()
+
+    def equations(self) -> list[tuple]:
+        """The equations of motion: pairs of a variable and its rate."""
+        return list(self.compiled.integrator.sys)
+
+    def end_at(self, end: Any) -> None:
+        """Puts the end of the run at an internal time."""
+        self.end = end
 
     @property
     def tally(self) -> Any:

@@ -76,6 +76,7 @@ class Tallies(NamedTuple):
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
 _FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged")]
 EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS])
+LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 
 
@@ -103,8 +104,7 @@ def event_rows(
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
     """Tallies of so many lanes."""
     n = len(rows.events)
-    lane = np.empty(lanes, [(name, np.array(value).dtype) for name, value in _LANE.items()])
-    tallies = Tallies(lane, np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes)))
+    tallies = Tallies(np.empty(lanes, LANE_RECORD), np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes)))
     for at in range(lanes):
         reset(tallies, rows, at, np.ones(n), np.zeros(n, bool))
     return tallies

@@ -10,6 +10,7 @@ from ..awaiting import awaited
 from ..mechanics.operand import leaves
 from ..problem import Problem
 from .compiled import MOST_COMPILED, Compiled, compiled, is_same_step
+from .contact.driver import ContactDriver
 from .one_run import CompiledDriver
 from .slices import Driver
 from .wide import SliceDriver
@@ -38,10 +39,18 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     -------
     Driver
     """
+    if problem.contact is not None:
+        return ContactDriver(problem, lambda leg: driver_of(leg, stop))  # type: ignore[return-value]
     key = _key(problem)
     if key in _known:
         return _driver(problem, key)
-    driver = awaited(lambda: _driver(problem, key), "the equations are being compiled", stop)
+
+    def prepared() -> Driver:
+        driver = _driver(problem, key)
+        driver.prepare()
+        return driver
+
+    driver = awaited(prepared, "the equations are being compiled", stop)
     if len(_known) >= MOST_COMPILED:  # some may have gone since
         _known.clear()
     _known.add(key)
@@ -50,9 +59,7 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
 
 def _driver(problem: Problem, key: tuple) -> Driver:
     code = _checked(problem, compiled(*key))
-    driver = (CompiledDriver if code.machine is not None else SliceDriver)(problem, code)
-    driver.prepare()
-    return driver
+    return (CompiledDriver if code.machine is not None else SliceDriver)(problem, code)
 
 
 _known: set[tuple] = set()  # what this process has compiled: a thread to wait for it takes 0.1 ms
@@ -75,7 +82,7 @@ def _key(problem: Problem) -> tuple:
 
 def _checked(problem: Problem, code: Compiled) -> Compiled:
     """Without the machine code if it does not make the step that heyoka makes."""
-    if code.machine is None:
+    if code.machine is None or code.agrees == [True]:
         return code
     state = np.zeros(len(code.integrator.state))
     state[: len(problem.variables.names)] = problem.start()
@@ -85,5 +92,5 @@ def _checked(problem: Problem, code: Compiled) -> Compiled:
 
 def fingerprint(driver: Driver) -> str:
     """Says which equations a driver was made of: a digest of their expressions."""
-    lines = "\n".join(f"{a}' = {b}" for a, b in driver.compiled.integrator.sys)
+    lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
     return hashlib.sha256(lines.encode()).hexdigest()[:16]

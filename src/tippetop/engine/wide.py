@@ -33,7 +33,6 @@ class SliceDriver(Driver):
         pars = leaves(problem.internal_body)[: len(self.integrator.pars)]  # it has none beyond the last that it reads
         self.integrator.pars[:] = [problem.number(leaf) for leaf in pars]
         self.integrator.state[: self.variables] = problem.start()
-        self.times = np.zeros(0)
         self.reached: Any = problem.number(0)
 
     def prepare(self) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..engine.invariants import invariants, size
+from ..engine.invariants import invariants, sizes
 from ..engine.observables import values_of
 from ..engine.observer import take_turning
 from ..engine.slices import event_functions, signs_of
@@ -26,6 +26,9 @@ from .outcomes import Outcomes, _conclude, dataset
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+Starts = dict[str, tuple[np.ndarray, np.ndarray]]  # of invariants by name: at the start, what drifts are relative to
 
 
 class _Queue:
@@ -50,7 +53,7 @@ class _Worker:
     def __init__(
         self,
         outcomes: Outcomes,
-        starts: dict[str, np.ndarray],
+        starts: Starts,
         functions: np.ndarray,
         lanes: int,
         ended: Callable[[], None],
@@ -71,9 +74,9 @@ class _Worker:
         every = self.outcomes.tops
         values = invariants(every.base, values_of(every, states[: self.variables], tops))
         for name, value in values.items():
-            start = self.starts[name][tops]
+            start, size = self.starts[name]
             with np.errstate(all="ignore"):  # a top that is not finite has a drift that is none
-                np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start) / size(start))
+                np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start[tops]) / size[tops])
 
     def done(self, lane: int, status: Status) -> None:
         """Writes the row of a top that has ended. The end may confirm the turning that waits."""
@@ -142,7 +145,8 @@ def measure(
     everything = np.arange(tops.n)
     with np.errstate(all="ignore"):
         at_start = values_of(tops, tops.start, everything)
-        starts = invariants(tops.base, at_start)
+        relative_to = sizes(tops.base, at_start)
+        starts = {name: (value, relative_to[name]) for name, value in invariants(tops.base, at_start).items()}
         functions = event_functions(tops)
     measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
@@ -171,7 +175,7 @@ def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
 def _run(
     measured: Outcomes,
     numbers: np.ndarray,
-    starts: dict[str, np.ndarray],
+    starts: Starts,
     functions: np.ndarray,
     threads: int | None,
     progress: Callable[[int, int], None] | None,
@@ -200,6 +204,8 @@ def _run(
             except BaseException:  # Ctrl-C too: the others must stop
                 queue.stopped = True
                 raise
+    if any(worker.lanes.machine is None for worker in workers):
+        measured.steps_by = "heyoka"
     measured.processor = sum(worker.processor for worker in workers)
     measured.steps_made = sum(worker.lanes.steps_made for worker in workers)
     measured.steps_possible = sum(worker.lanes.steps_possible for worker in workers)

@@ -70,6 +70,8 @@ class Lanes:
         if self.machine is not None and not is_same_step(code, self.motion.state, self.motion.pars):
             self.machine = None
         if self.machine is not None:  # all lanes are at their ends: it makes no step
+            watch = self.rows, self.tallies, self.log, self.samples, self.scratch
+            self._loop = drive.on(self.machine.step, self.machine.dense, self.motion, *watch)
             awaited(lambda: self._drive(0), "the loop is being compiled")
         self.integrator = copy.deepcopy(code.integrator) if self.machine is None else code.integrator
 
@@ -131,11 +133,7 @@ class Lanes:
             self.top[ended] = -2
 
     def _drive(self, most: int = ENDLESS) -> int:
-        assert self.machine is not None
-        return drive(
-            self.machine.step, self.machine.dense, self.motion, self.rows, self.rules, self.tallies, self.log,
-            self.samples, self.nothing, self.scratch, most,
-        )  # fmt: skip
+        return self._loop(self.nothing, self.rules, most)
 
     def _by_heyoka(self) -> int:
         """The same where the machine code cannot be called: heyoka makes each step."""

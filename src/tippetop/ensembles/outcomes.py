@@ -96,6 +96,7 @@ class Outcomes:
         self.drift: dict[str, np.ndarray] = {}
         self.orientation = {name: np.full(n, np.nan) for name in ORIENTATION} if tops.orientation else {}
         self.steps_made = self.steps_possible = 0
+        self.steps_by = ""  # "heyoka" where its own loop made steps, because the machine code could not be called
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
 
     @property
@@ -146,6 +147,7 @@ def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
         "occupancy": outcomes.occupancy,
         "seconds": outcomes.seconds,
         "processor_seconds": outcomes.processor,
+        **({"steps_by": outcomes.steps_by} if outcomes.steps_by else {}),
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],
     }
     return xr.Dataset(columns, coords, attrs)

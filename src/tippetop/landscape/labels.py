@@ -21,14 +21,14 @@ NAMES = {
 
 def axis(name: str, values: Any) -> np.ndarray:
     """A grid axis, (n,): one-dimensional, not empty, ascending; NaN and infinities are let through, as points without
-    answer.
+    answer. It is contiguous: for each way in which an array lies in memory, kernels would be compiled anew.
 
     Raises
     ------
     ValueError
         With one sentence, if it is not.
     """
-    x = np.atleast_1d(np.asarray(values, dtype=float))
+    x = np.ascontiguousarray(np.atleast_1d(np.asarray(values, dtype=float)))
     if x.ndim != 1 or x.size == 0:
         raise ValueError(f"Argument `{name}` must be a number or a one-dimensional array, but has shape {x.shape}.")
     known = x[np.isfinite(x)]

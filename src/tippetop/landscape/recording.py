@@ -200,6 +200,7 @@ def _tables(wanted: Surface) -> list[tuple[dict[str, Column], dict[str, Any], di
 def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:
     """The arrays of an unfinished store of the same surface; what is no whole store of it is made anew."""
     try:
+        skeleton.refuse_pipes(scratch)
         stored = json.loads((scratch / DOCUMENT).read_text(encoding="utf-8"))["attributes"]
         attributes = wanted.attributes()
         if any(stored[k] != attributes[k] for k in ("system", "parameters", "axes", "chunk", "format_version")):

@@ -9,6 +9,7 @@ from typing import Any
 from ..engine.status import Status
 from ..ensembles.outcomes import columns_of
 from ..errors import InputError, names_its_faults
+from ..mechanics.consistency import rivals
 from ..mechanics.events import NUMBERED, Event, Kept
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import Unit
@@ -102,6 +103,7 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
     numbers = {*columns_of(system), *BUILT_IN, *system.parameters, *system.initial, "mu", "until"}
     for law in system.laws.values():
         numbers |= set(law.parameters)
+    faults += [] if faults else rivals([*system.events, *events])
     return faults + _names("the name of a Kept", [k.name for k in kept], system, numbers)
 
 

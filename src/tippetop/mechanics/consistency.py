@@ -1,6 +1,17 @@
 """Checks that the records of a system do not contradict one another."""
 
+from collections.abc import Sequence
+
+from .events import Event
 from .system import System
+
+
+ONCE = {
+    "sense": "turns of theta",
+    "lasting": "what a motion settles into",
+    "extremes": "the quantity whose least and greatest values are reported",
+}
+"""Fields of an event that one event of a phase at most may have, and what it is then the event of."""
 
 
 def inconsistencies(system: System) -> list[str]:
@@ -23,6 +34,7 @@ def inconsistencies(system: System) -> list[str]:
             faults += _twice(f"{where}, form `{form.name}`: variable", variables)
         events = [event.name for event in phase.events]
         faults += _twice(f"{where}: event", events)
+        faults += rivals(phase.events)
         faults += _twice(f"{where}: quantity", [quantity.name for quantity in phase.quantities])
         faults += _twice(f"{where}: exit by the event", [way.event for way in phase.exits])
         for way in phase.exits:
@@ -40,6 +52,20 @@ def inconsistencies(system: System) -> list[str]:
         f"`{system.name}` must have the quantity {n!r}, but has not." for n in system.integrals if n not in quantities
     ]
     return faults
+
+
+def rivals(events: Sequence[Event]) -> list[str]:
+    """Sentences on events of one phase that a run can follow only one of, and on one that can never hold."""
+    faults = []
+    for field, what in ONCE.items():
+        names = [f"`{event.name}`" for event in events if getattr(event, field)]
+        if len(names) > 1:
+            faults.append(f"`{field}` ({what}) must be that of one event, but is given in {' and '.join(names)}.")
+    return faults + [
+        f"`direction` of the event `{event.name}` must be -1 or 1, for it is `lasting`, but is 0."
+        for event in events
+        if event.lasting and event.direction == 0
+    ]
 
 
 def _twice(what: str, names: list[str]) -> list[str]:

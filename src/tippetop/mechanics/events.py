@@ -53,6 +53,7 @@ class Event:
     sense: int = 0  # of turnings of theta: +1 if the formula has the sign of theta', -1 if the opposite; 0: no turning
     lasting: bool = False  # significant only if the function stays beyond its zero to the end of the run
     extremes: str = ""  # the quantity that the function is, if its least and greatest values are kept
+    # one event of a phase may have a sense, one may be lasting, one may have extremes: `consistency.rivals`
     kept: tuple[Kept, ...] = ()
 
 

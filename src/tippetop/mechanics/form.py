@@ -18,6 +18,10 @@ class Quantity:
         As a column of a run, and as a label of a figure.
     formula
         formula(scalars, b), in any consistent units.
+    meanings
+        Of a number that stands for a name: the names, by number.
+    is_column
+        Whether it is stored; what is not is compared with others.
     """
 
     name: str
@@ -25,6 +29,8 @@ class Quantity:
     unit: Unit
     long_name: str
     formula: Callable
+    meanings: tuple[str, ...] = ()
+    is_column: bool = True
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ..errors import InputError, names_its_faults
 from .operand import Operand, exp, formula, select, sqrt
 from .system import Parameter
-from .units import METRE_PER_SECOND, ONE, SECOND_PER_METRE
+from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
 
 class Viscous(NamedTuple):
@@ -23,6 +23,21 @@ class Coulomb(NamedTuple):
 
     mu: Operand
     eps: Operand
+
+
+class SetValued(NamedTuple):
+    """Coulomb's law itself: |F| = mu g_n against v_A where the contact slides, |F| <= mu g_n where it does not."""
+
+    mu: Operand
+
+
+class Contensou(NamedTuple):
+    """Coulomb's law at each point of a contact disc under Hertz's pressure, which slides and turns; and rolling
+    resistance. mu without dimension; patch, the radius of the disc, and mu_r in m. (Contensou 1963, Zhuravlev 1998)"""
+
+    mu: Operand
+    patch: Operand
+    mu_r: Operand
 
 
 class Mixed(NamedTuple):
@@ -64,6 +79,12 @@ def viscous(v2, z, law):
 def coulomb(v2, z, law):
     """k = mu/sqrt(v^2 + eps^2) [s/m]."""
     return law.mu / sqrt(v2 + law.eps * law.eps)
+
+
+@formula
+def set_valued(v2, z, law):
+    """k = mu/|v| [s/m], of a contact that slides."""
+    return law.mu / sqrt(v2)
 
 
 @formula
@@ -138,7 +159,21 @@ LAWS = {
     "none": Law(Frictionless, {}, "no friction", frictionless),
 }
 
-SLIP = {law.record: law.coefficient for law in LAWS.values()}
+SET_VALUED = Law(SetValued, {"mu": _COULOMB}, "F = -mu g_n v_A/|v_A|; |F| <= mu g_n where v_A = 0", set_valued)
+"""Coulomb's law without `eps`, of systems whose contact has phases: sticking is a phase of its own."""
+
+CONTENSOU = Law(
+    Contensou,
+    {
+        "mu": _COULOMB,
+        "patch": Parameter(METRE, "radius of the contact disc", above=0),
+        "mu_r": Parameter(METRE, "rolling resistance: torque per normal force; 0 for none", least=0),
+    },
+    "Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz pressure",
+)
+"""A law with a torque, of systems whose contact has phases."""
+
+SLIP = {law.record: law.coefficient for law in (*LAWS.values(), SET_VALUED)}
 slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
 
@@ -151,6 +186,10 @@ def is_frictionless(law: Any) -> bool:
 
     So are the law `none`, and every law with mu = 0.
     """
+    if isinstance(law, SetValued):
+        return bool(law.mu == 0)
+    if isinstance(law, Contensou):
+        return bool(law.mu == 0 and law.mu_r == 0)
     return all(slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS)
 
 

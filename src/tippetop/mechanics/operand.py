@@ -12,8 +12,23 @@ import numpy as np
 Operand = Any  # float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
 F = TypeVar("F", bound=Callable)
 
-_waiting: list[Callable] = []  # what numba has to learn, once somebody uses it
-_teach: Callable | None = None
+
+class _School:
+    """What numba has to learn, once somebody uses it: not of what a module is made (see `origin.loaded`)."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Callable] = []
+        self.teach: Callable | None = None
+
+    def take(self, function: Callable) -> None:
+        """Teaches a formula, now or later."""
+        if self.teach is None:
+            self.waiting.append(function)
+        else:
+            self.teach(function)
+
+
+_school = _School()
 
 
 class Vector(NamedTuple):
@@ -42,10 +57,7 @@ def formula(function: F) -> F:
     numba is imported only by those who use it: it learns the formulas through its entry point
     (`numba_extensions` in pyproject.toml), which calls `teach_numba` before it compiles anything.
     """
-    if _teach is None:
-        _waiting.append(function)
-    else:
-        _teach(function)
+    _school.take(function)
     return function
 
 
@@ -171,17 +183,13 @@ def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> 
         return choices.get(record, otherwise) or choices[record]
 
     selected.for_numba = lambda record: inspect.unwrap(chosen(record))  # type: ignore[attr-defined]
-    if _teach is None:
-        _waiting.append(selected)
-    else:
-        _teach(selected)
+    _school.take(selected)
     return selected
 
 
 def teach_numba() -> None:
     """Makes every formula callable inside numba.njit. numba calls this itself, before its first compilation."""
-    global _teach
-    if _teach is not None:
+    if _school.teach is not None:
         return
     from numba import types
     from numba.extending import intrinsic, overload, register_jitable
@@ -216,9 +224,9 @@ def teach_numba() -> None:
     def _(x, y):
         return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
-    _teach = teach
+    _school.teach = teach
     for lifted in (sqrt, sin, cos, exp, atan2):
         teach_lifted(lifted)
-    for function in _waiting:
+    for function in _school.waiting:
         teach(function)
-    _waiting.clear()
+    _school.waiting.clear()

@@ -6,11 +6,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import suggestion
+from ..mechanics.variables import INTEGRAL_SCALE
 
 
 if TYPE_CHECKING:
     from .many import Problems
     from .one import Problem
+
+
+_CONTROLS = "but it is so large that it would decide how long the steps are"
 
 
 def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -> list[str]:
@@ -101,7 +105,14 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     for value in (*pars, *start, *problems.weights, *quantities):
         finite &= np.isfinite(np.asarray(value, dtype=float))
     overflow = "`parameters` and `initial` must stay finite together, but they overflow."
-    return [(overflow, ~finite)] + [
+    moving, names = problems.variables.moving, problems.variables.names
+    return [
+        (overflow, ~finite),
+        *(
+            (f"`initial` must keep {name} within {1 / INTEGRAL_SCALE:.2g} of its unit (R, rad), {_CONTROLS}.", far)
+            for name, far in zip(names[moving:], np.abs(start[moving:]) > 1, strict=True)
+        ),
+    ] + [
         (f"`initial` must allow a motion, but {h.meaning}.", ~(np.zeros(problems.n) + h.formula(scalars, body) > 0))
         for h in base.form.domains
     ]

@@ -9,6 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from ..errors import unknown_key
+from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactLaw, stem_faults
 from ..mechanics.friction import LAWS, Law
 from ..mechanics.operand import refill
 from ..mechanics.system import Form, Parameter, System
@@ -45,6 +46,7 @@ class Problem:
     keyframe_steps: int = KEYFRAME_STEPS  # from one keyframe to the next
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
+    contact: ContactLaw | None = None  # where the contact may change its phase: how it opens and closes
     origin: dict[str, Any] | None = None  # the end of another run, where it starts exactly; `initial` says it rounded
 
     def __post_init__(self) -> None:
@@ -88,13 +90,22 @@ class Problem:
             "friction": self.friction._asdict(),
             "initial": dict(self.initial),
             "run": {"until": self.until},
+            **self._contact(),
         }
+
+    def _contact(self) -> dict[str, dict[str, Any]]:
+        """What is given of the contact, where it may change its phase."""
+        if self.contact is None:
+            return {}
+        contact, stem = {"e_n": self.contact.e_n}, {"r": self.contact.r, "h": self.contact.h}
+        return {"contact": contact, **({"stem": stem} if self.contact.stem else {})}
 
     @cached_property
     def rules(self) -> dict[str, Parameter]:
         """What must hold of the numbers, by dotted key: the keys that may vary."""
         friction = self.law.parameters if self.system.frictional else {}
         tables = {"parameters": self.system.parameters, "friction": friction, "initial": self.system.initial}
+        tables |= {name: {"contact": CONTACT, "stem": STEM}[name] for name in self._contact()}
         return {f"{table}.{name}": rule for table, rules in tables.items() for name, rule in rules.items()} | {
             "run.until": UNTIL
         }
@@ -102,7 +113,7 @@ class Problem:
     def faults(self) -> list[str]:
         """What is wrong with the numbers that are given, in sentences; empty if nothing is."""
         faults = self.system.faults(self.parameters)
-        for table in ("friction", "initial", "run"):
+        for table in ("friction", "initial", "run", *self._contact()):
             for name, value in self.tables[table].items():
                 key, rule = f"{table}.{name}", self.rules.get(f"{table}.{name}")
                 if rule is not None and rule.broken(value):
@@ -110,7 +121,13 @@ class Problem:
                 if rule is None and not isinstance(value, bool):
                     known = [k.partition(".")[2] for k in self.rules if k.startswith(f"{table}.")]
                     faults.append(unknown_key(key, known, self.rules))
-        return faults + self.system.clashes(given_names(self.initial))
+        return faults + self.system.clashes(given_names(self.initial)) + self._contact_faults()
+
+    def _contact_faults(self) -> list[str]:
+        """What is wrong with the stem."""
+        if self.contact is None or not self.contact.stem:
+            return []
+        return stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
 
     @property
     def choice(self) -> Choice:

@@ -7,6 +7,7 @@ from ..mechanics.systems import find
 from ..problem import ROUNDING, Problem
 from ..scenario.build import resolved, tables_of
 from ..store.provenance import provenance
+from . import phases
 from .events import event_columns
 
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 def groups(run: "Solution") -> dict[str, dict[str, Column]]:
     """The groups of a store, of a run in memory: trajectory and events."""
-    return {"trajectory": run.columns(), "events": event_columns(run.events)}
+    return {"trajectory": run.columns(), "events": event_columns(run.events), **phases.joined(run.others)}
 
 
 def datasets(run: "Solution") -> dict[str, Any]:

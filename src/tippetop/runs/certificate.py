@@ -32,6 +32,23 @@ def broken_promises(report: dict[str, Any], tolerance: float, precision: str) ->
     ]
 
 
+NEAR_POLE = 0.5  # [rad] where a form that is singular at the poles has lost digits that show
+
+
+def remedy(attrs: dict[str, Any]) -> str:
+    """What keeps the promises that a run has broken, a sentence: a form that is regular at the poles, where it came
+    near one in another; empty where that is not why. `attrs` are its root attributes."""
+    report, form, better = attrs["report"], attrs["form"], attrs["auto_form"]["form"]
+    if form == better or "axis_norm" in report["drift"]:  # forms that integrate the axis are regular
+        return ""
+    band = report.get("nutational_band", {}).values()
+    angles = [a for a in (attrs["initial"].get("theta"), report["theta_end"], *band) if a is not None]
+    nearest = min((min(a, math.pi - a) for a in angles), default=math.pi)
+    if not nearest < NEAR_POLE:
+        return ""
+    return f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: take form = "{better}".'
+
+
 def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]:
     """Repeats the run from its start over `window` seconds (all of it if None) in this precision and in the next wider
     one, and compares them: largest error of theta and of the state, and of the times of the turnings they share."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.invariants import invariants, size
+from ..engine.invariants import invariants, sizes
 from ..engine.observables import Observables
 from ..engine.slices import Extremes
 from ..mechanics.units import NEWTON, SECOND
@@ -23,22 +23,22 @@ class Monitor:
     force: Extremes = field(default_factory=Extremes)
     steps: int = 0
     _start: dict[str, float] = field(default_factory=dict)
+    _size: dict[str, float] = field(default_factory=dict)
 
     def begin(self, row: np.ndarray) -> None:
         """Takes the start, (1, variables), as what the invariants are compared with."""
-        self._start = {name: float(values[0]) for name, values in self._invariants(row).items()}
+        values = self.view.evaluate(row)
+        self._start = {name: float(value[0]) for name, value in invariants(self.problem, values).items()}
+        self._size = {name: float(value[0]) for name, value in sizes(self.problem, values).items()}
         self.drift = dict.fromkeys(self._start, 0.0)
 
     def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
         """Takes in step ends (n, variables) of a slice of so many steps, and the extremes of the force so far."""
-        for name, values in self._invariants(rows).items() if len(rows) else ():
-            start = self._start[name]
-            self.drift[name] = max(self.drift[name], float(np.max(np.abs(values - start) / size(start))))
+        for name, values in invariants(self.problem, self.view.evaluate(rows)).items() if len(rows) else ():
+            worst = float(np.max(np.abs(values - self._start[name]) / self._size[name]))
+            self.drift[name] = max(self.drift[name], worst)
         self.force = force
         self.steps += steps
-
-    def _invariants(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        return invariants(self.problem, self.view.evaluate(rows))
 
     def report(self) -> dict[str, Any]:
         """The measured part of `info --json` that does not concern events."""

@@ -11,7 +11,7 @@ from ..engine.status import Status
 from ..errors import InputError, StoreError
 from ..scenario import build
 from ..store import checkpoint, chunks, files, renaming, root, skeleton, tables
-from ..store.checkpoint import END, ROWS
+from ..store.checkpoint import END, END_FILE, ROWS
 from ..store.chunks import Appender
 from ..store.files import Lock
 from ..store.provenance import FORMAT_VERSION
@@ -104,7 +104,7 @@ def _ending(target: Path, attrs: dict[str, Any], until: float, accept_other_vers
     try:
         kept = checkpoint.read(target, skeleton.root_of(target), END)
     except FileNotFoundError:
-        raise StoreError(f"`{target}` must have its `{END}` to be continued, but has none.") from None
+        raise StoreError(f"`{target}` must have the root attribute `{END}` to be continued, but has none.") from None
     before: dict[str, Any] = {key: attrs[key] for key in ("versions", "cpu", "begun_with") if key in attrs}
     return {"begun_with": [], **kept, **resuming.same_here(target, before, accept_other_version, "continued")}
 
@@ -132,7 +132,7 @@ def _unfinished(target: Path, integration: Integration, ending: dict[str, Any]) 
     kept["digests"] = {name: root.digest_of_rows(target, name, kept[ROWS[name]]) for name in names}
     checkpoint.write(target, kept, checkpoint.digest(attrs))
     root.replace_attributes(target, attrs)
-    (target / END).unlink()
+    (target / END_FILE).unlink(missing_ok=True)
     return kept
 
 

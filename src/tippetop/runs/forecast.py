@@ -101,13 +101,25 @@ def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, A
         from .regularisation import inversion_sensitivity
 
         sensitivity = inversion_sensitivity(problem)
-        result["regularisation"] += _converged(*list(sensitivity["inversion_time"].values())[:2])
-        result["inversion_by_eps"] = {
-            "eps": {"value": list(sensitivity["inversion_time"]), "unit": "m s-1"},
-            "first_equator": {"value": list(sensitivity["inversion_time"].values()), "unit": "s"},
-            "exponent": {"value": sensitivity["exponent"], "unit": "1"},
-        }
+        times, unknown = sensitivity["inversion_time"], sensitivity["unknown"]
+        eps = sorted([*times, *unknown])
+        if times.keys() >= set(eps[:2]):
+            result["regularisation"] += _converged(times[eps[0]], times[eps[1]])
+        if unknown:
+            result["regularisation"] += f", but {_not_found_out(unknown)}"
+        if times:
+            result["inversion_by_eps"] = {
+                "eps": {"value": list(times), "unit": "m s-1"},
+                "first_equator": {"value": list(times.values()), "unit": "s"},
+                "exponent": {"value": sensitivity["exponent"], "unit": "1"},
+            }
     return result
+
+
+def _not_found_out(unknown: list[float]) -> str:
+    """That the time of inversion is not known for these eps [m/s], and why."""
+    values = ", ".join(f"{1e3 * eps:g}" for eps in unknown)
+    return f"when it does for eps = {values} mm/s was not found out: the steps are too short, the equations too stiff"
 
 
 CONVERGED = 0.01  # relative change of the time of inversion when eps is halved: less, and eps decides nothing

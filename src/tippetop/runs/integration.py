@@ -56,7 +56,7 @@ class Integration:
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
         self.second = float(problem.scales.of(SECOND))
-        self.first = problem.start()[None, :]
+        self.first = self.driver.first
         self.last = self.first  # last good state
         self.monitor = Monitor(problem, self.view)
         self.monitor.begin(self.first)
@@ -134,6 +134,7 @@ class Integration:
         self.t_end = float(piece.time) * self.second
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
         self.monitor.follow(seen, self.driver.extremes(), piece.steps)
+        sink.more(piece.tables)
         table, marks, states = self.log.take(piece.passages)
         sink.events(table, marks)
         if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # it ended in the midst of a step
@@ -194,6 +195,8 @@ class Integration:
         beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
         if status is None:
             return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"
+        if self.driver.sentence:
+            return f"{self.driver.sentence}: stopped at t = {t:.9g} s"
         if status is Status.FINISHED:
             return f"finished at t = {t:.6g} s{beyond}"
         if status is Status.SETTLED:
@@ -262,7 +265,7 @@ class Integration:
         clock = [hexfloat.from_hex(text, number) for text in driver["time"]]
         rest = {name: hexfloat.decode(value) for name, value in driver.items() if name not in ("state", "time")}
         self.driver.restore(rest, state, (clock[0], clock[1]))
-        self.last = state[None, : self.driver.variables].copy()
+        self.last = self.driver.present()
         self.filled, self.t_end = kept["filled"], hexfloat.decode(kept["t_end"])
         self.monitor.restore(hexfloat.decode(kept["monitor"]))
         self.fresh = self.t_end == 0  # it was killed before its first slice

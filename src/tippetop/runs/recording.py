@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -20,7 +21,7 @@ from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
 from ..store.files import Lock
 from ..store.root import finish, finite, new_store
-from . import attributes, keyframes
+from . import attributes, keyframes, phases
 from .events import EventTable, event_columns
 from .integration import Integration
 
@@ -74,6 +75,12 @@ class Recorder:
     def keyframe(self, columns: dict[str, Column]) -> None:
         """Takes a keyframe."""
         self._later(lambda: self.tables["keyframes"].append(columns))
+
+    def more(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+        """Takes rows of further tables."""
+        for name, table in new.items():
+            if len(next(iter(table.values()))):
+                self._later(partial(self.tables[name].append, phases.columns(name, table)))
 
     def _later(self, work: Callable[[], None]) -> None:
         """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
@@ -136,8 +143,7 @@ class Recorder:
 
     def _close(self, attrs: dict[str, Any], ending: dict[str, Any]) -> None:
         of = checkpoint.digest_of_finished({**skeleton.root_of(self.lock.folder), **attrs})
-        checkpoint.write(self.lock.folder, ending, of, END)
-        finish(self.lock.folder, attrs)
+        finish(self.lock.folder, {**attrs, END: checkpoint.bound(ending, of)})
         files.remove_scratch(self.lock.folder)
         (self.lock.folder / CHECKPOINT).unlink(missing_ok=True)
         self.lock.remove()
@@ -208,6 +214,8 @@ def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Col
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, rows_per_chunk(integration.problem)
     yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
+    if integration.problem.contact is not None:
+        yield from ((name, columns, phases.PER_CHUNK) for name, columns in phases.empty().items())
     if integration.problem.output == "keyframes":
         yield "keyframes", keyframes.empty(integration), keyframes.PER_CHUNK
 

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ class Solution:
     report: dict[str, Any]
     seconds: dict[str, float]  # where the time went: compile, integrate
     last_slice: dict[str, Any] | None = None  # where it began: what a longer run continues from
+    others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)  # parts of further tables
 
     def columns(self) -> dict[str, Any]:
         """The rows as named SI columns."""
@@ -92,4 +93,5 @@ def solve(problem: Problem, progress: Callable[[Integration], None] | None = Non
         integration.report(),
         integration.seconds,
         integration.last_slice,
+        memory.others,
     )

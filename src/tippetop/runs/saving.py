@@ -40,5 +40,4 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
             appender.flush()
             appender.sync()
         of = checkpoint.digest_of_finished(skeleton.root_of(scratch))
-        checkpoint.write(scratch, integration.ending(), of, END)
-        finish(scratch, {})
+        finish(scratch, {END: checkpoint.bound(integration.ending(), of)})

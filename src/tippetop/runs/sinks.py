@@ -28,6 +28,9 @@ class Sink(Protocol):
     def keyframe(self, columns: dict[str, Column]) -> None:
         """Takes a keyframe, as a row of its table."""
 
+    def more(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+        """Takes new rows of the tables of a contact that changes its phase, SI."""
+
     def slice_done(self, integration: "Integration") -> None:
         """Called after every slice: the moment to commit, and to raise if the run has to stop."""
 
@@ -38,8 +41,9 @@ class Memory:
 
     times: list[np.ndarray] = field(default_factory=list)
     states: list[np.ndarray] = field(default_factory=list)
-    tables: list[EventTable] = field(default_factory=list)
+    logs: list[EventTable] = field(default_factory=list)
     marks: list[int] = field(default_factory=list)
+    others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)
     keeps_rows: ClassVar[bool] = True
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
@@ -49,18 +53,23 @@ class Memory:
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
-        self.tables.append(table)
+        self.logs.append(table)
         self.marks += marks
 
     def keyframe(self, columns: dict[str, Column]) -> None:
         """Drops it: they are for stores."""
+
+    def more(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+        """Takes new rows of further tables."""
+        for name, columns in new.items():
+            self.others.setdefault(name, []).append(columns)
 
     def slice_done(self, integration: "Integration") -> None:
         """Nothing to commit."""
 
     def table(self) -> EventTable:
         """The event log."""
-        log = EventTable.joined(self.tables)
+        log = EventTable.joined(self.logs)
         log.significant[self.marks] = True
         return log
 

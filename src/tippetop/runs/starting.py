@@ -117,7 +117,7 @@ def _end(path: Path) -> dict[str, Any]:
     try:
         return checkpoint.read(path, skeleton.root_of(path), END)
     except FileNotFoundError:
-        raise StoreError(f"`{path}` must have its `{END}` to start from, but has none.") from None
+        raise StoreError(f"`{path}` must have the root attribute `{END}` to start from, but has none.") from None
 
 
 def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:

@@ -16,6 +16,7 @@ from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..problem import AUTO, KEYFRAME_STEPS, PRECISIONS, ROUNDING, Problem, choice
 from ..sampling import EvenTimes, ListedTimes
+from .contact import contact_faults, contact_tables, rules_of, system_with_contact
 from .reading import override, read
 from .schema import RunTable, scenario_model
 from .sentences import scenario_sentence
@@ -36,7 +37,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
 
     `known` is the record of the system, where it is not the registered one of that name; `origin` the exact state in
     which the run starts, where that is the end of another."""
-    system = known or system_of(tables)
+    system = system_with_contact(known or system_of(tables), tables)
     law = tables["friction"].get("law") if isinstance(tables.get("friction"), dict) else None
     if isinstance(law, str) and law not in system.laws:
         load_entry_points()
@@ -62,16 +63,22 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         until=run.until,
         times=_times(run),
         events=events,
-        on_liftoff=run.on_liftoff,
+        on_liftoff=run.on_liftoff or ("stop" if system.contact is None else "fly"),
         precision=run.precision,
         tolerance=run.tolerance,
         output=run.output,
         keyframe_steps=run.keyframe_steps or KEYFRAME_STEPS,
         stop_when=run.stop_when,
         orientation=run.orientation,
+        contact=rules_of(scenario, system),
         origin=origin,
     )
-    faults = [*built.faults(), *_pole_faults(built), *_run_faults(system, run)] or built.start_faults()
+    faults = [
+        *built.faults(),
+        *contact_faults(built),
+        *_pole_faults(built),
+        *_run_faults(system, run),
+    ] or built.start_faults()
     if faults:
         raise InputError(faults)
     return built
@@ -106,7 +113,7 @@ def ending(tables: dict[str, Any], until: float) -> dict[str, Any]:
 
 def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
     """The tables that a store's root attributes hold: what `resolved` wrote."""
-    names = ("system", "form", "parameters", "friction", "initial", "run")
+    names = ("system", "form", "parameters", "friction", "contact", "stem", "initial", "run")
     return {name: attrs[name] for name in names if name in attrs}
 
 
@@ -123,6 +130,7 @@ def resolved(problem: Problem) -> dict[str, Any]:
         "form": problem.form.name,
         "parameters": dict(problem.parameters),
         **({"friction": {"law": problem.law_name, **problem.friction._asdict()}} if problem.system.frictional else {}),
+        **contact_tables(problem),
         "initial": dict(problem.initial),
         "run": {
             "until": problem.until,

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
+from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.system import Parameter, System
 from ..problem import AUTO, UNTIL
 
@@ -38,10 +39,15 @@ class RunTable(Table):
     keyframe_steps: Annotated[int, Field(ge=1)] | None = None
     stop_when: Literal["until", "settled"] = "until"
     events: list[str] | None = None
-    on_liftoff: Literal["stop", "continue"] = "stop"
+    on_liftoff: Literal["stop", "continue", "fly"] | None = None  # "fly" where the contact may change its phase
     precision: Literal["double", "longdouble", "quad"] = "double"
     tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.0
     orientation: bool = True  # whether the turn of the body about its axis is integrated and stored too
+
+
+class ContactTable(Table):
+    restitution: Literal["energetic", "poisson", "newton"] = "energetic"
+    e_n: _number(CONTACT["e_n"]) = 0.0  # type: ignore[valid-type]
 
 
 def table_model(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
@@ -68,6 +74,10 @@ def _model(system: System, laws: tuple[str, ...]) -> type[BaseModel]:
     flags: Any = {a.name: (bool, False) for a in system.alternatives if a.flag}
     initial = table_model("Initial", system.initial, required=False, **flags)
     fields["initial"] = (initial, initial())
+    if system.contact is not None:
+        fields["contact"] = (ContactTable | None, None)
+        if system.contact[1]:
+            fields["stem"] = (table_model("Stem", STEM, required=True), ...)
     if system.frictional:
         union: Any = None
         for name in laws:

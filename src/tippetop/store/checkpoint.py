@@ -1,8 +1,9 @@
 """What a run needs to be continued, in a JSON record with a digest of itself and of the root attributes it belongs to.
 
-`checkpoint.json` of an unfinished run says what is acknowledged; `end.json` of a finished one keeps where its last
-slice began, and its end. The root attributes hold the scenario, precision, tolerance, versions and processor; the
-record holds the fingerprint of the equations. A digest finds damage and edits, not a forger, who makes a new digest.
+`checkpoint.json` of an unfinished run says what is acknowledged; the root attribute `end` of a finished one keeps where
+its last slice began, and its end. The other root attributes hold the scenario, precision, tolerance, versions and
+processor; the record holds the fingerprint of the equations. A digest finds damage and edits, not a forger, who makes a
+new digest.
 """
 
 import hashlib
@@ -14,10 +15,13 @@ from ..errors import StoreError
 from . import files
 
 
-CHECKPOINT, END = "checkpoint.json", "end.json"
+CHECKPOINT = "checkpoint.json"
+END, END_FILE = "end", "end.json"  # a root attribute; the file in which the first stores kept it
 SCENARIO, DIGEST = "root_attributes", "digest"
-LATER = ("certificate", "seal")  # root attributes that come to a finished store, and say nothing of how it was made
-ROWS = {"trajectory": "rows", "events": "events", "keyframes": "keyframes"}  # what a checkpoint calls those of a group
+LATER = ("certificate", "seal", END)  # attributes that a finished store gets, which say nothing of how it was made
+ROWS = {name: name for name in ("events", "keyframes", "phases", "impacts")} | {"trajectory": "rows"}
+"""What a checkpoint calls the rows of a group."""
+
 FIELDS: dict[str, dict[str, Any]] = {
     CHECKPOINT: {
         "versions": dict,
@@ -25,6 +29,8 @@ FIELDS: dict[str, dict[str, Any]] = {
         "rows": int,
         "events": int,
         "keyframes": int,
+        "phases": int,
+        "impacts": int,
         "digests": dict,
         "integration": dict,
         "report": dict,
@@ -45,22 +51,29 @@ def digest_of_finished(attributes: dict[str, Any]) -> str:
     return digest({key: value for key, value in attributes.items() if key not in LATER})
 
 
-def write(folder: Path, record: dict[str, Any], of: str, name: str = CHECKPOINT) -> None:
-    """Writes a record whole or not at all; `of` is the digest of the root attributes. Raises OSError."""
-    bound = {**record, SCENARIO: of}
-    files.replace_text(folder / name, json.dumps({**bound, DIGEST: digest(bound)}, allow_nan=False))
+def bound(record: dict[str, Any], of: str) -> dict[str, Any]:
+    """A record with the digests that bind it: `of`, that of the root attributes, and its own."""
+    whole = {**record, SCENARIO: of}
+    return {**whole, DIGEST: digest(whole)}
+
+
+def write(folder: Path, record: dict[str, Any], of: str) -> None:
+    """Writes a checkpoint whole or not at all; `of` is the digest of the root attributes. Raises OSError."""
+    files.replace_text(folder / CHECKPOINT, json.dumps(bound(record, of), allow_nan=False))
 
 
 def read(folder: Path, attributes: dict[str, Any], name: str = CHECKPOINT) -> dict[str, Any]:
-    """The record of a store with these root attributes, as they stand there.
+    """The record of a store with these root attributes, as they stand there: its checkpoint, or its end.
 
     Raises FileNotFoundError where there is none, StoreError where it is damaged or was written for others.
     """
-    what, to_be = ("checkpoint", "resumed") if name == CHECKPOINT else (END, "continued")
+    what, to_be = ("checkpoint", "resumed") if name == CHECKPOINT else (f"root attribute `{END}`", "continued")
     try:
-        stored = json.loads((folder / name).read_text(encoding="utf-8"))
-        bound = {key: value for key, value in stored.items() if key != DIGEST}
-        if stored[DIGEST] != digest(bound):
+        if name == END and END in attributes:
+            stored = attributes[END]
+        else:
+            stored = json.loads((folder / (END_FILE if name == END else name)).read_text(encoding="utf-8"))
+        if stored[DIGEST] != digest({key: value for key, value in stored.items() if key != DIGEST}):
             raise ValueError("its digest is another")
         if wrong := [key for key, kind in FIELDS[name].items() if type(stored[key]) is not kind]:
             raise ValueError(f"`{wrong[0]}` has another type")

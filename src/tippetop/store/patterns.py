@@ -31,6 +31,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         "shape": [int],
         "coordinates": [str],
         "columns": [str],
+        "steps_by?": str,
     },
     "surface": {"system": str, "parameters": {str: NUMBER}, "axes": {str: [NUMBER]}},
     "potential": {"system": str, "parameters": {str: NUMBER}},
@@ -49,6 +50,9 @@ OPTIONAL: dict[str, Any] = {
     "friction?": {str: (str, *NUMBER)},
     "certificate?": dict,
     "auto_form?": {str: str},
+    "contact?": {str: (str, *NUMBER)},
+    "end?": dict,
+    "stem?": {str: NUMBER},
     "replay?": {str: (str, *NUMBER)},
     "start?": {str: (str, dict, *NUMBER)},
 }

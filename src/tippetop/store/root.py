@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import path_of
 from ..columns import with_coordinates
 from ..errors import StoreError
-from . import checkpoint, chunks, files, seal, skeleton, tables
+from . import checkpoint, files, seal, skeleton
 
 
 if TYPE_CHECKING:
@@ -30,11 +30,11 @@ def finite(value: Any) -> Any:
 
 
 def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
-    """Root attributes of a store whose skeleton is sound; of a run that is not finished, with what its checkpoint says
-    of its end. Raises StoreError; see `skeleton.read`."""
+    """Root attributes of a store whose skeleton is sound, without what only a longer run needs; of a run that is not
+    finished, with what its checkpoint says of its end. Raises StoreError; see `skeleton.read`."""
     stored = skeleton.read(path, whole=whole)
     if "content" in stored or stored["status"] != "running":
-        return stored
+        return {name: value for name, value in stored.items() if name != checkpoint.END}
     try:
         record = checkpoint.read(Path(path), stored)
     except FileNotFoundError:  # it just finished, or never began: the root attributes stand
@@ -59,6 +59,8 @@ def refuse_other_rows(path: str | Path, attrs: dict[str, Any]) -> None:
 
 def digest_of_rows(path: str | Path, group: str, rows: int) -> str:
     """The digest of so many rows of a group, as a checkpoint keeps it. Raises StoreError."""
+    from . import chunks, tables  # zarr: a run that is not stored does without
+
     try:
         return chunks.digest_of_rows(tables.read_member(path, group), rows)
     except Exception as error:  # codecs raise what they like

@@ -65,7 +65,7 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     try:
         if not isinstance(content, str) or content not in GROUPS:
             raise _Fault("content", f"must be one of {', '.join(list(GROUPS)[1:])}")
-        _readable(place)
+        refuse_pipes(place)
         _like(attrs, WORDS | ATTRIBUTES[content], "")
         if content == "run":
             _like(attrs["report"], REPORT, "report.")
@@ -95,7 +95,9 @@ def has_keyframes(attrs: Mapping[str, Any]) -> bool:
 
 def groups_of(attrs: Mapping[str, Any]) -> tuple[str, ...]:
     """The groups of a store with these root attributes."""
-    return (*GROUPS[attrs.get("content", "run")], *(["keyframes"] if has_keyframes(attrs) else []))
+    more = ["keyframes"] if has_keyframes(attrs) else []
+    more += ["phases", "impacts"] if "content" not in attrs and "contact" in attrs else []
+    return (*GROUPS[attrs.get("content", "run")], *more)
 
 
 def members(place: Path, group: str) -> dict[str, dict[str, Any]]:
@@ -136,15 +138,16 @@ def _sealed(place: Path, attrs: dict[str, Any]) -> None:
         raise _Fault(place, "must hold what its seal says, but a number of its metadata or a chunk is another")
 
 
-def _readable(folder: Path, depth: int = 0) -> None:
-    """Refuses what a reader would wait for, or read for ever: pipes, devices, links to nowhere, folders without end."""
+def refuse_pipes(folder: Path, depth: int = 0) -> None:
+    """Refuses what a reader would wait for, or read for ever: pipes, devices, links to nowhere, folders without end.
+    Raises StoreError."""
     if depth > DEEPEST:
         raise _Fault(folder, f"must not be deeper than {DEEPEST} folders")
     try:
         with os.scandir(folder) as entries:
             for entry in entries:
                 if entry.is_dir():
-                    _readable(Path(entry.path), depth + 1)
+                    refuse_pipes(Path(entry.path), depth + 1)
                 elif not entry.is_file():
                     raise _Fault(entry.path, "must be a file or a folder")
     except _Fault:

@@ -27,25 +27,37 @@ class Task(NamedTuple):
     versions: dict[str, str]
 
 
+class Rows(NamedTuple):
+    """What a worker gives back: the columns of a chunk by name, and "heyoka" if its loop made steps, else nothing."""
+
+    columns: dict[str, np.ndarray]
+    steps_by: str
+
+
 class OtherVersions(Exception):
     """A worker has other releases than the sweep was begun with: its bits could differ."""
 
 
-def compute_chunk(task: Task, threads: int = 1) -> dict[str, np.ndarray]:
-    """The columns of a chunk, by name. What it computes depends on the task alone."""
+def compute_chunk(task: Task, threads: int = 1) -> Rows:
+    """The rows of a chunk. What it computes depends on the task alone."""
     if provenance.versions() != task.versions:
         differ = [name for name, release in provenance.versions().items() if release != task.versions.get(name)]
         raise OtherVersions(f"the worker has other versions of {', '.join(differ)} than the sweep was begun with")
-    table = columns(build.problem(task.tables), task.columns, task.keep, threads)
-    return {name: column.values for name, column in table.items()}
+    measured = measure(build.problem(task.tables), task.columns, task.keep, threads)
+    table = columns(measured, task.keep)
+    return Rows({name: column.values for name, column in table.items()}, measured.steps_by)
 
 
-def columns(
+def measure(
     base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
-) -> dict[str, Column]:
-    """The rows of tops as labelled columns; `status` is among them whatever is kept."""
+) -> outcomes.Outcomes:
+    """Runs tops as far as what is kept of them needs it."""
     oriented = any(_group(name) == ORIENTATION for name in keep or [])
-    measured = ensemble.measure(ensemble.vary(base, numbers, orientation=oriented), threads=threads, wanted=keep)
+    return ensemble.measure(ensemble.vary(base, numbers, orientation=oriented), threads=threads, wanted=keep)
+
+
+def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:
+    """The rows of tops as labelled columns; `status` is among them whatever is kept."""
     with np.errstate(all="ignore"):  # of invalid tops
         table = {**outcomes.table(measured), **_final_states(measured)}
     return {name: column for name, column in table.items() if name == "status" or keep is None or _kept(name, keep)}
@@ -69,7 +81,7 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
 
 def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
     """Labelled columns without a row."""
-    table = columns(base, {"run.until": np.array([np.nan])}, keep)  # an invalid top is not run
+    table = columns(measure(base, {"run.until": np.array([np.nan])}, keep), keep)  # an invalid top is not run
     return {name: Column(c.dims, c.values[:0], c.attrs) for name, c in table.items()}
 
 

@@ -23,6 +23,7 @@ from ..store.files import Lock
 from ..store.root import attributes as read_attributes
 from ..store.root import finish, finite, new_store
 from . import chunk, derived
+from .chunk import Rows
 from .plan import Plan
 
 
@@ -96,14 +97,16 @@ class SweepStore:
         """Chunks that are not done."""
         return np.flatnonzero(self.chunk_status[:] != DONE).tolist()
 
-    def write(self, chunk: int, columns: dict[str, np.ndarray]) -> None:
+    def write(self, chunk: int, rows: Rows) -> None:
         """Data first, then status."""
         tops = self.plan.tops(chunk)
-        values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **columns}
+        values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **rows.columns}
 
         def work() -> None:
             for name, array in self.arrays.items():
                 array[tops[0] : tops[-1] + 1] = values[name]
+            if rows.steps_by and "steps_by" not in self.root.attrs:
+                self.root.update_attributes({"steps_by": rows.steps_by})
             self.checksums[chunk] = checksum(self.arrays, tops[0])
             self.chunk_status[chunk] = DONE
 

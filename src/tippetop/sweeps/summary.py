@@ -75,6 +75,7 @@ def report(path: str | Path) -> dict[str, Any]:
         "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failures(folder),
         "runs": runs,
+        **({"steps_by": attrs["steps_by"]} if "steps_by" in attrs else {}),
         **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
     }
 
@@ -93,6 +94,8 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
         result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
     if facts["runs"]:
         result.append(("runs", ", ".join(f"{RUNS}/{top}" for top in facts["runs"])))
+    if "steps_by" in facts:
+        result.append(("steps by", f"{facts['steps_by']}, where the machine code of a step could not be called"))
     result += [("fault", fault) for fault in facts["faults"]]
     result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
     base = facts["plan"]["scenario"]

@@ -11,15 +11,13 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
 
-import numpy as np
-
 from ..engine import taylor
 from ..errors import InputError
 from . import chunk
-from .chunk import Task
+from .chunk import Rows, Task
 
 
-Outcome = tuple[Task, dict[str, np.ndarray] | str]  # columns, or why there are none
+Outcome = tuple[Task, Rows | str]  # rows, or why there are none
 AHEAD = 2  # chunks in flight for each thread of the workers: one that computes, one that waits
 CONNECT_FOR = "10 s"
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from ...errors import InputError
 from .. import friction
+from ..consistency import inconsistencies
 from ..system import System
 from .cylinder import GLIDING_CYLINDER
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
@@ -43,6 +44,8 @@ def add(system: System, *, here: bool = False) -> None:
         )
     if SYSTEMS.get(name, system) is not system:
         raise InputError([f"the name of a system must be new, but `{name}` is known."])
+    if faults := inconsistencies(system):
+        raise InputError(faults)
     _note(system, here=here, new=name not in SYSTEMS)
     SYSTEMS[name] = system
 

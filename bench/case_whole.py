@@ -1,0 +1,81 @@
+"""What a whole run costs beside its motion, and how many processors it takes: in one process, after the first run."""
+
+import os
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tippetop.problem import Problem
+from tippetop.runs.integration import Integration
+from tippetop.runs.run import solve
+from tippetop.runs.sinks import Nowhere
+from tippetop.scenario import build
+
+from .measure import interleaved, ratio, timed
+from .minimal import Minimal
+from .ours import by_hand, motion
+
+
+RUNS = {
+    "canonical inversion": ("inverting", 10.0),
+    "rolling tippe top": ("rolling", 400.0),
+    "heavy top": ("heavy-top", 100.0),
+    "cylinder that glides": ("gliding-cylinder", 4.0),
+}
+HAND = "canonical inversion"  # the run that is also typed into heyoka
+
+
+def compare(quick: bool) -> dict[str, Any]:
+    """Processor seconds of motion, whole run and rows in memory; and processor time over wall time."""
+    found: dict[str, Any] = {"title": "A whole run beside its motion", "runs": {}}
+    for name, (preset, until) in RUNS.items():
+        problem = build.load(preset, None, until / 4 if quick else until)
+        works = {what: partial(timed, work) for what, work in of(problem, hand=name == HAND).items()}
+        seconds = interleaved(works, 5 if quick else 21)
+        entry = {
+            "form": problem.form.name,
+            "seconds": {what: statistics.median(times) for what, times in seconds.items()},
+            "whole / motion": ratio(seconds["whole"], seconds["motion"]),
+            "rows / motion": ratio(seconds["rows"], seconds["motion"]),
+            "processor / wall": processors(partial(_often, problem)),
+        }
+        if name == HAND:
+            entry["rows / by hand"] = ratio(seconds["rows"], seconds["by hand"])
+        found["runs"][name] = entry
+    return found
+
+
+def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
+    """The motion alone; the whole run without rows, for which the orientation is not integrated; the run with the rows
+    of its preset in memory, and the orientation; heyoka by hand."""
+    minimal = Minimal(problem, np.array([problem.until]))
+    moving, bare = motion((), minimal)(0.0), replace(problem, orientation=False)
+    works = {
+        "motion": lambda: moving.work(None),
+        "whole": lambda: Integration(bare).run(Nowhere()),
+        "rows": lambda: solve(problem),
+    }
+    if hand:
+        plain = by_hand(False, minimal)(0.0)
+        works["by hand"] = lambda: plain.work(None)
+    return works
+
+
+def _often(problem: Problem) -> None:
+    """Half a second of runs: the clock of the processor ticks each 10 ms."""
+    end = time.perf_counter() + 0.5
+    while time.perf_counter() < end:
+        Integration(problem).run(Nowhere())
+
+
+def processors(work: Callable[[], Any]) -> float:
+    """Processor time over wall time."""
+    before, clock = os.times(), time.perf_counter()
+    work()
+    wall, after = time.perf_counter() - clock, os.times()
+    return (after.user + after.system - before.user - before.system) / wall

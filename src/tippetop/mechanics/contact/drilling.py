@@ -1,0 +1,85 @@
+"""Friction of a contact patch that slides and drills: Coulomb at each point under the pressure of Hertz. [contact 5]
+
+F = -mu N k v_A and the torque -mu N patch^2 twist Omega_z zhat, with U = patch |Omega_z|, x = w/U, k = f(x)/w and
+twist = m(x)/U: functions of w^2 and U^2, regular where slip stops (`inside`) and where drilling does (`outside`).
+f and m are elementary; there is one formula for each region, and no approximation.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from ..operand import Operand, Vector, atan2, formula, sqrt
+
+
+class Drag(NamedTuple):
+    """k = f/w and twist = m/U [s/m]; both positive."""
+
+    k: Operand
+    twist: Operand
+
+
+OUTSIDE_FROM = 2.5
+"""x = w/U beyond which the closed form loses digits to cancellation, and its series, of 24 terms, does not."""
+
+
+@formula
+def inside(w2, U2):
+    """x <= 1: the point about which the patch turns lies within it."""
+    U, x2 = sqrt(U2), w2 / U2
+    return Drag(3 * math.pi / 8 * (1 - x2 / 4) / U, 3 * math.pi / 16 * (1 - x2 + 3 * x2**2 / 8) / U)
+
+
+@formula
+def between(w2, U2):
+    """1 <= x, to be used up to x = 2.5."""
+    U, x2 = sqrt(U2), w2 / U2
+    y = sqrt(w2 - U2) / U
+    A = atan2(U, sqrt(w2 - U2))  # arcsin(1/x)
+    k = 3 * ((1 - x2 / 4) * A + (x2 + 2) * y / (4 * x2)) / (4 * U)
+    return Drag(k, 3 * ((1 - x2 + 3 * x2**2 / 8) * A + 3 * (2 - x2) * y / 8) / (8 * U))
+
+
+@formula
+def outside(w2, U2):
+    """x >= 2.5: the series in 1/x^2, f = 2F1(-1/2, 1/2; 5/2) and 5 x m = 2F1(1/2, 1/2; 7/2)."""
+    w, q = sqrt(w2), U2 / w2
+    f, m = 1.0, 1.0
+    for n in range(23, -1, -1):  # the ratio of a term to the one before it
+        f = 1 + (2 * n - 1) * (2 * n + 1) * q * f / (2 * (2 * n + 5) * (n + 1))
+        m = 1 + (2 * n + 1) ** 2 * q * m / (2 * (2 * n + 7) * (n + 1))
+    return Drag(f / w, m / (5 * w))
+
+
+def drag(w2: Any, U2: Any) -> Drag:
+    """The drag of two numbers, by the formula of its region; infinite where w = U = 0."""
+    if w2 <= U2:
+        return inside(w2, U2) if U2 else Drag(math.inf, math.inf)
+    return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
+
+
+# --- force, torque, power ---------------------------------------------------------------------------------------------
+
+
+@formula
+def drilling_force(N, v, drag, mu):
+    """The force of a patch, (3,) [N]."""
+    return Vector(-(mu * N * drag.k * v.x), -(mu * N * drag.k * v.y), N)
+
+
+@formula
+def drilling_torque(N, Omega_z, drag, mu, patch):
+    """The torque of a patch of this radius [m] about the vertical [N m]: (0, 0, it) acts on L."""
+    return -(mu * N * patch**2 * drag.twist * Omega_z)
+
+
+@formula
+def drilling_power(N, w2, Omega_z, drag, mu, patch):
+    """What the patch takes of the energy [W]: mu N (f w + m U)."""
+    return mu * N * (drag.k * w2 + drag.twist * (patch * Omega_z) ** 2)
+
+
+@formula
+def rolling_torque(N, omega, mu_r):
+    """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever."""
+    k = -(mu_r * N) / sqrt(omega.x * omega.x + omega.y * omega.y)
+    return Vector(k * omega.x, k * omega.y, 0)

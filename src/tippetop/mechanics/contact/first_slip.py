@@ -1,0 +1,140 @@
+"""How slip begins where nothing slips: at the edge of the cone, and outside it. [contact 2.4, 2.5]
+
+At the edge w = 0 and the direction is that against the force of rolling, but its equation w beta' = Q is singular, and
+so stiff nearby that no explicit step begins there. Chebyshev and Picard's sweeps solve it on a whole interval at once:
+the direction from Q = w beta', everything else by integration. Numbers are doubles or longdoubles.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class FirstSlip(NamedTuple):
+    """The first moments of slip, at Chebyshev nodes; the last of them is the end."""
+
+    time: np.ndarray  # (n,) since the edge of the cone
+    state: np.ndarray  # (k, n)
+    w: np.ndarray  # (n,) slip speed
+    beta: np.ndarray  # (n,) slip direction, an angle from a fixed axis
+
+    def at(self, t: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """State, w and beta at times t between the ends, by the polynomial through the nodes."""
+        x = 2 * np.asarray(t) / self.time[-1] - 1
+        values = np.vstack([self.state, self.w, self.beta]) @ _coefficients(self.time).T
+        moment = np.polynomial.chebyshev.chebval(x, values.T)
+        return moment[:-2], moment[-2], moment[-1]
+
+
+def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nodes: int = 12) -> FirstSlip:
+    """The motion from the edge of the cone, where w = P = Q = 0.
+
+    Parameters
+    ----------
+    rates
+        rates(state, w, beta) -> (the state's rate, P, Q) of slip in the direction beta, an angle from a fixed axis;
+        of arrays (k, n), (n,), (n,).
+    state
+        At the edge, (k,).
+    beta
+        The direction of the first slip: against the horizontal force of rolling.
+    duration
+        How long; 0.03/|omega| is right. It is halved until the sweeps converge.
+    nodes
+        How many times in it.
+
+    Returns
+    -------
+    FirstSlip
+        Its end is where an integrator begins.
+
+    Raises
+    ------
+    ArithmeticError
+        Nothing begins to slip so.
+    """
+    for _ in range(12):
+        start, change = _swept(rates, state, beta, duration, nodes)
+        if change < 1e4 * np.finfo(np.result_type(state)).eps and bool(np.all(start.w[1:] > 0)):
+            return start
+        duration = duration / 2
+    raise ArithmeticError("no slip begins at this edge of the cone")
+
+
+def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes: int) -> tuple[FirstSlip, float]:
+    """Sweeps until they change nothing more than rounding; and the last change of w and beta, relative."""
+    angle = np.pi * np.arange(nodes, dtype=start.dtype) / (nodes - 1)
+    time = duration * (1 - np.cos(angle)) / 2
+    integral, slope = (m * duration / 2 if i == 0 else m * 2 / duration for i, m in enumerate(_matrices(time)))
+    state, beta, w = np.repeat(start[:, None], nodes, 1), np.full_like(time, beta0), np.zeros_like(time)
+    change = np.inf
+    with np.errstate(all="ignore"):
+        for sweep in range(40):
+            old_w, old_beta, turn = w, beta, w * (slope @ beta)
+            for _ in range(2):
+                excess = rates(state, w, beta)[2] - turn
+                steep = (rates(state, w, beta + 1e-5)[2] - rates(state, w, beta - 1e-5)[2]) / 2e-5
+                beta = beta - excess / steep
+            state_rate, P, _ = rates(state, w, beta)
+            state, w = start[:, None] + state_rate @ integral.T, integral @ P
+            newer = np.max(np.abs(w - old_w)) / np.max(np.abs(w)) + np.max(np.abs(beta - old_beta))
+            if not np.isfinite(newer) or (sweep > 6 and newer >= change):
+                break
+            change = newer
+    return FirstSlip(time, state, w, beta), float(change)
+
+
+def _coefficients(time: np.ndarray) -> np.ndarray:
+    """From values at the nodes to Chebyshev coefficients, (n, n)."""
+    n = len(time) - 1
+    k = np.arange(n + 1, dtype=time.dtype)
+    matrix = 2 / n * np.cos(np.pi * np.outer(k, n - k) / n)
+    matrix[[0, n]] /= 2
+    matrix[:, [0, n]] /= 2
+    return matrix
+
+
+def _matrices(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Integral from the first node, and derivative, of values at the nodes, on [-1, 1]."""
+    n = len(time) - 1
+    angle = np.pi * np.arange(n, -1, -1, dtype=time.dtype) / n  # cos(angle) ascends from -1
+
+    def T(k: int) -> np.ndarray:
+        return np.cos(k * angle)
+
+    sums, slopes = [], []
+    for k in range(n + 1):
+        s = T(1) if k == 0 else T(2) / 4 if k == 1 else (T(k + 1) / (k + 1) - T(k - 1) / (k - 1)) / 2
+        sums.append(s - s[0])
+        inner = k * np.sin(k * angle[1:-1]) / np.sin(angle[1:-1])
+        slopes.append(np.concatenate([[(-1) ** (k + 1) * k**2], inner, [k**2]]))
+    coefficients = _coefficients(time)
+    return np.column_stack(sums) @ coefficients, np.column_stack(slopes) @ coefficients
+
+
+def first_directions(law: Callable, count: int = 360) -> np.ndarray:
+    """Every direction in which slip can begin from rest: Q = 0, P > 0, N > 0; exactly one outside the cone.
+
+    Parameters
+    ----------
+    law
+        law(beta) -> (P, Q, N) of slip in the directions beta, an array of angles from any axis.
+    count
+        How many directions are looked at; zeros between them are bisected to rounding.
+
+    Returns
+    -------
+    array
+        The angles, ascending, in [0, 2 pi) or so; empty inside the cone, where the contact rolls.
+    """
+    grid = 2 * np.pi * (np.arange(count + 1) + 1 / np.e) / count
+    Q = law(grid)[1]
+    low, high = (grid[i + np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0))] for i in (0, 1))
+    above = law(low)[1] > 0
+    for _ in range(60):
+        middle = (low + high) / 2
+        same = (law(middle)[1] > 0) == above
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    P, _, N = law(low)
+    return np.sort(low[(P > 0) & (N > 0)])

@@ -1,0 +1,120 @@
+"""Free flight in closed form: L stays, the axis turns about it, the centre of mass falls. [contact 3.1]
+
+Numbers, float or longdouble; the time may be an array of them.
+"""
+
+from typing import Any, NamedTuple
+
+from ..operand import Operand, Vector, cross, dot, plus, sin, sqrt, times
+from .ball import Ball
+
+
+def rotated(x: Vector, omega: Vector, t: Operand) -> Vector:
+    """The vector x after it has turned with the constant angular velocity omega for the time t."""
+    rate = sqrt(dot(omega, omega))
+    if rate == 0:
+        return plus(x, times(0 * t, x))
+    across = cross(omega, x)
+    turned = plus(times(sin(rate * t) / rate, across), times(2 * (sin(rate * t / 2) / rate) ** 2, cross(omega, across)))
+    return plus(x, turned)
+
+
+def axis_in_flight(u: Vector, L: Vector, I1: float, t: Operand) -> Vector:
+    """3hat at the time t of a flight that begins with 3hat = u: it turns about L with Omega = |L|/I1."""
+    return rotated(u, times(1 / I1, L), t)
+
+
+def axes_in_flight(first: Vector, u: Vector, L: Vector, ball: Ball, t: Operand) -> tuple[Vector, Vector]:
+    """The body's axes 1 and 3 at the time t; `first` and u are those of t = 0, omega_3 = L.u/I3 stays."""
+    spin = (1 / ball.I3 - 1 / ball.I1) * dot(L, u)  # about 3hat, beside the turn about L
+    return rotated(rotated(first, u, spin * t), times(1 / ball.I1, L), t), axis_in_flight(u, L, ball.I1, t)
+
+
+def transverse_in_flight(f: Vector, u: Vector, L: Vector, I1: float, t: Operand) -> Vector:
+    """The transverse vector f that follows the axis without spin about it (`orientation.transport`), at the time t."""
+    return rotated(rotated(f, u, -dot(L, u) / I1 * t), times(1 / I1, L), t)
+
+
+def centre_in_flight(place: Vector, V: Vector, g: float, t: Operand) -> tuple[Vector, Vector]:
+    """Place and velocity of the centre of mass at the time t."""
+    x, fallen = plus(place, times(t, V)), g * t
+    return x._replace(z=x.z - fallen * t / 2), Vector(V.x + 0 * t, V.y + 0 * t, V.z - fallen)
+
+
+# --- the gap ----------------------------------------------------------------------------------------------------------
+
+
+class Hop(NamedTuple):
+    """The gap of one ball: start + speed t + bend t^2/2 + even (cos x - 1 + x^2/2) - odd (x - sin x), x = Omega t.
+
+    The same later, without cancellation there: start + rise t - g t^2/2 + even (cos x - 1) + odd sin x.
+    """
+
+    start: Any  # the gap at t = 0 [m]
+    speed: Any  # v_n there [m/s]
+    bend: Any  # its second derivative there [m/s^2]
+    even: Any  # offset times the parts of 3hat that turn with cos and sin [m]
+    odd: Any
+    Omega: Any  # [rad/s]
+    rise: Any  # V_z [m/s]
+    g: Any  # [m/s^2]
+
+
+def hop(u: Vector, L: Vector, V_z: Any, gap: Any, ball: Ball, zeros: int = 0) -> Hop:
+    """The gap of a ball in a flight that begins now.
+
+    Parameters
+    ----------
+    u, L
+        3hat, and the angular momentum about the centre of mass.
+    V_z
+        Vertical velocity of the centre of mass [m/s].
+    gap
+        The gap now [m].
+    ball
+        The ball.
+    zeros
+        How many of gap, its speed and its bend are known to vanish now: 0 in the air, 1 after a bounce, 2 where the
+        contact opens at once (b_z > 0), 3 at a liftoff (b_z = 0, rising). They are set to zero.
+    """
+    Omega = sqrt(dot(L, L)) / ball.I1
+    along = times(1 / sqrt(dot(L, L)), L) if Omega else L
+    across = cross(along, u)
+    even, odd = -ball.offset * cross(along, across).z, ball.offset * across.z
+    taylor = [gap, V_z + odd * Omega, -ball.g - even * Omega**2]
+    start, speed, bend = (0 * c if i < zeros else c for i, c in enumerate(taylor))
+    return Hop(start, speed, bend, even, odd, Omega, V_z, ball.g)
+
+
+def gap_series(h: Hop) -> tuple:
+    """The gap and its first five derivatives at the start."""
+    third, fourth = -h.odd * h.Omega**3, h.even * h.Omega**4
+    return h.start, h.speed, h.bend, third, fourth, h.odd * h.Omega**5
+
+
+def gap_in_flight(h: Hop, t: Any) -> tuple:
+    """The gap and its first three derivatives at the time t, a number; no digits are lost near a root at the start."""
+    x = h.Omega * t
+    sine, versine = sin(x), 2 * sin(x / 2) ** 2
+    if x > 2:
+        gap = h.start + t * (h.rise - h.g * t / 2) - h.even * versine + h.odd * sine
+        speed = h.rise - h.g * t + h.Omega * (h.odd * (1 - versine) - h.even * sine)
+    else:
+        late_sine, late_cosine = _late(x)
+        gap = h.start + t * (h.speed + h.bend * t / 2) + h.even * late_cosine - h.odd * late_sine
+        speed = h.speed + h.bend * t + h.Omega * (h.even * late_sine - h.odd * versine)
+    bend = h.bend + h.Omega**2 * (h.even * versine - h.odd * sine)
+    return gap, speed, bend, h.Omega**3 * (h.even * sine - h.odd * (1 - versine))
+
+
+def _late(x: Any) -> tuple:
+    """x - sin(x) and cos(x) - 1 + x^2/2 of a moderate x, by their series: without cancellation."""
+    term, sums, n, old = x * x / 2, [0 * x, 0 * x], 2, -1
+    while sums[0] != old or n < 6:  # terms x^3/6, -x^4/24, ... in turn
+        old = sums[0]
+        for which in (0, 1):
+            n += 1
+            term = term * x / n
+            sums[which] += term
+        term = -term
+    return sums[0], sums[1]

@@ -1,0 +1,248 @@
+"""Sliding under friction that drills: it never stops, and takes energy and Jellett's integral by its torque."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from ...events import Event
+from ...form import Form, Integral
+from ...operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
+from ...units import ANGULAR_MOMENTUM, JELLETT, METRE_PER_SECOND, ONE
+from ..ball import (
+    Ball,
+    angular_velocity,
+    arm,
+    bias_vector,
+    centre_velocity,
+    contact_acceleration_vector,
+    contact_velocity,
+    height,
+    torque_acceleration,
+)
+from ..coulomb import loaded_normal_force
+from ..drilling import OUTSIDE_FROM, between, inside, outside
+from ..gliding import catalogue as gliding
+from ..integrals import integral
+from ..orientation import carried_along
+from . import legs, row
+
+
+STILL = 1e-6
+"""Angular velocity, internal units, below which the sign of Omega_z, and the direction of rolling, are smooth."""
+
+
+class State(NamedTuple):
+    """3hat, L about the centre of mass, v_A."""
+
+    ux: Operand
+    uy: Operand
+    uz: Operand
+    Lx: Operand
+    Ly: Operand
+    Lz: Operand
+    vx: Operand
+    vy: Operand
+
+
+class Scalars(NamedTuple):
+    """What its events read."""
+
+    z: Operand  # cos(theta)
+    z_dot: Operand
+    force: Operand  # normal force
+    v2: Operand  # |v_A|^2
+    U2: Operand  # (patch Omega_z)^2
+
+
+class Contact(NamedTuple):
+    """What the plane does to the body."""
+
+    force: Vector
+    torque: Vector
+    U2: Operand
+    omega: Vector
+
+
+@formula
+def ball(b):
+    """The ball of a body, as the formulas of its contact take it."""
+    return Ball(b.m, b.I1, b.I3, b.g, b.friction.mu, b.c, b.R)
+
+
+@formula
+def patch_speed2(omega, b):
+    """U^2 = (patch Omega_z)^2, never quite zero."""
+    return b.friction.patch**2 * (omega.z * omega.z + STILL**2)
+
+
+@formula
+def per_force(drag, omega, v, b):
+    """Of friction per normal force: minus the horizontal force, and the torque, (3,) each."""
+    law = b.friction
+    rolling = law.mu_r / sqrt(omega.x * omega.x + omega.y * omega.y + STILL**2)
+    drilling = law.mu * law.patch**2 * drag.twist
+    k = law.mu * drag.k
+    torque = Vector(-(rolling * omega.x), -(rolling * omega.y), -(drilling * omega.z))
+    return Vector(k * v.x, k * v.y, 0 * k), torque
+
+
+def _contact(drag: Callable) -> Callable:
+    """contact(q, b) in the region of this drag."""
+
+    @formula
+    def contact(q, b):
+        u, L, v = row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz)
+        omega = angular_velocity(u, L, ball(b))
+        U2 = patch_speed2(omega, b)
+        push, torque = per_force(drag(v.x * v.x + v.y * v.y, U2), omega, v, b)
+        N = loaded_normal_force(u, bias_vector(u, L, ball(b)), push, torque, ball(b))
+        return Contact(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), U2, omega)
+
+    return contact
+
+
+def _form(name: str, contact: Callable) -> Form:
+    """The equations in a region."""
+
+    @formula
+    def scalars(q, b):
+        c = contact(q, b)
+        return Scalars(q.uz, row.axis_rate(q, b).z, c.force.z, q.vx * q.vx + q.vy * q.vy, c.U2)
+
+    @formula
+    def rates(q, b):
+        u, c = row.axis(q), contact(q, b)
+        G = plus(
+            contact_acceleration_vector(u, bias_vector(u, row.momentum(q), ball(b)), c.force, ball(b)),
+            torque_acceleration(u, c.torque, ball(b)),
+        )
+        turn = plus(cross(arm(u, ball(b)), c.force), c.torque)
+        return State._make((*row.axis_rate(q, b), *turn, G.x, G.y))
+
+    @formula
+    def velocity(q, b):
+        return centre_velocity(row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz), ball(b))
+
+    @formula
+    def power(q, b):
+        c = contact(q, b)
+        return -(c.force.x * q.vx + c.force.y * q.vy + dot(c.torque, c.omega))
+
+    return Form(
+        "vector",
+        State(*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2),
+        rates,
+        scalars,
+        of_angles=lambda e, s, z, b: None,  # it begins in the state that another phase leaves
+        to_angles=lambda q, carried, b: None,
+        integrals=(
+            integral("x", lambda q, carried, b: velocity(q, b).x),
+            integral("y", lambda q, carried, b: velocity(q, b).y),
+            integral("work", lambda q, carried, b: power(q, b)),
+            integral("impulse", lambda q, carried, b: contact(q, b).force.z),
+            Integral(
+                *LOST, formula(lambda q, carried, b: dot(contact(q, b).torque, arm(row.axis(q), ball(b))))
+            ),
+        ),
+        orientation=carried_along(row.axis, row.axis_rate, row.spin),
+    )  # fmt: skip
+
+
+LOST = ("jellett_lost", JELLETT, "Jellett's integral taken by the torque of the contact since the start")
+
+
+def _says(contact: Callable) -> Callable:
+    @formula
+    def says(q, b):
+        c, u, L = contact(q, b), row.axis(q), row.momentum(q)
+        velocity = centre_velocity(u, L, Vector(q.vx, q.vy, 0 * q.uz), ball(b))
+        return legs.Reached(u, L, velocity, height(q.uz, ball(b)), c.force, -dot(c.torque, c.omega))
+
+    return says
+
+
+def state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Any) -> State:
+    """The state of sliding of a body on the plane."""
+    v = contact_velocity(u, L, velocity, ball(b))
+    return State(*u, *L, v.x, v.y)
+
+
+# --- from region to region --------------------------------------------------------------------------------------------
+
+
+def _beyond(x: float) -> Callable:
+    return formula(lambda s, b: s.v2 - x**2 * s.U2)
+
+
+@formula
+def normal_force(s, b):
+    """Normal force [N]."""
+    return s.force
+
+
+COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH)
+REGIONS = {"inside": inside, "between": between, "outside": outside}
+EDGE = 1 + 1e-6
+"""x = w/U from which `between` holds: its slope has a root at 1, and `inside` is still right there to 1e-15."""
+
+BORDERS: dict[str, tuple[tuple[str, float, int, str], ...]] = {
+    "inside": (("faster", EDGE, 1, "between"),),
+    "between": (("slower", EDGE, -1, "inside"), ("faster", OUTSIDE_FROM, 1, "outside")),
+    "outside": (("slower", OUTSIDE_FROM, -1, "between"),),
+}
+"""Of each region: name of the event in which it ends, x, direction, and the region that follows."""
+
+
+def _kind(name: str) -> legs.Kind:
+    contact = _contact(REGIONS[name])
+    borders = (
+        Event(word, "sliding against turning", _beyond(x), direction, word) for word, x, direction, _ in BORDERS[name]
+    )
+    return legs.Kind("slip", _form(name, contact), (*COMMON, *borders), _says(contact), state)
+
+
+DRILLING_KINDS = {f"drill-{name}": _kind(name) for name in REGIONS} | {"flight": legs.KINDS["flight"]}
+FOLLOWS = {(f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.items() for word, _, _, to in borders}
+"""The kind that follows a kind and the event that ended it."""
+
+
+def region_kind(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
+    """The kind of sliding of a body, by the numbers of its state."""
+    v, U2 = contact_velocity(u, L, velocity, ball(b)), patch_speed2(angular_velocity(u, L, ball(b)), b)
+    x2 = (v.x * v.x + v.y * v.y) / U2
+    return f"drill-{'inside' if x2 < EDGE**2 else 'between' if x2 < OUTSIDE_FROM**2 else 'outside'}"
+
+
+class Angles(NamedTuple):
+    """As of any body whose contact has phases, and what its torque took of Jellett's integral."""
+
+    theta: Operand
+    theta_dot: Operand
+    phi_dot: Operand
+    omega3: Operand
+    nu_x: Operand
+    nu_y: Operand
+    nu_z: Operand
+    gap: Operand
+    phi: Operand
+    x: Operand
+    y: Operand
+    work: Operand
+    impulse: Operand
+    jellett_lost: Operand
+
+
+ANGLES = Angles._make((*row.ANGLES, JELLETT))
+
+
+@formula
+def angles_of_row(q, carried, b):
+    """The angles of a row."""
+    return Angles._make((*row.angles_of_row(q, carried, b), carried.jellett_lost))
+
+
+DRILLING_ROW = replace(
+    row.ROW,
+    to_angles=angles_of_row,
+    integrals=(*row.ROW.integrals, Integral(*LOST, formula(lambda q, carried, b: 0 * q.uz))),
+)

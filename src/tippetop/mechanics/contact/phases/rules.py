@@ -1,0 +1,57 @@
+"""What a user says of a contact that may open: the law of impact, and the stem."""
+
+import math
+from typing import Any, NamedTuple
+
+from ...operand import formula
+from ...parameter import Parameter
+from ...units import METRE, ONE
+
+
+RESTITUTIONS = ("energetic", "poisson", "newton")
+
+
+class ContactLaw(NamedTuple):
+    """How the contact opens and closes; SI.
+
+    Parameters
+    ----------
+    restitution
+        The law of impact, one of RESTITUTIONS.
+    e_n
+        Its coefficient.
+    r, h
+        Radius of the stem's ball, and how far along 3hat its centre lies from the centre of the sphere; NaN: no stem.
+    """
+
+    restitution: str = "energetic"
+    e_n: float = 0.0
+    r: float = math.nan
+    h: float = math.nan
+
+    @property
+    def stem(self) -> bool:
+        """Whether there is a stem."""
+        return not math.isnan(self.h)
+
+
+CONTACT = {"e_n": Parameter(ONE, "coefficient of restitution e_n", least=0, most=1)}
+STEM = {
+    "r": Parameter(METRE, "radius of the stem's ball", above=0),
+    "h": Parameter(METRE, "distance from the centre of the sphere to that of the stem's ball, along 3hat", above=0),
+}
+
+
+def stem_faults(R: float, r: float, h: float) -> list[str]:
+    """What is wrong with a stem on a sphere of radius R, in sentences. [contact 6]"""
+    if not r < R:
+        return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]
+    if not h > R - r:
+        return [f"`stem.h` must exceed R - r = {R - r:.6g}, or the stem never touches the plane, but is {h:.6g}."]
+    return []
+
+
+@formula
+def stem_height(height: Any, z: Any, offset: Any, radius: Any) -> Any:
+    """Height of the lowest point of the stem's ball [m], by that of the centre of mass. [contact 0]"""
+    return height - radius + offset * z

@@ -1,0 +1,83 @@
+"""Scenarios whose contact may change its phase: which they are, and what they say of the contact."""
+
+from typing import Any
+
+from ..errors import InputError
+from ..mechanics.contact.phases.rules import ContactLaw
+from ..mechanics.contact.uniqueness import painleve_bound
+from ..mechanics.friction import Contensou, SetValued
+from ..mechanics.system import System
+from ..mechanics.systems.with_contact import BODIES, with_contact
+from ..problem import Problem
+
+
+def system_with_contact(system: System, tables: dict[str, Any]) -> System:
+    """The system of a scenario: one whose contact may open where the scenario says so, by `[contact]`, `[stem]`, a
+    Coulomb law without `eps`, or `on_liftoff = "fly"`. Raises InputError where it cannot."""
+    friction, run = tables.get("friction"), tables.get("run")
+    law = friction.get("law") if isinstance(friction, dict) else None
+    dry = law == "coulomb" and isinstance(friction, dict) and "eps" not in friction
+    asked = [f"`{name}`" for name in ("contact", "stem") if name in tables]
+    if isinstance(run, dict) and run.get("on_liftoff") == "fly":
+        asked.append('`run.on_liftoff = "fly"`')
+    if law == "contensou":
+        asked.append('`friction.law = "contensou"`')
+    if not (asked or (dry and system.name in BODIES)):
+        return system
+    if system.name not in BODIES or BODIES[system.name] is not system:
+        raise InputError([f"{asked[0]} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
+    kind = "dry" if dry else "drilling" if law == "contensou" else "smooth"
+    if kind == "drilling" and system.name != "tippe-top":
+        raise InputError([f'`friction.law = "contensou"` must be of a tippe-top, but the system is {system.name}.'])
+    return with_contact(system.name, kind, "stem" in tables)
+
+
+def rules_of(scenario: Any, system: System) -> ContactLaw | None:
+    """What a checked scenario says of the contact; None where that never opens."""
+    if system.contact is None:
+        return None
+    contact = scenario.contact.model_dump() if scenario.contact is not None else {}
+    stem = scenario.stem.model_dump() if getattr(scenario, "stem", None) is not None else {}
+    return ContactLaw(**{key: value for key, value in {**contact, **stem}.items() if value is not None})
+
+
+def contact_tables(problem: Problem) -> dict[str, dict[str, Any]]:
+    """The tables of a resolved scenario that say how the contact opens and closes."""
+    rules = problem.contact
+    if rules is None:
+        return {}
+    contact = {"restitution": rules.restitution, "e_n": rules.e_n}
+    return {"contact": contact, **({"stem": {"r": rules.r, "h": rules.h}} if rules.stem else {})}
+
+
+def contact_faults(problem: Problem) -> list[str]:
+    """What a contact that opens cannot be asked, in sentences."""
+    if problem.contact is None:
+        return []
+    faults = []
+    if problem.stop_when == "settled":
+        faults.append('`run.stop_when` must be "until" where the contact may change its phase, but is "settled".')
+    if problem.output == "keyframes":
+        faults.append('`run.output` must not be "keyframes" where the contact may change its phase.')
+    if problem.on_liftoff == "continue":
+        faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
+    if isinstance(problem.friction, SetValued | Contensou):
+        faults += _unique(problem)
+    return faults
+
+
+def _unique(problem: Problem) -> list[str]:
+    """Coulomb friction has one contact force below Painleve's bound alone. [contact 2.6]"""
+    rules = problem.contact
+    assert rules is not None
+    body = problem.body()
+    balls = {"body": (body.c, body.R)} | ({"stem": (body.c + rules.h, rules.r)} if rules.stem else {})
+    bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
+    name, least = min(bounds.items(), key=lambda item: item[1])
+    mu = problem.friction.mu
+    if mu < least:
+        return []
+    return [
+        f"`friction.mu` must be less than {least:.4f}, but is {mu:g}: above it the contact force of this {name} is not "
+        "unique (Painleve)."
+    ]

@@ -1,0 +1,146 @@
+"""Runs through phases of the contact: their invariants, what the starts of slides may not change, published anchors."""
+
+import numpy as np
+import pytest
+
+from tippetop.engine.contact import beginning
+from tippetop.engine.status import Status
+from tippetop.runs.run import solve
+from tippetop.scenario.build import problem
+
+
+CANONICAL = {
+    "m": 0.02,
+    "R": 0.02,
+    "alpha": 0.3,
+    "I1": 131 / 350 * 0.02 * 0.02**2,
+    "I3": 0.4 * 0.02 * 0.02**2,
+    "g": 9.82,
+}
+COHEN = {"m": 0.015, "R": 0.025, "alpha": 0.2, "I1": 0.4 * 0.015 * 0.025**2, "I3": 0.4 * 0.015 * 0.025**2, "g": 9.81}
+LEINE_GLOCKER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
+
+
+def run(parameters=CANONICAL, system="tippe-top", until=0.3, keep=True, **tables):
+    """A run of a tippe top, Coulomb's law itself unless another is given."""
+    friction = tables.pop("friction", {"law": "coulomb", "mu": 0.3})
+    return solve(
+        problem({"system": system, "parameters": parameters, "friction": friction, "run": {"until": until}, **tables}),
+        keep=keep,
+    )
+
+
+def random_start(seed):
+    """A start that slides, rolls or flies, and its friction."""
+    rng = np.random.default_rng(seed)
+    start = {
+        "theta": rng.uniform(0.05, 3.1),
+        "phi_dot": rng.uniform(-40, 40),
+        "omega3": rng.uniform(-100, 100),
+        "theta_dot": rng.uniform(-30, 30),
+    }
+    if seed % 3:
+        start |= {"nu_x": rng.normal() * 0.3, "nu_y": rng.normal() * 0.3}
+    return start, {"law": "coulomb", "mu": rng.uniform(0.05, 0.6)}
+
+
+def test_energy_and_jelletts_integral_hold_through_every_phase():
+    kinds = set()
+    for seed in range(30):
+        start, friction = random_start(seed)
+        contact = {"e_n": 0.5} if seed % 2 else {}
+        done = run(initial=start, friction=friction, contact=contact, keep=False)
+        assert done.status is Status.FINISHED, (seed, done.reason)
+        assert max(done.report["drift"].values()) < 5e-13, (seed, done.report["drift"])
+        kinds |= done.report["event_counts"].keys()
+    assert {"stick", "slip", "liftoff", "impact"} <= kinds
+
+
+def test_how_a_slide_is_begun_does_not_show(monkeypatch):
+    """The first moments of a slide are a polynomial over a span of choice: what follows does not depend on it."""
+    start = {"theta": 0.9923530071805531, "phi_dot": -8.355486315805702, "omega3": 88.18683753238034}
+    start["theta_dot"] = -17.927807956520134
+    rows, times = [], []
+    for span in (0.06, 0.03, 0.015):
+        monkeypatch.setattr(beginning, "SPAN", span)
+        done = run(initial=start, friction={"law": "coulomb", "mu": 0.5935203956711167})
+        rows.append(done.columns()["theta"].values)
+        times.append(done.events.time)
+    assert {5, 6} <= set(done.events.kind)
+    assert np.max(np.abs(np.diff(rows, axis=0))) < 1e-11
+    assert np.max(np.abs(np.diff(times, axis=0))) < 1e-11
+
+
+def test_rows_within_the_beginning_of_a_slide_are_those_of_the_slide(monkeypatch):
+    start = {"theta": 0.9923530071805531, "phi_dot": -8.355486315805702, "omega3": 88.18683753238034}
+    start["theta_dot"] = -17.927807956520134
+    until, rows = 0.037, []
+    for span in (0.06, 0.004):  # from 0.03616 s, for 0.7 ms and 0.05 ms
+        monkeypatch.setattr(beginning, "SPAN", span)
+        tables = {"run": {"until": until, "output_step": 2e-5}}
+        friction = {"law": "coulomb", "mu": 0.5935203956711167}
+        done = solve(
+            problem({"system": "tippe-top", "parameters": CANONICAL, "friction": friction, "initial": start, **tables})
+        )
+        columns = done.columns()
+        rows.append(np.array([columns[name].values for name in ("theta", "omega3", "nu_x", "nu_y", "work", "x")]))
+    late = columns["time"].values > 0.0362
+    assert late.sum() > 30
+    assert np.max(np.abs(rows[0] - rows[1])[:, late]) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("parameters", "start", "t", "theta", "share"),
+    [
+        (LEINE_GLOCKER, {"theta": 0.1, "omega3": 180.0, "centre_at_rest": True}, 0.0361449219, 0.0363789785, 0.117),
+        (
+            COHEN,
+            {"theta": 0.1, "omega3": 100.0, "centre_at_rest": True}, 0.02878761568, 0.0528961411, 0.288,
+        ),
+    ],
+)  # fmt: skip
+def test_exact_coulomb_friction_sticks_and_does_not_invert(parameters, start, t, theta, share):
+    """Leine and Glocker's top, and Cohen's: the anchors of two engines that share nothing with this one."""
+    done = run(parameters, initial=start, until=0.1)
+    sticks = done.events.of("stick")
+    assert sticks.time == pytest.approx([t], abs=2e-11)
+    assert sticks.theta == pytest.approx([theta], abs=2e-10)
+    columns = done.columns()
+    assert columns["phase"].values[-1] == 1
+    assert np.ptp(columns["energy"].values[columns["phase"].values == 1]) < 1e-14
+
+
+def test_drilling_friction_turns_a_top_onto_its_stem():
+    """Leine and Glocker's top with Hertz's pressure: on the stem at 1.37081 s; published: it stands until 4.5 s, then
+    rocks between sphere and stem, and has both on the plane from about 4.6 to 5.4 s."""
+    friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
+    start = {"theta": 0.1, "omega3": 180.0, "centre_at_rest": True}
+    done = run(LEINE_GLOCKER, friction=friction, initial=start, stem={"r": 0.005, "h": 0.013}, until=8.0)
+    impacts = done.others["impacts"][0]
+    assert impacts["time"][0] == pytest.approx(1.37081, abs=5e-6)
+    assert impacts["ball"][0] == 1
+    assert done.status is Status.ENDED
+    assert "sphere and its stem at once" in done.reason
+    assert 4.6 < done.report["t_end"] < 5.4
+    assert max(done.report["drift"].values()) < 1e-13
+
+
+def test_rolling_resistance_takes_energy_that_is_accounted_for():
+    friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
+    start = {"theta": 1.0, "omega3": 100.0, "phi_dot": 5.0}
+    done = run(LEINE_GLOCKER, friction=friction, initial=start)
+    assert max(done.report["drift"].values()) < 1e-13
+    columns = done.columns()
+    assert np.all(np.diff(columns["work"].values) > 0)
+
+
+def test_a_bouncing_top_comes_to_rest_on_the_plane():
+    """The bounces shrink by e_n where sliding persists: their number is that of log(v_close)/log(e_n)."""
+    start = {"theta": 0.3, "omega3": 50.0, "gap": 0.001}
+    done = run(initial=start, contact={"e_n": 0.5}, friction={"law": "none"}, until=0.5)
+    impacts = done.others["impacts"][0]
+    bounced = impacts["v_n_after"] > 0
+    ratios = impacts["v_n_after"][bounced] / -impacts["v_n_before"][bounced]
+    assert ratios == pytest.approx(0.5, abs=1e-9)  # no friction: the slope of v_n is constant
+    assert not bounced[-1]
+    assert max(done.report["drift"].values()) < 1e-13

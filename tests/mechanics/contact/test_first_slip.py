@@ -1,0 +1,160 @@
+"""How slip begins at the edge of the cone and outside it: against integrations, expansions and a second precision."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from tippetop.mechanics.contact import ball as contact
+from tippetop.mechanics.contact import coulomb
+from tippetop.mechanics.contact.ball import Ball
+from tippetop.mechanics.contact.first_slip import first_directions, first_slip
+from tippetop.mechanics.operand import Vector, cross
+
+
+BODY = Ball(0.02, 131 / 43750000, 1 / 312500, 9.82, 0.3, 0.006, 0.02)
+
+
+class Edge(NamedTuple):
+    """A rolling state on the edge of its cone, which it leaves."""
+
+    ball: Ball
+    state: np.ndarray  # 3hat, L, x and y of the centre of mass
+    beta: float
+    omega: float
+
+
+def slip_rates(ball: Ball) -> Callable:
+    """rates(state, w, beta) of 3hat, L and the place of the centre of mass."""
+
+    def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple:
+        u, L, n = Vector(*state[:3]), Vector(*state[3:6]), Vector(np.cos(beta), np.sin(beta), 0)
+        F, P, Q = coulomb.slip_motion(u, L, n, ball)
+        V = contact.centre_velocity(u, L, Vector(w * n.x, w * n.y, 0), ball)
+        return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y]), P, Q
+
+    return rates
+
+
+def rolling_rate(state: np.ndarray, ball: Ball) -> np.ndarray:
+    u, L = Vector(*state[:3]), Vector(*state[3:6])
+    F = coulomb.reaction_of_rolling_vector(u, contact.bias_vector(u, L, ball), ball)
+    V = contact.centre_velocity(u, L, Vector(0, 0, 0), ball)
+    return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
+
+
+def reaction(state: np.ndarray, ball: Ball) -> Vector:
+    u, L = Vector(*state[:3]), Vector(*state[3:6])
+    return coulomb.reaction_of_rolling_vector(u, contact.bias_vector(u, L, ball), ball)
+
+
+def edges(rng: np.random.Generator, count: int) -> list[Edge]:
+    """Random rolling states; mu is such that they are on the edge, and time is reversed if they would enter."""
+    found: list[Edge] = []
+    while len(found) < count:
+        u = rng.normal(0, 1, 3)
+        u /= np.sqrt(u @ u)
+        state = np.concatenate([u, 3e-6 * rng.normal(0, 60, 3), [0.1, 0.2]])
+        for sign in (1, -1):
+            state = np.concatenate([state[:3], sign * state[3:6], state[6:]])
+            F = reaction(state, BODY)
+            mu = np.hypot(F.x, F.y) / F.z
+            ball = BODY._replace(mu=mu)
+            later = coulomb.cone(*reaction(state + 1e-7 * rolling_rate(state, ball), ball), mu)
+            if F.z > 0.05 and 0.05 < mu < 0.8 and later < 0:
+                omega = contact.angular_velocity(Vector(*state[:3]), Vector(*state[3:6]), ball)
+                found.append(Edge(ball, state, float(np.arctan2(-F.y, -F.x)), float(np.sqrt(np.dot(omega, omega)))))
+                break
+    return found
+
+
+def test_the_start_goes_on_as_an_integration_of_the_same_equations(rng: np.random.Generator) -> None:
+    for edge in edges(rng, 3):
+        rates = slip_rates(edge.ball)
+        made = first_slip(rates, edge.state, edge.beta, 0.03 / edge.omega)
+
+        def rate(t: float, y: np.ndarray, rates: Callable = rates) -> np.ndarray:
+            state_rate, P, Q = rates(y[:-2], y[-2], y[-1])
+            return np.array([*state_rate, P, Q / y[-2]])
+
+        middle = 7
+        begin = np.array([*made.state[:, middle], made.w[middle], made.beta[middle]])
+        times = (made.time[middle], made.time[-1])
+        end = solve_ivp(rate, times, begin, "DOP853", rtol=1e-13, atol=1e-16).y[:, -1]
+        assert made.time[-1] == 0.03 / edge.omega
+        size = np.array([1, 1, 1, 1e-3, 1e-3, 1e-3, 1, 1])
+        assert np.max(np.abs(made.state[:, -1] - end[:-2]) / size) < 2e-15
+        assert made.w[-1] == pytest.approx(end[-2], rel=1e-10)
+        assert made.beta[-1] == pytest.approx(end[-1], abs=1e-10)
+        inner = made.at(made.time)
+        for found, expected in zip(inner, (made.state, made.w, made.beta), strict=True):
+            np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-17)
+
+
+def test_the_start_has_the_first_terms_of_its_expansion(rng: np.random.Generator) -> None:
+    """w = p t^2/2, beta = beta_0 + q t, q = -Q_t/Q_beta, p = P_t + q P_beta: derivatives by differences."""
+    for edge in edges(rng, 3):
+        rates, h = slip_rates(edge.ball), 1e-6
+        drift = rolling_rate(edge.state, edge.ball) * h / edge.omega * 100
+        by_time = [rates(edge.state + k * drift, 0.0, edge.beta)[1:] for k in (1, -1)]
+        by_beta = [rates(edge.state, 0.0, edge.beta + k * h)[1:] for k in (1, -1)]
+        (P_t, Q_t), (P_b, Q_b) = (
+            (np.subtract(*x) / (2 * step)) for x, step in ((by_time, h / edge.omega * 100), (by_beta, h))
+        )
+        q = -Q_t / Q_b
+        p = P_t + q * P_b
+        assert p > 0 > Q_b
+        t = 1e-3 / edge.omega
+        made = first_slip(rates, edge.state, edge.beta, t)
+        assert made.w[-1] == pytest.approx(p * t**2 / 2, rel=0.05)
+        assert made.beta[-1] - edge.beta == pytest.approx(q * t, rel=0.05)
+
+
+def test_the_start_is_exact_to_rounding(rng: np.random.Generator) -> None:
+    """Against 16 nodes in longdouble numbers: angles to 1e-16, momenta and slip speed far below their rounding."""
+    for edge in edges(rng, 3):
+        made = first_slip(slip_rates(edge.ball), edge.state, edge.beta, 0.03 / edge.omega)
+        wide = Ball(*map(np.longdouble, edge.ball))
+        state = edge.state.astype(np.longdouble)
+        exact = first_slip(slip_rates(wide), state, np.longdouble(edge.beta), np.longdouble(0.03 / edge.omega), 16)
+        assert np.abs(made.state[:3, -1] - exact.state[:3, -1]).max() < 3e-16
+        assert np.abs(made.state[3:6, -1] - exact.state[3:6, -1]).max() < 1e-18 * edge.omega / 50
+        assert abs(made.w[-1] - exact.w[-1]) < 3e-17 * edge.omega / 50
+        assert abs(made.beta[-1] - exact.beta[-1]) < 1e-11
+
+
+def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> None:
+    (edge,) = edges(rng, 1)
+    state = np.concatenate([edge.state[:3], -edge.state[3:6], edge.state[6:]])  # it comes in
+    F = reaction(state, edge.ball)
+    with pytest.raises(ArithmeticError, match="no slip begins"):
+        first_slip(slip_rates(edge.ball), state, float(np.arctan2(-F.y, -F.x)), 0.03 / edge.omega)
+
+
+def test_outside_the_cone_there_is_one_first_direction_and_inside_none(rng: np.random.Generator) -> None:
+    counts = {True: 0, False: 0}
+    for _ in range(120):
+        u = rng.normal(0, 1, 3)
+        u = Vector(*(u / np.sqrt(u @ u)))
+        L = Vector(*(3e-6 * rng.normal(0, 60, 3)))
+        ball = BODY._replace(mu=rng.uniform(0.05, 1.4))
+        F = coulomb.reaction_of_rolling_vector(u, contact.bias_vector(u, L, ball), ball)
+        if contact.bias_vector(u, L, ball).z > 0:
+            continue  # the contact opens
+
+        def law(beta: np.ndarray, u: Vector = u, L: Vector = L, ball: Ball = ball) -> tuple:
+            F, P, Q = coulomb.slip_motion(u, L, Vector(np.cos(beta), np.sin(beta), 0), ball)
+            return P, Q, F.z
+
+        rolls = bool(F.z > 0 and coulomb.cone(*F, ball.mu) >= 0)
+        found = first_directions(law)
+        assert len(found) == (0 if rolls else 1)
+        counts[rolls] += 1
+        for beta in found:
+            P, Q, N = law(np.array([beta, beta + 1e-14, beta - 1e-14]))
+            assert Q[1] * Q[2] <= 0 or abs(Q[0]) < 1e-12
+            assert P[0] > 0
+            assert N[0] > 0
+    assert min(counts.values()) > 10

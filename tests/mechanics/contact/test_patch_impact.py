@@ -1,0 +1,94 @@
+"""Impacts of a patch that drills: against an integration of the whole body, and those of a point."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from tippetop.mechanics.contact.ball import Ball, mobility
+from tippetop.mechanics.contact.drilling import drag
+from tippetop.mechanics.contact.patch_impact import patch_struck
+from tippetop.mechanics.contact.struck import RESTITUTIONS, struck
+
+
+BODY = Ball(0.006, 8e-7, 7e-7, 9.81, 0.3, 0.003, 0.015)
+STEM = BODY._replace(offset=0.016, radius=0.005)
+PATCH = 5e-4
+
+every_law = pytest.mark.parametrize("law", RESTITUTIONS)
+
+
+def body_struck(v: tuple, omega: np.ndarray, theta: float, ball: Ball, until: float) -> tuple:
+    """Contact velocity, omega and gain of L after the normal impulse `until`: the free body, by Newton and Euler."""
+    u = np.array([np.sin(theta), 0, np.cos(theta)])
+    a = ball.offset * u - np.array([0, 0, ball.radius])
+    inverse = np.eye(3) / ball.I1 + (1 / ball.I3 - 1 / ball.I1) * np.outer(u, u)
+    V, L = np.array(v) - np.cross(omega, a), np.linalg.solve(inverse, omega)
+
+    def rate(p: float, y: np.ndarray) -> np.ndarray:
+        omega = inverse @ y[3:]
+        v = y[:3] + np.cross(omega, a)
+        k, twist = drag(v[0] ** 2 + v[1] ** 2, (PATCH * omega[2]) ** 2)
+        F = np.array([-ball.mu * k * v[0], -ball.mu * k * v[1], 1])
+        torque = np.array([0, 0, -ball.mu * PATCH**2 * twist * omega[2]])
+        return np.concatenate([F / ball.m, np.cross(a, F) + torque])
+
+    y = solve_ivp(rate, (0, until), np.concatenate([V, L]), "DOP853", rtol=1e-12, atol=1e-16).y[:, -1]
+    omega = inverse @ y[3:]
+    return y[:3] + np.cross(omega, a), omega, y[3:] - L
+
+
+@every_law
+@pytest.mark.parametrize("ball", [BODY, STEM])
+def test_the_whole_body_moves_so(ball: Ball, law: str, rng: np.random.Generator) -> None:
+    for theta in rng.uniform(0.2, 2.9, 3):
+        omega, v = rng.normal(0, 100, 3), (*rng.normal(0, 0.2, 2), -0.1)
+        made = patch_struck(v, omega[2], np.sin(theta), np.cos(theta), ball, PATCH, 0.6, law)
+        after, turned, gained = body_struck(v, omega, theta, ball, made.p_z)
+        np.testing.assert_allclose((made.v_e, made.v_2, made.v_n), after, rtol=0, atol=1e-10)
+        assert made.Omega_z == pytest.approx(turned[2], abs=1e-8)
+        s, z = np.sin(theta), np.cos(theta)
+        a = np.array([ball.offset * s, 0, ball.offset * z - ball.radius])
+        p = np.array([made.p_e, made.p_2, made.p_z])
+        np.testing.assert_allclose(np.cross(a, p) + np.array([0, 0, made.twist]), gained, rtol=0, atol=1e-14)
+        energy = (p @ (np.array(v) + after) + made.twist * (omega[2] + made.Omega_z)) / 2
+        assert made.energy == pytest.approx(energy, rel=1e-10)
+        assert made.work_t < 0
+        ends = {"energetic": made.work_n / made.compression - 0.64, "poisson": 0, "newton": made.v_n - 0.06}
+        assert ends[law] == pytest.approx(0, abs=1e-13)
+
+
+def test_poissons_impulse_is_that_of_compression_and_its_share() -> None:
+    v = (0.1, -0.1, -0.3)
+    whole, pressed = (patch_struck(v, 80.0, 0.8, 0.6, STEM, PATCH, e, "poisson") for e in (0.6, 0.0))
+    assert whole.p_z == pytest.approx(1.6 * pressed.p_z, rel=1e-13)
+    assert pressed.v_n == 0
+
+
+def test_a_point_is_a_patch_of_no_size() -> None:
+    """Where the slip does not stop; the difference is of the order of the patch squared."""
+    theta, v = 1.0, (0.4, -0.3, -0.2)
+    K = mobility(np.sin(theta), np.cos(theta), BODY)
+    point = struck(*v, K, BODY.mu, 0.5)
+    errors = []
+    for patch in (1e-4, 1e-5, 0.0):
+        made = patch_struck(v, 50.0, np.sin(theta), np.cos(theta), BODY, patch, 0.5)
+        errors.append(abs(made.v_2 - point.v_2) + abs(made.p_e - point.p_e))
+    assert errors[1] < errors[0] / 5
+    assert errors[2] < 1e-13
+
+
+def test_slip_and_drilling_that_stop_together_stick() -> None:
+    """At a pole, where friction gives no Omega_z."""
+    made = patch_struck((0.01, 0.01, -1.0), 0.0, 0.0, 1.0, BODY, PATCH, 0.5)
+    assert made.mode == "stick"
+    assert (made.v_e, made.v_2, made.Omega_z) == (0, 0, 0)
+    point = struck(0.01, 0.01, -1.0, mobility(0.0, 1.0, BODY), BODY.mu, 0.5)
+    assert made[:3] == pytest.approx(point[:3], rel=1e-12)
+    assert made.energy == pytest.approx(point.energy, rel=1e-12)
+
+
+@pytest.mark.parametrize("wrong", [{"v": (0.1, 0.1, 0.1)}, {"e_n": -0.1}, {"restitution": "no"}])
+def test_what_is_no_impact_is_refused(wrong: dict) -> None:
+    right = {"v": (0.1, 0.1, -0.1), "Omega_z": 1.0, "s": 0.6, "z": 0.8, "ball": BODY, "patch": PATCH, "e_n": 0.5}
+    with pytest.raises(ValueError, match="no impact"):
+        patch_struck(**{**right, **wrong})
