@@ -81,7 +81,7 @@ def drive(step, dense, motion, events, tallies, log, samples, scratch, rows, rul
     steps, ended = 0, False
     room = len(events.events) * len(scratch.zeros)
     while True:
-        full = _rows(dense, motion, tallies, rows, steps)
+        full = _rows(dense, motion, tallies, rows, steps > 0)
         full = full or (len(log.time) > 0 and log.filled[0] + room > len(log.time))
         full = full or (len(samples.lane) > 0 and samples.filled[0] + len(motion.h) > len(samples.lane))
         if steps == most or ended or full:
@@ -162,15 +162,15 @@ def _is_finite(motion, lane):
 
 
 @inlined
-def _rows(dense, motion, tallies, rows, steps):
-    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `steps` are
-    those of this call: the end of one that was made before it has its row."""
+def _rows(dense, motion, tallies, rows, moved):
+    """Fills rows that lie in the present step of the first lane; gives whether there is room for no more. `moved`:
+    this call has made a step; the end of one that was made before it has its row."""
     n = len(rows.times)
     if n == 0:
         return False
     tally, at = tallies.lane[0], rows.filled[0]
     if rows.steps:
-        if steps > 0 and tally.upto == 1.0 and tally.status != NON_FINITE:
+        if moved and tally.upto == 1.0 and tally.status != NON_FINITE:
             rows.times[at] = motion.high[0]
             for i in range(len(motion.state)):
                 rows.states[at, i] = motion.state[i, 0]
