@@ -137,6 +137,15 @@ def test_an_offset_moves_the_level(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(kept[0], 1.25, rtol=0, atol=1e-14)
 
 
+@pytest.mark.parametrize("offset", [3.0, -3.0])
+def test_an_offset_counts_where_the_variable_alone_has_no_zero(offset: float, rng: np.random.Generator) -> None:
+    """The variable keeps its sign all along, and its level is passed nevertheless."""
+    functions = [Polynomial([-1.25 - offset, 1.0])] * LANES
+    rows = rows_of((event("level"), 0, offset))
+    kept = followed(rows, *slice_of([[f] for f in functions], rng), -np.ones((1, LANES))).kept
+    np.testing.assert_allclose(kept[0], 1.25, rtol=0, atol=1e-14)
+
+
 def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(rng: np.random.Generator) -> None:
     """Other lanes go on; the earlier of two endings counts, in whatever order the events are."""
     ends = [np.array([0.9]), np.array([1.3]), np.array([]), np.array([0.9])]
