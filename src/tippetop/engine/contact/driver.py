@@ -195,26 +195,24 @@ class ContactDriver:
         while True:
             piece = self.inner.advance(asked, most - steps)
             steps += piece.steps
-            samples.append(self.rows(piece.samples))
-            last, when, status = self.rows(piece.last), piece.time, piece.status
-            ending = self._ending(piece)
-            count = len(piece.passages.times) - (ending is not None)
+            when, status, ending = piece.time, piece.status, self._ending(piece)
+            count, first = len(piece.passages.times) - (ending is not None), len(piece.samples)
             passages = Passages(*(column[:count] for column in piece.passages))
-            log.add(passages, self.inner.problem.system, self.rows(passages.states))
+            rows = self.rows(np.concatenate([piece.samples, passages.states, piece.last]))
+            last = rows[-1:]
+            samples.append(rows[:first])
+            log.add(passages, self.inner.problem.system, rows[first:-1])
             if status is None or not (self.lands or ending is not None):
                 break
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
             status = self._change(ending, last, when, log, request)
-            if status is not None:
-                break
-            last = self.present()
-            if steps >= most:
+            if status is not None or steps >= most:
                 break
         if status is not None:
             self.tables.end(float(when), str(status.value))
-        rows = self.present() if status is None else last
-        return Slice(steps, when, rows, np.concatenate(samples), log.passages(), status, self.tables.take())
+        last = self.present() if status is None else last
+        return Slice(steps, when, last, np.concatenate(samples), log.passages(), status, self.tables.take())
 
     def _ending(self, piece: Slice) -> str | None:
         """The event that ended the present phase; None if none did."""
