@@ -57,6 +57,25 @@ def test_theta_is_drawn_with_its_turnings(inverting: tuple) -> None:
     assert [tick.get_text() for tick in above.get_yticklabels()] == ["0", "π/4", "π/2", "3π/4", "π"]
 
 
+def test_the_swing_is_not_drawn_over_a_pause_of_the_turnings(inverting: tuple) -> None:
+    """While the top turns over theta does not turn back: the line is broken there, and has every turning."""
+    events = inverting[1]
+    turning = events["time"].values[(events["kind"].values == 0) & events["significant"].values]
+    when, swing = drawn("theta", inverting).axes[1].get_lines()[0].get_data()
+    joined = np.isfinite(swing[1:]) & np.isfinite(swing[:-1])
+    assert np.diff(when)[joined].max() < 0.3 * np.diff(turning).max()
+    np.testing.assert_array_equal(np.asarray(when)[np.isfinite(swing)], turning)
+
+
+def test_a_title_has_the_letters_of_the_axes(inverting: tuple) -> None:
+    title = drawn("theta", inverting).axes[0].get_title(loc="left")
+    assert title.endswith(": θ(0) = 0.1, ω₃(0) = 155")
+    given = {"theta": 0.2, "phi_dot": 3.0, "nu_x": 0.5, "centre_at_rest": True, "gap": 1e-3}
+    assert run._title({"title": "top", "initial": given}) == (
+        "top: θ(0) = 0.2, φ'(0) = 3, $\\nu_x$(0) = 0.5, centre of mass at rest, gap(0) = 0.001"
+    )
+
+
 def test_normal_force_is_drawn_in_weights_with_its_extremes(inverting: tuple) -> None:
     trajectory, _, attrs = inverting
     weight = attrs["parameters"]["m"] * attrs["parameters"]["g"]

@@ -197,10 +197,10 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
     if figure is None:
         return
     from ..figures import catalogue
-    from ..store.chunks import digest
+    from ..store.chunks import for_figures
 
     if isinstance(groups, Path):
-        groups = {name: digest(groups, name, "theta") for name in ("trajectory", "events")}
+        groups = for_figures(groups, attrs)
     catalogue.draw("theta", groups, attrs, figure)
 
 

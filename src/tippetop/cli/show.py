@@ -171,8 +171,7 @@ def _plot(store: Path, kind: str | None, attrs: dict[str, Any], out: Path) -> No
         picture(store, attrs, out)
     else:
         catalogue.check_kind(kind or "theta")
-        groups = {name: chunks.digest(store, name, "theta") for name in ("trajectory", "events")}
-        catalogue.draw(kind or "theta", groups, attrs, out)
+        catalogue.draw(kind or "theta", chunks.for_figures(store, attrs), attrs, out)
 
 
 def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:

@@ -14,13 +14,14 @@ from typing import Any
 @dataclass(frozen=True)
 class RunFigure:
     """A figure of a run: draw(*prepare(trajectory, events, attributes)); both are named module:function, and imported
-    when the figure is drawn."""
+    when the figure is drawn. Where the x axis is the time, the phases of the run's contact are shaded behind it."""
 
     shows: str  # one line for people
     draw: str
     prepare: str | None = None  # None: what is drawn is the run as it is
     needs: str = "time"  # the column of the trajectory without which there is nothing to show
     drawn_for: str = ""  # the systems that have that column, in words
+    over_time: bool = False  # whether the x axis of every panel is the time
 
 
 def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
@@ -30,17 +31,18 @@ def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
 
 
 FIGURES: dict[str, RunFigure] = {
-    "theta": RunFigure("theta(t), turning angles, nutational band (default)", "figures.run:theta"),
+    "theta": RunFigure("theta(t), turning angles, nutational band (default)", "figures.run:theta", over_time=True),
     "normal-force": RunFigure(
         "normal force g_n(t) in units of the weight",
         "figures.run:normal_force",
         needs="normal_force",
         drawn_for="systems with a normal force",
+        over_time=True,
     ),
-    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift"),
+    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift", over_time=True),
     "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.run:growth"),
     "sphere": RunFigure("path of the axis on the sphere", "figures.run:sphere", needs="axis", drawn_for="tops"),
-    "energy": RunFigure("energy, modified energy, energy taken by friction", "figures.run:energy"),
+    "energy": RunFigure("energy, modified energy, energy taken by friction", "figures.run:energy", over_time=True),
     "phase": _of_tippe_tops("figures.stability:phase", "asymptotic states over lambda, and the run among them"),
     "band": RunFigure(
         "turning angles that the main equation predicts", "figures.landscape:band", "landscape.along_run:band"
@@ -76,7 +78,7 @@ def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -
     kind
         A name of `FIGURES`.
     groups
-        trajectory and events, Datasets or columns by name.
+        trajectory and events, and phases and impacts where the run has them; Datasets or columns by name.
     attrs
         The root attributes of the run's store.
     path
@@ -109,7 +111,10 @@ def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
 
         given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
     with styled():
-        return _function(chosen.draw)(*given)
+        drawing = _function(chosen.draw)(*given)
+        if chosen.over_time and "phases" in groups:
+            _function("figures.phases:mark")(drawing, groups["phases"], groups["impacts"])
+        return drawing
 
 
 def write(figure: Any, path: Path) -> None:

@@ -6,12 +6,28 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from matplotlib.ticker import NullFormatter
 
 from ..columns import flagged
 from .style import ALARM, LOWER, QUIET, RUN, UPPER, figure
 
 
 MOST_POINTS = 40_000  # more cannot be seen; beyond it the smallest and largest of each bin are drawn
+
+
+SYMBOLS = {
+    "theta": "θ",
+    "theta_dot": "θ'",
+    "phi": "φ",
+    "phi_dot": "φ'",
+    "psi_dot": "ψ'",
+    "omega3": "ω₃",
+    "nu_x": "$\\nu_x$",
+    "nu_y": "$\\nu_y$",
+    "nu_z": "$\\nu_z$",
+    "lambda": "λ",
+}
+"""Initial keys as the axes of figures write them."""
 
 
 def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
@@ -33,15 +49,21 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     if np.min(angle) >= 0 and np.max(angle) <= np.pi + 0.01 and np.max(angle) > 0.8:
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
         axes.set_ylim(-0.08, min(np.pi + 0.12, max(np.max(angle) * 1.15, 0.9)))
-    for when in _of(events, "liftoff")[:1]:
-        axes.axvline(when, color=ALARM, lw=1.0, ls="--", label=f"liftoff at {when:.4g} s")
+    liftoffs = _of(events, "liftoff")
+    for when in liftoffs[:1]:
+        words = "liftoff" if len(liftoffs) == 1 else "first liftoff"
+        axes.axvline(when, color=ALARM, lw=1.0, ls="--", label=f"{words} at {when:.4g} s")
     fig.legend(loc="outside upper right", ncols=4, markerscale=2.5, fontsize=9)
     turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     swing = events["amplitude"].values[turning]
     if len(swing):
-        below.plot(*_thinned(events["time"].values[turning], swing), color=UPPER, lw=0.9, marker=".", ms=2)
+        when = events["time"].values[turning]
+        gaps = _pauses(when) + 1
+        curve = _thinned(np.insert(when, gaps, when[gaps]), np.insert(swing, gaps, np.nan))
+        below.plot(*curve, color=UPPER, lw=0.9, marker=".", ms=2)
         if swing.max() > 10 * swing.min():
             below.set_yscale("log")
+            below.yaxis.set_minor_formatter(NullFormatter())
         else:
             below.set_ylim(0, 1.25 * swing.max())
     below.set(xlabel="t (s)", ylabel="swing of θ (rad)")
@@ -77,6 +99,8 @@ def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     if report:
         for key, color, side in (("min", LOWER, -14), ("max", UPPER, 6)):
             value, when = report[key] / weight, report[f"t_{key}"]
+            if "phase" in trajectory and value < 1e-9:
+                continue  # the body flies: there is no force
             axes.scatter([when], [value], s=22, color=color, zorder=3)
             axes.annotate(
                 f"{key} {value:.4f} at {when:.4f} s",
@@ -104,7 +128,10 @@ def _changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarr
     curves: list[tuple[str, np.ndarray]] = []
     for name, words in INTEGRALS.items():
         if name in attrs["report"]["drift"] and name in trajectory:
-            curves.append((words, _relative(trajectory[name].values)))
+            taken = _taken(trajectory) if name == "jellett" else np.empty(0, dtype=int)
+            pieces = np.split(trajectory[name].values, taken)
+            words += ", since its ball touched first" if len(taken) else ""
+            curves.append((words, np.concatenate([_relative(piece) for piece in pieces])))
     if "energy" in trajectory:
         work = trajectory["work"].values if "work" in trajectory else 0.0
         curves.append(("energy balance E + ∫ friction power", _relative(trajectory["energy"].values + work)))
@@ -112,6 +139,11 @@ def _changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarr
         curves.append(("length of the axis |3hat|", _relative(np.linalg.norm(trajectory["axis"].values, axis=1))))
     colors = (RUN, UPPER, LOWER, QUIET, ALARM)
     return [(words, values, color) for (words, values), color in zip(curves, colors, strict=False)]
+
+
+def _taken(trajectory: Any) -> np.ndarray:
+    """The rows at which another ball is in contact than at the row before."""
+    return np.flatnonzero(np.diff(trajectory["ball"].values)) + 1 if "ball" in trajectory else np.empty(0, dtype=int)
 
 
 def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
@@ -203,7 +235,7 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Figure:
     curves = (
         ("modified_energy", "modified energy Ẽ", UPPER),
         ("energy", "energy E", RUN),
-        ("work", "taken by friction", LOWER),
+        ("work", "taken by friction and impacts" if "phase" in trajectory else "taken by friction", LOWER),
     )
     for name, words, color in curves:
         if name in trajectory:
@@ -222,15 +254,23 @@ def _bands(low: Any, high: Any) -> list[tuple[np.ndarray, np.ndarray, np.ndarray
     if len(times) > MOST_POINTS:
         grid = np.linspace(times[0], times[-1], 2000)
         return [(grid, np.interp(grid, *low), np.interp(grid, *high))]
-    gaps = np.diff(times)
-    usual = np.array([np.median(gaps[max(0, i - 10) : i + 11]) for i in range(len(gaps))])
     pieces = []
-    for piece in np.split(times, np.flatnonzero(gaps > 3 * usual) + 1):
+    for piece in np.split(times, _pauses(times) + 1):
         inside = [(c[0] >= piece[0]) & (c[0] <= piece[-1]) for c in (low, high)]
         if all(keep.sum() >= 2 for keep in inside):
             edges = [np.interp(piece, c[0][keep], c[1][keep]) for c, keep in zip((low, high), inside, strict=True)]
             pieces.append((piece, *edges))
     return pieces
+
+
+def _pauses(times: np.ndarray) -> np.ndarray:
+    """After which of these times a pause follows, three times as long as is usual there; none, if times are more than
+    can be seen."""
+    if len(times) > MOST_POINTS:
+        return np.empty(0, dtype=int)
+    gaps = np.diff(times)
+    usual = np.array([np.median(gaps[max(0, i - 10) : i + 11]) for i in range(len(gaps))])
+    return np.flatnonzero(gaps > 3 * usual)
 
 
 def _worst(t: np.ndarray, values: np.ndarray, bins: int = 250) -> tuple[np.ndarray, np.ndarray]:
@@ -241,7 +281,11 @@ def _worst(t: np.ndarray, values: np.ndarray, bins: int = 250) -> tuple[np.ndarr
 
 def _title(attrs: dict[str, Any]) -> str:
     """One line: the system and what makes this run this run."""
-    initial = ", ".join(f"{name}(0) = {value:g}" for name, value in attrs["initial"].items())
+    initial = ", ".join(
+        "centre of mass at rest" if name == "centre_at_rest" else f"{SYMBOLS.get(name, name)}(0) = {value:g}"
+        for name, value in attrs["initial"].items()
+        if isinstance(value, (int, float))
+    )
     return f"{attrs['title']}: {initial}" if initial else attrs["title"]
 
 

@@ -193,7 +193,7 @@ class Run:
         return figure
 
     def _for_figures(self) -> dict[str, Any]:
-        return {"trajectory": self.trajectory, "events": self.events}
+        return self._datasets
 
     def certify(self, window: float | None = None) -> Record:
         """Repeats the run in this and in wider numbers, and compares the two.
@@ -317,7 +317,7 @@ class StoredRun(Run):
         return find(self.attributes["system"])
 
     def _for_figures(self) -> dict[str, Any]:
-        return {name: chunks.digest(self.path, name, "theta") for name in ("trajectory", "events")}
+        return chunks.for_figures(self.path, self.attributes)
 
     def _lines(self) -> list[tuple[str, str]]:
         return lines(self.summary)

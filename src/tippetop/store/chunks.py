@@ -12,6 +12,7 @@ from ..columns import Column
 from ..errors import StoreError
 from . import seal
 from .files import synced
+from .skeleton import groups_of
 from .tables import create_table, read_member
 
 
@@ -197,6 +198,13 @@ def digest(path: str | Path, group: str, key: str | None = None, most: int = 400
         )
         for name, array in arrays.items()
     }
+
+
+def for_figures(path: str | Path, attrs: dict[str, Any]) -> dict[str, dict[str, Column]]:
+    """The groups of a run that figures are made of: rows and events thinned by theta, phases and impacts whole."""
+    groups = {name: digest(path, name, "theta") for name in ("trajectory", "events")}
+    whole = [name for name in ("phases", "impacts") if name in groups_of(attrs)]
+    return groups | {name: digest(path, name, most=2**62) for name in whole}
 
 
 def _picked(key: np.ndarray | None, count: int, size: int) -> np.ndarray:

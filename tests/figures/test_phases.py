@@ -1,0 +1,131 @@
+"""Figures over time shade the phases of a contact and mark its impacts: read back from the artists."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.colors import to_rgb
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.figures import phases, run
+from tippetop.figures.style import figure
+
+
+FLAGS = {
+    "phase": "slip roll flight both",
+    "ball": "body stem",
+}
+
+
+def table(**columns: Any) -> xr.Dataset:
+    """Rows of a table; phase and ball by their words."""
+    made = xr.Dataset()
+    for name, values in columns.items():
+        words = FLAGS.get(name, "").split()
+        numbers = [words.index(value) for value in values] if words else list(values)
+        made[name] = ("row", np.array(numbers, dtype=np.int8 if words else float))
+        made[name].attrs = {"flag_meanings": FLAGS[name]} if words else {}
+    return made
+
+
+def shades(axes: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Edges and colours of the phases behind a panel."""
+    (mesh,) = [c for c in axes.collections if isinstance(c, QuadMesh)]
+    assert mesh.get_zorder() < min(line.get_zorder() for line in axes.get_lines())
+    return mesh.get_coordinates()[0, :, 0], np.asarray(mesh.get_array()).reshape(-1, 3)
+
+
+def ticks(axes: Any, ball: str) -> list[float]:
+    """Times of the marks of a ball's impacts."""
+    (marks,) = [c for c in axes.collections if isinstance(c, LineCollection) and c.get_label().endswith(f"the {ball}")]
+    return [float(segment[0, 0]) for segment in marks.get_segments()]
+
+
+def legend(fig: Any) -> list[str]:
+    return [text.get_text() for text in fig.legends[-1].get_texts()]
+
+
+def panels() -> Any:
+    fig = figure(6, 4)
+    for axes in fig.subplots(2):
+        axes.plot([0, 4], [1, 2])
+        axes.set(xlim=(0, 4), ylim=(0.5, 3))
+    return fig
+
+
+def test_phases_are_shaded_from_start_to_end_in_every_panel() -> None:
+    fig = panels()
+    spans = table(
+        start=[0, 1, 1.5, 2], end=[1, 1.5, 2, 4], phase=["slip", "flight", "roll", "slip"],
+        ball=["body", "stem", "body", "stem"],
+    )  # fmt: skip
+    phases.mark(fig, spans, table(time=[1.5, 2.0], ball=["body", "stem"]))
+    for axes in fig.axes:
+        edges, colors = shades(axes)
+        assert list(edges) == [0, 1, 1.5, 2, 4]
+        kinds = [("slip", 0), ("flight", 0), ("roll", 0), ("slip", 1)]
+        np.testing.assert_allclose(colors, [to_rgb(phases.SHADES[phase][stem]) for phase, stem in kinds])
+        assert (axes.get_xlim(), axes.get_ylim()) == ((0, 4), (0.5, 3))
+        assert (ticks(axes, "body"), ticks(axes, "stem")) == ([1.5], [2.0])
+    assert legend(fig) == [
+        "slip: 25.0 %", "roll: 12.5 %", "flight: 12.5 %", "slip on the stem: 50.0 %", "1 impact", "1 impact of the stem"
+    ]  # fmt: skip
+
+
+def test_ten_thousand_phases_are_as_many_cells_as_can_be_seen() -> None:
+    """A cell has the mean colour of what happens in it: one part of slip, three of flight."""
+    count = 10_000
+    edges = np.arange(count + 1.0) + 0.5 * (np.arange(count + 1) % 2)  # slip 1.5, flight 0.5
+    words = ["slip", "flight"] * (count // 2)
+    fig = panels()
+    fig.axes[0].set_xlim(0, count)
+    phases.mark(
+        fig, table(start=edges[:-1], end=edges[1:], phase=words, ball=["body"] * count),
+        table(time=edges[1:], ball=["body"] * count),
+    )  # fmt: skip
+    _, colors = shades(fig.axes[0])
+    assert len(colors) == phases.CELLS
+    mean = 0.75 * np.array(to_rgb(phases.SHADES["slip"][0])) + 0.25 * np.array(to_rgb(phases.SHADES["flight"][0]))
+    np.testing.assert_allclose(colors, np.tile(mean, (phases.CELLS, 1)), atol=2e-3)
+    assert phases.CELLS < len(ticks(fig.axes[0], "body")) <= 3 * phases.CELLS + 1
+    assert legend(fig) == ["slip: 75.0 %", "flight: 25.0 %", "10000 impacts"]
+
+
+def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None:
+    """lambda is that of the ball in contact: its jump at a hand-over is no drift."""
+    trajectory = xr.Dataset({"time": ("time", np.arange(4.0)), "jellett": ("time", np.array([2.0, 2.0, 5.0, 5.0]))})
+    attrs = {"report": {"drift": {"jellett": 0.0}}, "title": "a top", "initial": {}}
+    ((_, changes, _),) = run._changes(trajectory.assign(ball=("time", [0, 0, 1, 1])), attrs)
+    assert list(changes) == [0, 0, 0, 0]
+    ((_, changes, _),) = run._changes(trajectory, attrs)
+    assert list(changes) == [0, 0, 1.5, 1.5]
+
+
+@pytest.fixture(scope="module")
+def sticking(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of a top that slides, and rolls from 0.0288 s on."""
+    store = tmp_path_factory.mktemp("phases") / "run.zarr"
+    assert outcome(["run", "cohen-coulomb", "--until", "0.05", "--out", str(store)]) == 0
+    return store
+
+
+@pytest.mark.parametrize("kind", ["theta", "normal-force", "drift", "energy"])
+def test_a_stored_run_is_drawn_with_its_phases(sticking: Path, kind: str) -> None:
+    made = tt.open(sticking).plot(kind)
+    for axes in made.axes:
+        np.testing.assert_allclose(shades(axes)[0], [0, 0.02878761568, 0.05], rtol=0, atol=1e-11)
+    assert legend(made) == ["slip: 57.6 %", "roll: 42.4 %"]
+
+
+def test_plot_writes_the_picture_of_a_run_with_phases(sticking: Path, tmp_path: Path) -> None:
+    assert outcome(["plot", str(sticking), "--out", str(tmp_path / "theta.svg")]) == 0
+    assert (tmp_path / "theta.svg").stat().st_size > 10_000
+
+
+def test_a_run_in_memory_is_drawn_with_its_phases() -> None:
+    made = tt.run("cohen-coulomb", until=0.05).plot("energy")
+    assert legend(made) == ["slip: 57.6 %", "roll: 42.4 %"]
