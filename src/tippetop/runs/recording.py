@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -79,8 +80,7 @@ class Recorder:
         """Takes rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                columns = phases.columns(name, table)
-                self._later(lambda name=name, columns=columns: self.tables[name].append(columns))
+                self._later(partial(self.tables[name].append, phases.columns(name, table)))
 
     def _later(self, work: Callable[[], None]) -> None:
         """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""

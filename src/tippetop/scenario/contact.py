@@ -21,8 +21,13 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         asked.append('`run.on_liftoff = "fly"`')
     if not (asked or (dry and system.name in BODIES)):
         return system
-    if system.name not in BODIES or BODIES[system.name] is not system:
-        raise InputError([f"{asked[0]} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
+    what = asked[0] if asked else '`friction.law = "coulomb"` without eps'
+    if system.name not in BODIES:
+        raise InputError([f"{what} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
+    if BODIES[system.name] is not system:
+        raise InputError([f"{what} must stand without events and columns of one's own, but some are given."])
+    if "stem" in tables and system.name != "tippe-top":
+        raise InputError([f"`stem` must be of a tippe-top, but the system is {system.name}."])
     return with_contact(system.name, dry, "stem" in tables)
 
 

@@ -254,12 +254,13 @@ def _fits(value: Any, wanted: Any) -> bool:
 
 def _rows(folder: Path, arrays: dict[str, Any], *, running: bool, whole: bool) -> None:
     """Tables that grow: as many rows as there are chunks for; while they are written, a chunk more."""
-    if "time" not in arrays:
-        raise _Fault(folder, "must have the column `time`")
+    key = "start" if folder.name == "phases" else "time"
+    if key not in arrays:
+        raise _Fault(folder, f"must have the column `{key}`")
     lengths = {name: array["shape"][0] for name, array in arrays.items()}
     for name, array in arrays.items():
         chunk = array["chunk_grid"]["configuration"]["chunk_shape"]
-        if array["shape"][1:] != chunk[1:] or array["dimension_names"][0] != arrays["time"]["dimension_names"][0]:
+        if array["shape"][1:] != chunk[1:] or array["dimension_names"][0] != arrays[key]["dimension_names"][0]:
             raise _Fault(folder / name, "must be a column of its table")
         needed = -(-lengths[name] // chunk[0])
         places = ((folder / name).joinpath("c", str(i), *["0"] * (len(chunk) - 1)) for i in range(needed))
@@ -269,8 +270,8 @@ def _rows(folder: Path, arrays: dict[str, Any], *, running: bool, whole: bool) -
                 folder / name, f"must have {needed} chunks for its {lengths[name]} rows, but chunk {missing} is missing"
             )
     if not running and len(set(lengths.values())) > 1:
-        odd = next(name for name, n in lengths.items() if n != lengths["time"])
-        raise _Fault(folder / odd, f"must have {lengths['time']} rows, but has {lengths[odd]}")
+        odd = next(name for name, n in lengths.items() if n != lengths[key])
+        raise _Fault(folder / odd, f"must have {lengths[key]} rows, but has {lengths[odd]}")
 
 
 def _files(folder: Path, most: int) -> int:
