@@ -51,7 +51,7 @@ def info(store: Path, *, as_json: Json = False) -> int:
     for name, text in lines(content):
         table.add_row(name, text)
     units = attrs["units"] | _units(attrs)
-    for name in ("parameters", "friction", "initial", "run"):
+    for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
         if name in content:
             table.add_row(name, _entries(content[name], units))
     table.add_row("versions", ", ".join(f"{name} {version}" for name, version in content["versions"].items()))
@@ -186,7 +186,8 @@ def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
     out
         The file to write; must not exist yet.
     group
-        `trajectory` (default) or `events` of a run, for CSV and Parquet; netCDF holds both.
+        `trajectory` (default) or `events` of a run, `phases` or `impacts` of one whose contact changes its phase, for
+        CSV and Parquet; netCDF holds all.
     """
     from ..store.export import export as write
 

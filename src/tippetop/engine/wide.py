@@ -60,7 +60,7 @@ class SliceDriver(Driver):
         self.log = new_log(steps * len(self.rows.events) * coefficients.shape[2], 0)  # there cannot be more zeros
         follow(
             times[: steps + 1].astype(float)[:, None],
-            np.ascontiguousarray(coefficients[:steps].astype(float)[..., None]),
+            np.ascontiguousarray(_doubles(coefficients[:steps])[..., None]),
             self.rows, self.rules, self.tallies, self.log, self.scratch,
         )  # fmt: skip
         reached, last = times[steps], ends[steps - 1 : steps] if steps else state[None, :]
@@ -171,3 +171,13 @@ def _shifted(whole: np.ndarray, powers: np.ndarray) -> np.ndarray:
     """Coefficients of the rate of a variable, from those of the variable, (k, order + 1)."""
     rate = whole[:, 1:] * powers
     return np.concatenate([rate, whole[:, :1] * powers.dtype.type(0)], axis=1)
+
+
+LARGEST = 1e300  # of a coefficient: just before sliding stops, a step of 1e-13 has larger ones of high order
+
+
+def _doubles(coefficients: np.ndarray) -> np.ndarray:
+    """Taylor coefficients as doubles; what exceeds them counts for nothing within its step."""
+    with np.errstate(over="ignore"):
+        rounded = coefficients.astype(float)
+    return np.clip(rounded, -LARGEST, LARGEST, out=rounded)

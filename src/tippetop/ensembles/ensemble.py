@@ -22,6 +22,7 @@ from ..progress import reporting
 from ..scenario import build
 from .lanes import LANES, Lanes
 from .outcomes import Outcomes, _conclude, dataset
+from .singly import Alone, one_by_one
 
 
 if TYPE_CHECKING:
@@ -119,6 +120,7 @@ def measure(
     progress: Callable[[int, int], None] | None = None,
     lanes: int = LANES,
     wanted: Collection[str] | None = None,
+    alone: Alone | None = None,
 ) -> Outcomes:
     """Integrates every valid top to its end; `progress(done, n)` is called now and then.
 
@@ -134,6 +136,8 @@ def measure(
         Tops that one integrator advances at a time. It changes no bit.
     wanted
         Names of the columns that somebody reads, None: all. The others may be empty; these have the same bits.
+    alone
+        What runs one top whose contact may change its phase: lanes cannot.
 
     Returns
     -------
@@ -151,7 +155,11 @@ def measure(
     measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
-    if len(numbers):
+    if len(numbers) and tops.base.contact is not None:
+        if alone is None:
+            raise ValueError("a contact that may change its phase is followed by a driver of its own")
+        one_by_one(measured, numbers, alone, progress)
+    elif len(numbers):
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
     measured.seconds = time.perf_counter() - clock
     _conclude(measured)
@@ -274,6 +282,7 @@ def of_problem(
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
     orientation: bool = False,
+    alone: Alone | None = None,
 ) -> "xr.Dataset":
     """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
@@ -289,6 +298,8 @@ def of_problem(
         Called as progress(done, of); True draws a bar.
     orientation
         Whether the orientation at the end is wanted.
+    alone
+        What runs one top whose contact may change its phase.
 
     Returns
     -------
@@ -307,4 +318,5 @@ def of_problem(
     """
     tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
-        return dataset(measure(tops, threads=threads, progress=tell), tops.check()[1])
+        measured = measure(tops, threads=threads, progress=tell, alone=alone)
+        return dataset(measured, [*tops.check()[1], *measured.faults])

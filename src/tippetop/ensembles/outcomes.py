@@ -97,6 +97,7 @@ class Outcomes:
         self.orientation = {name: np.full(n, np.nan) for name in ORIENTATION} if tops.orientation else {}
         self.steps_made = self.steps_possible = 0
         self.steps_by = ""  # "heyoka" where its own loop made steps, because the machine code could not be called
+        self.faults: list[tuple[int, str]] = []  # of tops that showed to be invalid when they were begun
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
 
     @property
@@ -126,7 +127,8 @@ def _conclude(outcomes: Outcomes) -> None:
         omega3 = values["omega3"] / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
         body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
         kind[ended] = classes_of(tops.base.system, theta, omega3, outcomes.settled[ended], body)
-    kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
+    if tops.base.on_liftoff != "fly":
+        kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     sound = np.isin(outcomes.status, [status.code for status in Status if status.ordinary])
     outcomes.kind[:] = np.where(sound, kind, CLASSES.index("none"))
 

@@ -56,6 +56,8 @@ def landscape_of(system: str | System) -> tuple[System, Landscape]:
         If it is unknown or has no landscape.
     """
     record = find(system) if isinstance(system, str) else system
+    if record is not None and record.contact is not None:  # that of the body in contact
+        record = find(record.name)
     if record is None or record.landscape is None:
         known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
         name = system if isinstance(system, str) else system.name

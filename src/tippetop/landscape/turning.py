@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from ..columns import flagged
 from ..mechanics.system import System
 from .body import Top, landscape_of, top
 from .kernels import compiled, kernels
@@ -124,7 +125,7 @@ def turning_angles(
 
 
 def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System = "tippe-top") -> xr.Dataset:
-    """The nutational band along a run, as the main equation predicts it. [T 4.21, 5.26]
+    """The nutational band along a run, as the main equation predicts it; none while the body flies. [T 4.21, 5.26]
 
     Parameters
     ----------
@@ -150,6 +151,8 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
     names = landscape_of(system)[1].columns
     first, second, energy = (run[name] for name in names)
     angles = turning_angles(parameters, first, second, energy, system, theta=run.get("theta"))
+    if "phase" in run:
+        angles = angles.where(~xr.DataArray(flagged(run["phase"], "flight"), dims=run["phase"].dims))
     for name in (*names, "theta"):
         if name in run:
             angles[name] = run[name]

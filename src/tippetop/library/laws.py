@@ -6,7 +6,7 @@ from typing import Any, ClassVar, cast
 
 from ..arguments import refuse_unknown
 from ..errors import InputError
-from ..mechanics.friction import Law
+from ..mechanics.friction import SET_VALUED, Law
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points
 from ..scenario.numbers import checked
@@ -25,17 +25,16 @@ class Friction:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        given = {f.name: getattr(self, f.name) for f in fields(self)}
-        for name, value in checked("friction", self._law().parameters, given).items():
+        for name, value in checked("friction", self._law().parameters, self.numbers()).items():
             object.__setattr__(self, name, value)
 
-    @classmethod
-    def _law(cls) -> Law:
-        return SYSTEMS[cls.known_to].laws[cls.law]
+    def _law(self) -> Law:
+        return SYSTEMS[self.known_to].laws[self.law]
 
     def numbers(self) -> dict[str, float]:
         """The numbers by name, in SI units."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}
+        given = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in given.items() if value is not None or name == "mu"}
 
     def record(self) -> Any:
         """The record that formulas take."""
@@ -68,14 +67,16 @@ class Viscous(Friction):
 
 @dataclass(frozen=True)
 class Coulomb(Friction):
-    """Dry friction, F = -mu g_n v_A/sqrt(|v_A|^2 + eps^2).
+    """Dry friction: Coulomb's law itself, F = -mu g_n v_A/|v_A| where the contact slides and as much as rolling takes
+    where it does not; with eps the regularised one, F = -mu g_n v_A/sqrt(|v_A|^2 + eps^2).
 
     Parameters
     ----------
     mu : float
         Friction coefficient, without unit, at least 0.
-    eps : float
-        Regularisation speed [m/s], positive; it decides when a top inverts.
+    eps : float, optional
+        Regularisation speed [m/s], positive; it decides when a top inverts. Without it the contact slips, rolls and
+        flies, and the tables `phases` and `impacts` say when.
 
     Raises
     ------
@@ -84,9 +85,12 @@ class Coulomb(Friction):
     """
 
     mu: float
-    eps: float
+    eps: float | None = None
 
     law: ClassVar[str] = "coulomb"
+
+    def _law(self) -> Law:
+        return SET_VALUED if self.eps is None else super()._law()
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.system import System
 from ..problem import Problem
+from ..sweeps.chunk import alone
 from .bodies import Top
 from .scenarios import problem_of
 
@@ -84,4 +85,4 @@ def ensemble(
     threads = None if threads is None else whole("threads", threads)
     if not isinstance(progress, bool) and not callable(progress):
         raise InputError([f"`progress` must be a function or a bool, but is {progress!r:.60}."])
-    return ensembles.of_problem(base, dotted, threads=threads, progress=progress, orientation=orientation)
+    return ensembles.of_problem(base, dotted, threads=threads, progress=progress, orientation=orientation, alone=alone)

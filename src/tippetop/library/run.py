@@ -12,6 +12,7 @@ from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
 from ..runs import attributes, results
 from ..runs.certificate import certificate
+from ..runs.phases import NAMES
 from ..runs.results import Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
@@ -35,6 +36,9 @@ class Run:
         The rows along `time` [s]: angles, quantities, vectors; SI units.
     events : xarray.Dataset
         The event log along `event`: time [s], kind, theta [rad], amplitude [rad], whether it is significant.
+    phases, impacts : xarray.Dataset
+        Of a run whose contact may change its phase: each phase's start and end [s], the ball, why it began; each
+        impact's time [s], velocities before and after [m/s], impulses [N s], work [J].
     summary : Summary
         The summary of the run, as `tippetop info --json` prints it.
     drift : Record
@@ -86,6 +90,28 @@ class Run:
         """The event log along `event`, in SI units."""
         return self._datasets["events"]
 
+    @property
+    def phases(self) -> "xr.Dataset":
+        """The phases of the contact along `interval`: start and end [s], phase, ball, reason."""
+        return self._of_contact("phases")
+
+    @property
+    def impacts(self) -> "xr.Dataset":
+        """The impacts along `impact`, in SI units."""
+        return self._of_contact("impacts")
+
+    def _of_contact(self, name: str) -> "xr.Dataset":
+        """A table that only a run has whose contact may change its phase. Raises AttributeError."""
+        if "contact" not in self.attributes:
+            raise AttributeError(f"there is no table `{name}`: the contact of this run does not change its phase")
+        return self._datasets[name]
+
+    @property
+    def _tables(self) -> "dict[str, xr.Dataset]":
+        """All tables, by name."""
+        names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
+        return {name: getattr(self, name) for name in names}
+
     @cached_property
     def summary(self) -> Summary:
         """What the run amounts to, as `tippetop info --json` prints it."""
@@ -119,16 +145,17 @@ class Run:
         return self.problem.system
 
     def to_datatree(self) -> "xr.DataTree":
-        """Trajectory and events as the groups of one tree.
+        """The tables as the groups of one tree.
 
         Returns
         -------
         xarray.DataTree
-            With the children `trajectory` and `events`, and the root attributes of the store.
+            With the children `trajectory` and `events`, `phases` and `impacts` where there are any, and the root
+            attributes of the store.
         """
         import xarray as xr
 
-        tables = {"trajectory": self.trajectory, "events": self.events}
+        tables = self._tables
         return xr.DataTree.from_dict(
             {"/": xr.Dataset(attrs=self.attributes), **{name: t.drop_attrs(deep=False) for name, t in tables.items()}}
         )
@@ -272,7 +299,8 @@ class StoredRun(Run):
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
-        return {name: root.open_group(self.path, name) for name in ("trajectory", "events")}
+        names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
+        return {name: root.open_group(self.path, name) for name in names}
 
     def replay(self, start: float, until: float, step: float, *, accept_other_version: bool = False) -> "xr.Dataset":
         """Integrates a part of the run again, from the nearest keyframe.

@@ -36,6 +36,8 @@ def run(
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
     form: str | None = None,
+    contact: Mapping[str, Any] | None = None,
+    stem: Mapping[str, float] | None = None,
     until: float | None = None,
     output_step: float | None = None,
     output_times: Sequence[float] | np.ndarray | None = None,
@@ -45,7 +47,7 @@ def run(
     columns: Iterable[Quantity] | Quantity | None = (),
     precision: Literal["double", "longdouble", "quad"] | None = None,
     tolerance: float | None = None,
-    on_liftoff: Literal["stop", "continue"] | None = None,
+    on_liftoff: Literal["stop", "continue", "fly"] | None = None,
     stop_when: Literal["until", "settled"] | None = None,
     orientation: bool | None = None,
     out: str | Path | None = None,
@@ -77,6 +79,12 @@ def run(
     form : str, optional
         The form of the equations: "auto" (the default) takes the cheapest that is regular where this top goes; vector,
         euler, reduced, ...
+    contact : mapping, optional
+        How the contact opens and closes, `dict(restitution="energetic", e_n=0.5)`: the body flies and lands.
+        restitution is energetic, poisson or newton; an empty mapping stands for the defaults, energetic and 0.
+    stem : mapping, optional
+        The stem of a tippe top, `dict(r=0.004, h=0.022)`: the radius of its ball [m], and how far along 3hat its
+        centre lies from that of the sphere [m].
     until : float
         End of the run [s]; a preset has one.
     output_step, output_times, output
@@ -96,7 +104,9 @@ def run(
     tolerance : float, optional
         Of the integrator, relative; by default the rounding unit.
     on_liftoff : str, optional
-        Whether the run stops where the normal force falls to zero ("stop"), or continues.
+        Whether the run stops where the normal force falls to zero ("stop"), continues with a plane that pulls
+        ("continue"), or follows the flight and the impacts ("fly": the default with `contact`, `stem`, or a Coulomb law
+        without eps).
     stop_when : str, optional
         "settled" ends a run when sliding has died.
     orientation : bool, optional
@@ -142,6 +152,8 @@ def run(
             parameters=parameters,
             system=system,
             form=form,
+            contact=contact,
+            stem=stem,
             events=events,
             columns=columns,
             until=until,
@@ -278,7 +290,7 @@ def datasets(run: Run) -> "dict[str, xr.Dataset]":
     Returns
     -------
     dict of xarray.Dataset
-        `trajectory` and `events`.
+        `trajectory` and `events`; `phases` and `impacts` where the contact may change its phase.
     """
     instance("run", run, Run, "a Run")
-    return {"trajectory": run.trajectory, "events": run.events}
+    return run._tables

@@ -29,6 +29,8 @@ def problem_of(
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
     form: str | None = None,
+    contact: Mapping[str, Any] | None = None,
+    stem: Mapping[str, Any] | None = None,
     events: Iterable[str | Event] | str | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = (),
     until: Any = None,
@@ -46,7 +48,8 @@ def problem_of(
             _merge_dotted(tables, plain(friction))
         elif friction is not None:
             tables["friction"] = plain(table_of(friction, chosen.laws))
-        _merge(tables, "parameters", parameters)
+        for name, numbers in (("parameters", parameters), ("contact", contact), ("stem", stem)):
+            _merge(tables, name, numbers)
         for name, given in (("start", start), ("initial", initial)):
             if isinstance(given, str | os.PathLike):
                 given = {"from": os.fspath(given)}

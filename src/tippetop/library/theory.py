@@ -226,6 +226,8 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
         raise InputError([f"`period` must be greater than 0, but is {period!r:.60}."])
     problem, rows = run.problem, run.trajectory
     system = problem.system
+    if problem.contact is not None:
+        raise InputError(["the run must be one whose contact stays what it is, but its contact may change its phase."])
     if len(system.momenta) != 2:
         raise InputError([f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."])
     log = run.events

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 
 
 def groups(run: "Solution") -> dict[str, dict[str, Column]]:
-    """The groups of a store, of a run in memory: trajectory and events."""
-    return {"trajectory": run.columns(), "events": event_columns(run.events), **phases.joined(run.others)}
+    """The groups of a store, of a run in memory: trajectory and events; phases and impacts where the contact may change
+    its phase."""
+    others = {} if run.problem.contact is None else phases.joined(run.others)
+    return {"trajectory": run.columns(), "events": event_columns(run.events), **others}
 
 
 def datasets(run: "Solution") -> dict[str, Any]:

@@ -122,6 +122,7 @@ def _unfinished(target: Path, integration: Integration, ending: dict[str, Any]) 
         "begun_with": ending["begun_with"],
         "rows": integration.filled,
         "events": integration.log.tally.rows,
+        **integration.story.rows(),
         "keyframes": done // integration.problem.keyframe_steps if integration.problem.output == "keyframes" else 0,
         "integration": ending["slice"],
         "report": root.finite(integration.report()),

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.observables import Observables
+from ..engine.taylor import driver_of
 from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
@@ -21,7 +22,8 @@ MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # tw
 def assessment(problem: Problem) -> dict[str, Any]:
     """What is at the start (name -> value in SI, unit), what theory predicts of it, and what the run will take."""
     start, expected = at_start(problem), cost(problem)
-    quantities = {q.name: {"value": start[q.name], "unit": q.unit.symbol} for q in problem.system.quantities}
+    shown = [q for q in problem.system.quantities if q.is_column]
+    quantities = {q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in shown}
     predicted = _outlook(problem, start) | _regularisation(problem, expected) | _advice(problem)
     form = {"auto_form": {"form": problem.choice.form.name, "because": problem.choice.because}}
     return {**form, "at_start": quantities, **predicted, "expected": expected}
@@ -29,8 +31,17 @@ def assessment(problem: Problem) -> dict[str, Any]:
 
 def at_start(problem: Problem) -> dict[str, float]:
     """The quantities at the start by name, SI."""
-    values = Observables(problem).evaluate(problem.start()[None, :])
+    first = problem.start()[None, :]
+    if problem.contact is not None:  # its phase decides the reaction
+        problem = replace(problem, precision="double", tolerance=0.0)
+        first = driver_of(problem).first
+    values = Observables(problem).evaluate(first)
     return {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
+
+
+def _in_words(quantity: Any, value: float) -> float | str:
+    """A quantity at the start; of a number that stands for a word, the word."""
+    return quantity.meanings[int(value)] if quantity.meanings else value
 
 
 def comments(problem: Problem) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from ..store import hexfloat
 from . import keyframes
 from .drift import Monitor
 from .event_log import EventLog
+from .phases import Story
 from .sinks import Sink
 
 
@@ -61,6 +62,7 @@ class Integration:
         self.monitor = Monitor(problem, self.view)
         self.monitor.begin(self.first)
         self.log = EventLog(problem, self.view, self.first)
+        self.story = Story()
         self.filled, self.t_end, self.fresh = 0, 0.0, True
         self.status: Status | None = None
         self.last_slice: State | None = None  # where the last slice began: a longer run continues from there
@@ -134,6 +136,7 @@ class Integration:
         self.t_end = float(piece.time) * self.second
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
         self.monitor.follow(seen, self.driver.extremes(), piece.steps)
+        self.story.follow(piece.tables)
         sink.more(piece.tables)
         table, marks, states = self.log.take(piece.passages)
         sink.events(table, marks)
@@ -171,6 +174,7 @@ class Integration:
             **self.monitor.report(),
             **self.log.report(),
             "theta_end": theta_end,
+            **({"contact_phases": self.story.report()} if self.problem.contact is not None else {}),
             **({} if self.driver.compiled.machine or self.problem.precision != "double" else {"steps_by": "heyoka"}),
             **self._outcome(),
         }
@@ -180,7 +184,7 @@ class Integration:
         system = self.problem.system
         if not (system.inverts and system.classes):
             return {}
-        if self.log.tally.kept.get("lifted_at") is not None:
+        if self.log.tally.kept.get("lifted_at") is not None and self.problem.on_liftoff != "fly":
             return {"outcome": "lifted-off"}
         values = self.view.evaluate(self.last)
         theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
@@ -196,7 +200,7 @@ class Integration:
         if status is None:
             return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"
         if self.driver.sentence:
-            return f"{self.driver.sentence}: stopped at t = {t:.9g} s"
+            return f"{self.driver.sentence}: stopped at t = {t:.9g} s; the last good state is kept"
         if status is Status.FINISHED:
             return f"finished at t = {t:.6g} s{beyond}"
         if status is Status.SETTLED:
@@ -240,6 +244,7 @@ class Integration:
             "t_end": self.t_end,
             "monitor": self.monitor.snapshot(),
             "log": self.log.snapshot(),
+            **({"story": self.story.snapshot()} if self.problem.contact is not None else {}),
         }
 
     def _encoded(self, state: State) -> dict[str, Any]:
@@ -270,6 +275,8 @@ class Integration:
         self.monitor.restore(hexfloat.decode(kept["monitor"]))
         self.fresh = self.t_end == 0  # it was killed before its first slice
         self.log.restore(hexfloat.decode(kept["log"]))
+        if "story" in kept:
+            self.story = Story(**hexfloat.decode(kept["story"]))
 
 
 class Request:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..engine.status import Status
+from ..engine.taylor import driver_of
 from ..problem import Problem
 from ..sampling import EvenTimes, ListedTimes
 from .integration import Integration
@@ -49,6 +50,8 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     shortest = problem.until * min(1.0, FIRST_STEPS / max(steps, 1.0), FIRST_ROWS / max(len(problem.times), 1))
     try:
         began = clock()
+        if problem.contact is not None:  # later phases would be compiled on the way
+            driver_of(problem).prepare()
         _piece(problem, shortest / FIRST_STEPS, clock)
         middle = clock()
         _piece(problem, shortest / FIRST_STEPS, clock)

@@ -1,5 +1,6 @@
 """The phases of a run's contact and its impacts, as tables of its store."""
 
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -31,14 +32,60 @@ NAMED = {
 }
 
 
+FIRST = 6  # phases that a report names
+NAMES = tuple(DIMENSIONS)
+"""The tables of a run whose contact may change its phase."""
+
+
+@dataclass
+class Story:
+    """What a report says of the phases of a contact: how many there were of each, the first ones and the last."""
+
+    counts: dict[str, int] = field(default_factory=dict)
+    impacts: int = 0
+    first: list[dict[str, Any]] = field(default_factory=list)
+    last: dict[str, Any] | None = None
+
+    def follow(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+        """Takes rows of the tables."""
+        if not new:
+            return
+        self.impacts += len(new["impacts"]["time"])
+        table = new["phases"]
+        numbers = np.bincount(table["phase"], minlength=len(FLAGS["phase"]))
+        for name, count in zip(FLAGS["phase"], numbers.tolist(), strict=True):
+            if count:
+                self.counts[name] = self.counts.get(name, 0) + count
+        for k in range(len(table["phase"])):
+            if len(self.first) == FIRST and k < len(table["phase"]) - 1:
+                continue
+            self.last = {
+                key: FLAGS[key][values[k]] if key in FLAGS else float(values[k]) for key, values in table.items()
+            }
+            if len(self.first) < FIRST:
+                self.first.append(self.last)
+
+    def rows(self) -> dict[str, int]:
+        """How many rows the tables have, by name."""
+        return {"phases": sum(self.counts.values()), "impacts": self.impacts}
+
+    def report(self) -> dict[str, Any]:
+        """The part of a run's report."""
+        return {"counts": dict(self.counts), "impacts": self.impacts, "first": list(self.first), "last": self.last}
+
+    def snapshot(self) -> dict[str, Any]:
+        """Plain data, of which `Story(**data)` makes it again."""
+        return asdict(self)
+
+
 def columns(name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
     """Rows of a table as columns of the store's group of this name."""
     dims = (DIMENSIONS[name],)
     result = {}
     for key, values in table.items():
         if key in MEASURED:
-            unit, words = MEASURED[key]
-            result[key] = column(values, unit, words, dims)
+            unit, text = MEASURED[key]
+            result[key] = column(values, unit, text, dims)
             continue
         flags = {"flag_values": list(range(len(FLAGS[key]))), "flag_meanings": " ".join(FLAGS[key])}
         result[key] = Column(dims, values, {"units": "1", "long_name": NAMED[key], **flags})
@@ -53,7 +100,7 @@ def empty() -> dict[str, dict[str, Column]]:
 
 def joined(parts: dict[str, list[dict[str, np.ndarray]]]) -> dict[str, dict[str, Column]]:
     """Tables whose rows came in parts."""
-    whole = {}
+    whole = empty()
     for name, tables in parts.items():
         whole[name] = columns(name, {key: np.concatenate([t[key] for t in tables]) for key in tables[0]})
     return whole

@@ -17,7 +17,7 @@ from ..scenario import build
 from ..scenario.build import MOST_ROWS
 from ..store import chunks, root, skeleton, tables
 from ..store.chunks import Appender
-from . import keyframes, recording, resuming
+from . import keyframes, phases, recording, resuming
 from .events import event_columns
 from .integration import Integration, Request
 from .run import refuse_more_than_memory
@@ -89,7 +89,15 @@ def into_store(
         for piece in chunks.pieces(path, "events", list(log)):
             within = (piece["time"] >= start) & (piece["time"] <= until)
             events.append({name: log[name]._replace(values=values[within]) for name, values in piece.items()})
-        for appender in (trajectory, events):
+        appenders = [trajectory, events]
+        for name, empty in phases.empty().items() if integration.problem.contact is not None else ():
+            Appender.created(group, name, empty, phases.PER_CHUNK)
+            appenders.append(Appender(tables.open_root(scratch, name)[1][0]))
+            for piece in chunks.pieces(path, name, list(empty)):
+                begin, end = (piece["start"], piece["end"]) if name == "phases" else (piece["time"], piece["time"])
+                within = (end >= start) & (begin <= until)
+                appenders[-1].append({key: empty[key]._replace(values=v[within]) for key, v in piece.items()})
+        for appender in appenders:
             appender.flush()
             appender.sync()
         root.finish(scratch, {})

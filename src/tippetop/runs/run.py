@@ -57,6 +57,17 @@ def refuse_more_than_memory(problem: Problem) -> None:
         )
 
 
+def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], dict[str, Any], bool]:
+    """Integrates a problem and keeps its end alone: status, final internal state, report, what events keep of their
+    passages, and whether it has settled."""
+    integration = Integration(problem)
+    integration.run(Nowhere())
+    assert integration.status is not None
+    settled = integration.log.settled_since(integration.last) is not None
+    kept = integration.log.tally.kept
+    return integration.status, integration.last[0], integration.report(), kept, settled
+
+
 def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:
     """Integrates a problem to its end, gathering rows and events in memory.
 

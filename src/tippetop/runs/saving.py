@@ -8,9 +8,10 @@ from ..store import checkpoint, skeleton, tables
 from ..store.checkpoint import END
 from ..store.chunks import Appender
 from ..store.root import finish, new_store
-from .events import EventTable, event_columns
+from . import phases
+from .events import event_columns
 from .integration import Integration
-from .recording import EVENTS_PER_CHUNK, rows_per_chunk
+from .recording import tables_of_run
 from .run import Solution
 
 
@@ -24,19 +25,19 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
     integration.t_end = solution.report["t_end"]
     with new_store(target, overwrite=overwrite) as scratch:
         root = tables.create_root(scratch, attributes)
-        empty = view.columns(solution.times[:0], solution.rows[:0])
-        Appender.created(root, "trajectory", empty, rows_per_chunk(solution.problem))
-        Appender.created(
-            root, "events", event_columns(EventTable.empty(solution.problem.system.kinds)), EVENTS_PER_CHUNK
-        )
-        _, members = tables.open_root(scratch, "trajectory", "events")
-        trajectory, events = map(Appender, members)
+        names = []
+        for table in tables_of_run(integration):
+            Appender.created(root, *table)
+            names.append(table[0])
+        appenders = dict(zip(names, map(Appender, tables.open_root(scratch, *names)[1]), strict=True))
         for first in range(0, len(solution.times), ROWS_AT_ONCE):
             some = slice(first, first + ROWS_AT_ONCE)
-            trajectory.append(view.columns(solution.times[some], solution.rows[some]))
+            appenders["trajectory"].append(view.columns(solution.times[some], solution.rows[some]))
         if len(solution.events.time):
-            events.append(event_columns(solution.events))
-        for appender in (trajectory, events):
+            appenders["events"].append(event_columns(solution.events))
+        for name, columns in phases.joined(solution.others).items() if solution.others else ():
+            appenders[name].append(columns)
+        for appender in appenders.values():
             appender.flush()
             appender.sync()
         of = checkpoint.digest_of_finished(skeleton.root_of(scratch))

@@ -29,6 +29,8 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(("inversion", _inversion(info)))
     else:
         result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
+    if info.get("contact_phases", {}).get("last"):
+        result.append(("phases", contact(info["contact_phases"])))
     if info.get("outcome") in WORDS:
         result.append(("outcome", WORDS[info["outcome"]]))
     result.append(("turning angles", _turnings(info)))
@@ -54,6 +56,36 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     if "certificate" in info:
         result.append(("certificate", _certificate(info["certificate"])))
     return result
+
+
+VERBS = {"slip": "slips", "roll": "rolls", "flight": "flies", "both": "stands on body and stem"}
+TIMES = {1: "once", 2: "twice"}
+
+
+def contact(told: Mapping[str, Any]) -> str:
+    """The story of a contact that changes its phase: all phases if they are few, else how many, the first and the
+    last."""
+    counts, first, last = told["counts"], told["first"], told["last"]
+    if sum(counts.values()) == 1:
+        text = f"{_does(last)} throughout"
+    elif sum(counts.values()) == len(first):
+        text = ", then ".join([*map(_until, first[:-1]), _does(last)])
+    else:
+        often = ", ".join(f"{VERBS[phase]} {TIMES.get(n, f'{n} times')}" for phase, n in counts.items())
+        begins = ", then ".join(map(_until, first[:2]))
+        text = f"{often}; first {begins}; at last {_does(last)} from {last['start']:.6g} s"
+    n = told["impacts"]
+    return f"{text}; {n} impact{'' if n == 1 else 's'}" if n else text
+
+
+def _does(phase: Mapping[str, Any]) -> str:
+    """What the body does in a phase."""
+    stem = " on its stem" if phase["ball"] == "stem" and phase["phase"] in ("slip", "roll") else ""
+    return VERBS[phase["phase"]] + stem
+
+
+def _until(phase: Mapping[str, Any]) -> str:
+    return f"{_does(phase)} until {phase['end']:.6g} s"
 
 
 def form_sentence(info: Mapping[str, Any]) -> str:

@@ -24,8 +24,13 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         asked.append('`friction.law = "contensou"`')
     if not (asked or (dry and system.name in BODIES)):
         return system
-    if system.name not in BODIES or BODIES[system.name] is not system:
-        raise InputError([f"{asked[0]} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
+    what = asked[0] if asked else '`friction.law = "coulomb"` without eps'
+    if system.name not in BODIES:
+        raise InputError([f"{what} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
+    if BODIES[system.name] is not system:
+        raise InputError([f"{what} must stand without events and columns of one's own, but some are given."])
+    if "stem" in tables and system.name != "tippe-top":
+        raise InputError([f"`stem` must be of a tippe-top, but the system is {system.name}."])
     kind = "dry" if dry else "drilling" if law == "contensou" else "smooth"
     if kind == "drilling" and system.name != "tippe-top":
         raise InputError([f'`friction.law = "contensou"` must be of a tippe-top, but the system is {system.name}.'])

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, StoreError
-from . import chunks, files, root, tables
+from . import chunks, files, root, skeleton, tables
 
 
-DIMENSIONS = {"trajectory": "time", "events": "event", "sweep": "top"}
+DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top"}
 
 
 def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
@@ -25,7 +25,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
         raise InputError([f"--to must be one of {', '.join(FORMATS)}, but is `{to}`."])
     attrs = root.attributes(store)
     root.refuse_other_rows(store, attrs)
-    groups = [attrs["content"]] if "content" in attrs else ["trajectory", "events"]
+    groups = [name for name in skeleton.groups_of(attrs) if name != "keyframes"]
     if not DIMENSIONS.keys() >= set(groups):
         raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")
     if group not in (None, *groups):
@@ -116,7 +116,7 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
     named: Any = {name: array.metadata for name, array in arrays.items() if array.ndim == 2}
     components = {name: metadata.dimension_names[1] for name, metadata in named.items()}  # letters: xyz, wxyz
     meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
-    first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time"]
+    first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time", "start", "end"]
     names = sorted(arrays, key=lambda name: (first.index(name) if name in first else len(first), name))
     empty = True
     for piece in chunks.pieces(store, group, names):

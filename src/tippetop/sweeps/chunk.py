@@ -6,8 +6,10 @@ import numpy as np
 
 from ..columns import Column
 from ..ensembles import ensemble, outcomes
+from ..ensembles.singly import Ended
 from ..mechanics.variables import Variables
 from ..problem import Problem
+from ..runs.run import run_to_end
 from ..scenario import build
 from ..store import provenance
 
@@ -53,7 +55,13 @@ def measure(
 ) -> outcomes.Outcomes:
     """Runs tops as far as what is kept of them needs it."""
     oriented = any(_group(name) == ORIENTATION for name in keep or [])
-    return ensemble.measure(ensemble.vary(base, numbers, orientation=oriented), threads=threads, wanted=keep)
+    tops = ensemble.vary(base, numbers, orientation=oriented)
+    return ensemble.measure(tops, threads=threads, wanted=keep, alone=alone)
+
+
+def alone(problem: Problem) -> Ended:
+    """Runs one top by itself."""
+    return Ended(*run_to_end(problem))
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:

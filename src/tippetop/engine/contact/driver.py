@@ -77,6 +77,7 @@ class ContactDriver:
         start = problem.start()
         row = Row(*start[: len(Row._fields)])
         moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, start[len(row) :].copy())
+        self.moment = moment  # at the start
         change = self.transitions.at_start(moment)
         change.takes = True
         self._enter(change, (problem.number(0), problem.number(0)))
@@ -104,6 +105,14 @@ class ContactDriver:
         """No event function says that a run ends at once: the phase of the start is chosen."""
         return np.ones(len(self.problem.system.events))
 
+    def prepare(self) -> None:
+        """Compiles the equations of every phase that the run may have."""
+        moment = self.moment
+        for kind in ("dry-slip", "roll", "flight") if self.balls.dry else ("slip", "flight"):
+            if (kind, self.ball) not in self.drivers:
+                how = self.kinds[kind]
+                self._add(kind, self.ball, how.state(moment.u, moment.L, moment.velocity, moment.height, self.balls[0]))
+
     def equations(self) -> list[tuple]:
         """The equations of every phase that the run may have, by name."""
         lines = []
@@ -124,11 +133,12 @@ class ContactDriver:
         """The row of the present state, (1, variables)."""
         return self.rows(self.inner.state[None, : self.inner.variables])
 
-    def _enter(self, change: Change, clock: tuple[Any, Any]) -> None:
-        """Begins a phase."""
+    def _enter(self, change: Change, clock: tuple[Any, Any], since: Any = None) -> None:
+        """Takes up a phase at a time of the clock; it began then, or somewhat earlier at `since`."""
         self.kind, self.ball, moment = change.kind, change.ball, change.moment
         if change.reason:
-            self.tables.begin(PHASES.index(self.kinds[self.kind].phase), self.ball, float(clock[0]), change)
+            began = float(clock[0] if since is None else since)
+            self.tables.begin(PHASES.index(self.kinds[self.kind].phase), self.ball, began, change)
         kind, body, number = self.kinds[self.kind], self.balls[self.ball], self.problem.number
         q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
         if change.takes:
@@ -136,11 +146,7 @@ class ContactDriver:
             self.taken = number(jellett(moment.u, moment.L, self.transitions.ball(self.ball))) + lost
         self.carried = moment.carried
         if (self.kind, self.ball) not in self.drivers:
-            first = np.zeros(len(q) + self._integrals(), dtype=number)
-            first[: len(q)] = q
-            part = new_leg(self.problem, self.kind, body, first)
-            part = new_leg(self.problem, self.kind, body, first[: len(part.variables.names)])
-            self.drivers[self.kind, self.ball] = self.make(part), Carried(self.problem, part)
+            self._add(self.kind, self.ball, q)
         driver, carried = self.drivers[self.kind, self.ball]
         state = np.zeros(len(driver.state), dtype=number)
         state[: len(q)] = q
@@ -149,11 +155,23 @@ class ContactDriver:
         driver.times = self.times
         self._expect(driver, q, change.signs)
         landing = change.landing
-        end = self.end if landing is None else min(self.end, clock[0] + number(landing))
-        self.lands = landing is not None and end < self.end
-        driver.end_at(end)
+        self._until(None if landing is None else clock[0] + number(landing), driver)
         driver.tally["t"] = float(clock[0])
         self.began = float(clock[0])
+
+    def _add(self, kind: str, ball: int, q: Any) -> None:
+        """Makes the ordinary driver of a phase, of a state that it may have."""
+        first = np.zeros(len(q) + self._integrals(), dtype=self.problem.number)
+        first[: len(q)] = q
+        part = new_leg(self.problem, kind, self.balls[ball], first)
+        part = new_leg(self.problem, kind, self.balls[ball], first[: len(part.variables.names)])
+        self.drivers[kind, ball] = self.make(part), Carried(self.problem, part)
+
+    def _until(self, landing: Any, driver: Driver) -> None:
+        """Sets the end of a phase: that of the run, or a landing before it."""
+        self.landing = landing
+        self.lands = landing is not None and landing < self.end
+        driver.end_at(landing if self.lands else self.end)
 
     def _integrals(self) -> int:
         return len(self.problem.variables.names) - self.problem.variables.moving
@@ -244,10 +262,13 @@ class ContactDriver:
             return change.ends
         if ending == "liftoff" and self.problem.on_liftoff == "stop":
             return Status.LIFTOFF
-        if self.short > 2 or self.changes > MOST_CHANGES:
-            self.sentence = f"the contact has changed {self.changes} times, and its phases have become too short"
+        if self.short > 2:
+            self.sentence = f"the contact changes its phase more often than every {CHATTER * self.tables.second:.1g} s"
+        elif self.changes > MOST_CHANGES:
+            self.sentence = f"the contact has changed its phase {MOST_CHANGES} times"
+        if self.sentence:
             return Status.STALLED
-        self._enter(change, (time, 0 * time))
+        self._enter(change, (time, 0 * time), self.problem.number(when) + change.when)
         if change.between is not None:
             self._between(change, self.problem.number(when), log, request)
         return None
@@ -323,11 +344,11 @@ class ContactDriver:
             **self.inner.snapshot(),
             "kind": self.kind,
             "ball": self.ball,
-            "carried": self.carried.copy(),
-            "taken": self.taken,
+            "carried": [_parts(value) for value in self.carried],
+            "taken": _parts(self.taken),
             "force": list(self.force),
             "changes": [self.changes, self.short, self.began],
-            "phase_end": [self.inner.end, self.lands],
+            "landing": None if self.landing is None else _parts(self.landing),
             "under_way": self.tables.under_way,
         }
 
@@ -337,15 +358,28 @@ class ContactDriver:
         number = self.problem.number
         start = self.present()[0]
         row = Row(*start[: len(Row._fields)])
-        moment = Moment(
-            Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, np.array(kept["carried"], number)
-        )
-        self.taken = number(kept["taken"])
-        end, lands = kept["phase_end"]
+        carried = np.array([_sum(parts, number) for parts in kept["carried"]], dtype=number)
+        moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
+        self.taken = _sum(kept["taken"], number)
+        landing = None if kept["landing"] is None else _sum(kept["landing"], number)
         self._enter(Change(kept["kind"], kept["ball"], moment, "start"), clock)
         self.inner.restore(kept, state, clock)
-        self.inner.end_at(number(end))
-        self.lands, self.force = lands, Extremes(*kept["force"])
+        self._until(landing, self.inner)
+        self.force = Extremes(*kept["force"])
         self.changes, self.short, self.began = kept["changes"]
         self.tables = Tables(self.problem)
         self.tables.under_way = kept["under_way"]
+
+
+def _parts(value: Any) -> list[float]:
+    """A number of any precision as doubles that add up to it exactly."""
+    parts = [float(value)]
+    while (rest := value - parts[-1]) != 0 and np.isfinite(parts[-1]):
+        value = rest
+        parts.append(float(rest))
+    return parts
+
+
+def _sum(parts: list[float], number: Any) -> Any:
+    """The number of these parts."""
+    return sum(map(number, parts[1:]), number(parts[0]))

@@ -92,6 +92,10 @@ def by_name(name: str) -> System:
 
 def _pickled(system: System) -> tuple:
     """A pickle has the names of systems, not their formulas."""
+    from .with_contact import with_contact
+
+    if system.contact is not None and with_contact(system.name, *system.contact) is system:
+        return with_contact, (system.name, *system.contact)
     if SYSTEMS.get(system.name) is not system:
         raise pickle.PicklingError(
             f"a `{system.name}` that is not registered, or has events or columns of your own, cannot be pickled: its "

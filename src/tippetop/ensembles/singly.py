@@ -1,0 +1,105 @@
+"""Tops whose contact may change its phase, each by a driver of its own: lanes cannot follow them."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..engine.status import Status
+from ..problem import Problem, Problems
+from ..sampling import ListedTimes
+from ..scenario.contact import contact_faults
+from .outcomes import Outcomes
+
+
+class Ended(NamedTuple):
+    """A run that has come to its end."""
+
+    status: Status
+    final: np.ndarray  # internal
+    report: dict[str, Any]
+    kept: dict[str, float | int | None]  # what events keep of their passages
+    settled: bool
+
+
+Alone = Callable[[Problem], Ended]
+"""Runs one problem to its end, without keeping rows."""
+
+
+def problem_of(tops: Problems, top: int) -> Problem:
+    """One of many, to run alone."""
+
+    def numbers(table: str) -> dict[str, Any]:
+        given = tops.given(table)
+        return {
+            name: v if isinstance(v, bool) else float(np.broadcast_to(v, (tops.n,))[top]) for name, v in given.items()
+        }
+
+    base, until = tops.base, numbers("run")["until"]
+    contact: dict[str, Any] = {}
+    for table in base.tables.keys() & {"contact", "stem"}:
+        contact |= numbers(table)
+    return replace(
+        base,
+        parameters=numbers("parameters"),
+        friction=type(base.friction)(**numbers("friction")),
+        initial=numbers("initial"),
+        contact=base.contact._replace(**contact) if base.contact is not None else None,
+        until=until,
+        times=ListedTimes(np.array([until])),
+        output="times",
+        orientation=tops.orientation,
+    )
+
+
+def one_by_one(
+    outcomes: Outcomes, numbers: np.ndarray, alone: Alone, progress: Callable[[int, int], None] | None
+) -> None:
+    """Runs tops of these numbers one after the other, and writes their rows.
+
+    Parameters
+    ----------
+    outcomes
+        A row per top; those of tops whose contact cannot be followed are marked as invalid.
+    numbers
+        Of the tops.
+    alone
+        Runs one.
+    progress
+        Called as progress(done, of).
+    """
+    tops = outcomes.tops
+    for done, top in enumerate(numbers.tolist(), 1):
+        problem = problem_of(tops, top)
+        if faults := [*problem.faults(), *contact_faults(problem)]:
+            outcomes.status[top] = Status.INVALID.code
+            outcomes.faults.append((top, faults[0]))
+        else:
+            _write(outcomes, top, alone(problem))
+        if progress is not None:
+            progress(done, len(numbers))
+
+
+def _write(outcomes: Outcomes, top: int, ended: Ended) -> None:
+    """The row of a top."""
+    report, force = ended.report, ended.report.get("normal_force", {})
+    values = {
+        **ended.kept,
+        **{name: report.get(name) for name in ("t_end", "steps")},
+        **report["nutational_band"],
+        "turnings": report["event_counts"].get("turning_significant", 0),
+        "normal_force_min": force.get("min"),
+        "normal_force_max": force.get("max"),
+    }
+    for name, (_, unit, _) in outcomes.forms.items():
+        if values.get(name) is not None:
+            whole = outcomes.columns[name].dtype.kind == "i"
+            outcomes.columns[name][top] = values[name] if whole else values[name] / outcomes.tops.unit(unit)[top]
+    outcomes.status[top] = ended.status.code
+    outcomes.final[:, top] = ended.final
+    outcomes.settled[top] = ended.settled
+    outcomes.steps_made += report["steps"]
+    outcomes.steps_possible += report["steps"]
+    for name, worst in report["drift"].items():
+        outcomes.drift[name][top] = np.nan if worst is None else worst

@@ -1,0 +1,50 @@
+"""Scenarios whose contact changes its phase: those of the reference, and one that bounces."""
+
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+
+NAMES = {"thetadot": "theta_dot", "phidot": "phi_dot"}  # of the reference, and ours
+BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 3.2e-06, "g": 9.82}
+
+BOUNCE: dict[str, Any] = {
+    "system": "tippe-top",
+    "parameters": BODY,
+    "friction": {"law": "coulomb", "mu": 0.3},
+    "contact": {"e_n": 0.5},
+    "initial": {"theta": 0.5, "omega3": 60.0, "gap": 0.01},
+    "run": {"until": 0.4},
+}
+"""A top that falls, bounces, slips and rolls."""
+
+
+def reference(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The tables of a case of the reference, with rows at its times, and the case."""
+    case = json.loads((Path(__file__).parent.parent / "reference" / f"{name}.json").read_text())
+    system = "gliding-cylinder" if "theta_unwrapped" in case else "tippe-top"
+    exact = {key: float(Fraction(value)) for key, value in case["parameters_exact"].items() if key != "restitution"}
+    body = {"m", "R", "alpha", "g"}
+    inertia = {"I": exact["I1"]} if system == "gliding-cylinder" else {"I1": exact["I1"], "I3": exact["I3"]}
+    initial = {
+        NAMES.get(key, key): value if isinstance(value, bool) else float(Fraction(value))
+        for key, value in case["initial_exact"].items()
+    }
+    times = [float(t) for t in case["t"]]
+    tables = {
+        "system": system,
+        "parameters": {key: exact[key] for key in body} | inertia,
+        "friction": {"law": "coulomb", "mu": exact["mu"]},
+        "contact": {"e_n": exact["e_n"], "restitution": case["parameters_exact"]["restitution"]},
+        "initial": initial,
+        "run": {"until": times[-1], "output_times": times},
+    }
+    return tables, case
+
+
+TURNING = reference("caseC6_cylinder_coulomb")[0]
+"""A cylinder that slides back and forth, rolls, and slides again."""
+
+THROWN = reference("caseC3_liftoff_flight_plastic_landing")[0]
+"""A top that slides, flies, lands, slides and rolls."""

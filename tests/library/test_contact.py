@@ -1,0 +1,144 @@
+"""Runs whose contact changes its phase, from Python."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from touching import BODY, BOUNCE
+
+import tippetop as tt
+from tippetop.errors import InputError
+from tippetop.mechanics.units import METRE
+
+
+TOP = tt.TippeTop(**BODY)
+START = {"theta": 0.1, "omega3": 155.0, "centre_at_rest": True}
+
+
+@pytest.fixture(scope="module")
+def run() -> tt.Run:
+    return tt.run(BOUNCE)
+
+
+def test_coulomb_without_eps_slips_and_then_rolls() -> None:
+    run = tt.run(TOP, tt.Coulomb(mu=0.3), start=START, until=0.06)
+    assert run.phases.phase.values.tolist() == [0, 1]
+    assert run.phases.phase.attrs["flag_meanings"].split()[:2] == ["slip", "roll"]
+    np.testing.assert_allclose(run.phases.end[0], 0.0392357743555808144, rtol=0, atol=1e-11)
+    assert len(run.impacts.time) == 0
+    assert "slips until 0.0392358 s, then rolls" in str(run)
+
+
+def test_a_law_without_eps_has_none_to_show() -> None:
+    assert tt.Coulomb(mu=0.3).numbers() == {"mu": 0.3}
+    assert tt.Coulomb(mu=0.3, eps=1e-3).numbers() == {"mu": 0.3, "eps": 1e-3}
+    with pytest.raises(InputError, match=r"friction\.mu"):
+        tt.Coulomb(mu=-1.0)
+    with pytest.raises(InputError, match=r"friction\.eps"):
+        tt.Coulomb(mu=0.3, eps=0.0)
+
+
+def test_contact_and_stem_are_keywords() -> None:
+    problem = tt.run(TOP, tt.Viscous(mu=0.3), start=START, until=0.001, contact={"e_n": 0.5}).problem
+    assert problem.contact.e_n == 0.5
+    assert problem.on_liftoff == "fly"
+    with pytest.raises(InputError, match=r"stem.h` must exceed R - r"):
+        tt.run(TOP, tt.Viscous(mu=0.3), start=START, until=1.0, stem={"r": 0.004, "h": 0.01})
+    with pytest.raises(InputError, match="`contact` must be a mapping"):
+        tt.run(TOP, tt.Viscous(mu=0.3), start=START, until=1.0, contact=0.5)
+
+
+def test_a_preset_flies_if_asked_to() -> None:
+    run = tt.run("inverting", on_liftoff="fly", until=0.01)
+    assert run.summary.contact_phases.counts.slip == 1
+
+
+def test_events_and_columns_of_ones_own_are_refused() -> None:
+    with pytest.raises(InputError, match="must stand without events and columns of one's own"):
+        tt.run(BOUNCE, columns=tt.Quantity("height", "z", METRE, "height", lambda s, b: s.z))
+
+
+def test_a_run_in_memory_has_all_its_tables(run: tt.Run) -> None:
+    assert set(run.to_datatree().children) == {"trajectory", "events", "phases", "impacts"}
+    assert float(run.phases.end[-1]) == BOUNCE["run"]["until"]
+    assert (run.impacts.work <= 0).all()
+    assert run.impacts.sizes["impact"] == int((run.events.kind == _number(run, "impact")).sum())
+    assert "flies" in repr(run._repr_html_())
+
+
+def _number(run: tt.Run, kind: str) -> int:
+    return run.events.kind.attrs["flag_meanings"].split().index(kind)
+
+
+def test_a_stored_run_is_the_run_that_was_saved(run: tt.Run, tmp_path: Path) -> None:
+    stored = tt.open(run.save(tmp_path / "run.zarr"))
+    for name in ("trajectory", "events", "phases", "impacts"):
+        assert getattr(stored, name).drop_attrs(deep=False).identical(getattr(run, name).drop_attrs(deep=False)), name
+    assert stored.summary.to_dict() == run.summary.to_dict()
+    assert [line for line in str(stored).splitlines() if line.startswith("phases")] == [
+        line for line in str(run).splitlines() if line.startswith("phases")
+    ]
+
+
+@pytest.mark.parametrize("output", ["events", "steps"])
+def test_rows_at_events_and_steps(output: str) -> None:
+    run = tt.run(BOUNCE, output=output, until=0.2)
+    times = run.trajectory.time.values
+    assert (np.diff(times) >= 0).all()
+    assert times[0] == 0
+    assert times[-1] == 0.2
+    if output == "events":
+        assert set(run.events.time.values) <= set(times)
+
+
+def test_a_run_starts_where_another_has_ended(tmp_path: Path) -> None:
+    """In flight, as exactly as a run can be continued."""
+    tt.run(BOUNCE, until=0.02, out=tmp_path / "a.zarr")
+    went_on = tt.run({**BOUNCE, "initial": {}}, start=tmp_path / "a.zarr", until=0.2)
+    whole = tt.run(BOUNCE, until=0.22)
+    np.testing.assert_allclose(went_on.impacts.time + 0.02, whole.impacts.time, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(went_on.trajectory.theta[-1], whole.trajectory.theta[-1], rtol=0, atol=1e-11)
+
+
+def test_a_problem_can_be_pickled(run: tt.Run) -> None:
+    again = pickle.loads(pickle.dumps(run.problem))
+    assert again.system is run.problem.system
+    assert repr(again.contact) == repr(run.problem.contact)
+
+
+def test_a_run_without_phases_says_so() -> None:
+    run = tt.run("inverting", until=0.01)
+    with pytest.raises(AttributeError, match="does not change its phase"):
+        run.phases  # noqa: B018
+
+
+def test_many_tops_are_the_runs_of_each(run: tt.Run) -> None:
+    tops = tt.ensemble(BOUNCE, {"contact.e_n": [0.5, 0.2, 2.0], "mu": [0.3, 0.2, 0.3]}, until=0.4)
+    words = tops.status.attrs["flag_meanings"].split()
+    assert [words[int(s)] for s in tops.status] == ["finished", "finished", "invalid"]
+    assert float(tops.theta_end[0]) == pytest.approx(float(run.trajectory.theta[-1]), abs=1e-14)
+    assert int(tops.steps[0]) == run.summary.steps
+    assert float(tops.drift_energy_balance.max()) < 1e-12
+    classes = tops["class"].attrs["flag_meanings"].split()
+    assert "lifted-off" not in [classes[int(c)] for c in tops["class"]]
+
+
+def test_a_top_whose_contact_is_not_unique_is_marked(run: tt.Run) -> None:
+    tops = tt.ensemble(BOUNCE, {"mu": [0.3, 1.6]}, until=0.05)
+    words = tops.status.attrs["flag_meanings"].split()
+    assert words[int(tops.status[1])] == "invalid"
+    assert "Painleve" in tops.attrs["faults"][0]
+
+
+def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
+    assert tt.thresholds(run)["lambda_s"].value == tt.thresholds(TOP)["lambda_s"].value
+    band = tt.band(run)
+    flies = run.trajectory.phase.values == run.trajectory.phase.attrs["flag_meanings"].split().index("flight")
+    assert np.isnan(band.theta_min.values[flies]).all()
+    rolls = band.isel(time=~flies)
+    assert (rolls.theta_min <= rolls.theta + 1e-9).all()
+    assert (rolls.theta <= rolls.theta_max + 1e-9).all()
+    with pytest.raises(InputError, match="its contact may change its phase"):
+        tt.reconstruct(run)
+    np.testing.assert_array_equal(tt.linear_modes(run.problem, omega3=60.0), tt.linear_modes(run, omega3=60.0))
