@@ -6,7 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 from plans import PLAN
 from stores import assert_same, chunks, ended, start_process, wait_until, written
@@ -16,7 +15,7 @@ from tippetop.cli import outcome
 from tippetop.errors import Unfinished
 from tippetop.scenario import build
 from tippetop.store import provenance
-from tippetop.sweeps import chunk
+from tippetop.sweeps import chunk, workers
 from tippetop.sweeps.plan import Plan
 
 
@@ -42,11 +41,25 @@ def test_dask_makes_the_same_store(
     assert_same(store, whole)
 
 
-def failing(task: chunk.Task, threads: int = 1) -> dict[str, np.ndarray]:
+def failing(task: chunk.Task, threads: int = 1) -> chunk.Rows:
     """Raises for one chunk."""
     if task.chunk == 2:
         raise ArithmeticError("it will not do")
     return LINES(task, threads)
+
+
+def test_a_sweep_does_not_wait_for_processes_that_are_gone_for_good(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """dask does not begin a process again that died at its start: the sweep waited for ever."""
+    monkeypatch.setattr(workers, "GONE_FOR", 1.0)
+    monkeypatch.setattr(workers, "LOOK", 0.1)
+    plan = Plan.from_toml(file)
+    task = chunk.Task(0, build.resolved(plan.base), plan.columns(plan.tops(0)), None, provenance.versions())
+    with workers.local_cluster(1) as client:
+        client.cluster.scale(0)
+        with pytest.raises(workers.SchedulerLost):
+            list(workers.on_client(client, iter([task])))
 
 
 @pytest.mark.slow
@@ -95,8 +108,8 @@ def test_killed_workers_cost_nothing(longer: tuple[Path, Path], tmp_path: Path) 
 @pytest.mark.slow
 def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path, Path], tmp_path: Path) -> None:
     store = tmp_path / "S.zarr"
-    for done, workers in ((5, "2"), (14, "1"), (25, "3")):
-        process = start(longer[0], store, "--workers", workers)
+    for done, count in ((5, "2"), (14, "1"), (25, "3")):
+        process = start(longer[0], store, "--workers", count)
         wait_for(process, store, done)
         process.kill()
         ended(process)
@@ -105,7 +118,7 @@ def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path,
     assert_same(store, longer[1])
 
 
-def deadly(task: chunk.Task, threads: int = 1) -> dict[str, np.ndarray]:
+def deadly(task: chunk.Task, threads: int = 1) -> chunk.Rows:
     """Kills its worker for one chunk, raises for another."""
     if task.chunk == 1:
         os._exit(1)

@@ -7,6 +7,7 @@ common, two writers cannot meet, and a worker that dies leaves nothing half-writ
 import contextlib
 import logging
 import signal
+import threading
 from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
@@ -20,6 +21,7 @@ from .chunk import Rows, Task
 Outcome = tuple[Task, Rows | str]  # rows, or why there are none
 AHEAD = 2  # chunks in flight for each thread of the workers: one that computes, one that waits
 CONNECT_FOR = "10 s"
+GONE_FOR, LOOK = 60.0, 1.0  # [s] without any process of ours until there is none, and between two looks
 
 
 class SchedulerLost(Exception):
@@ -99,7 +101,32 @@ def local_cluster(workers: int) -> Iterator[Any]:
             client.register_plugin(Quiet())
         except (OSError, RuntimeError) as error:  # a process of ours was killed before it could answer
             raise SchedulerLost from error
+        held.enter_context(_watched(client))
         yield client
+
+
+@contextlib.contextmanager
+def _watched(client: Any) -> Iterator[None]:
+    """A block in which a client is closed when all of its workers are gone for long: dask gives up to begin a process
+    again that dies at its start, and would wait for it for ever."""
+    over = threading.Event()
+
+    def watch() -> None:
+        gone = 0.0
+        with contextlib.suppress(Exception):  # it is being closed
+            while not over.wait(LOOK):
+                gone = 0.0 if client.nthreads() else gone + LOOK
+                if gone >= GONE_FOR:
+                    client.close()
+                    return
+
+    thread = threading.Thread(target=watch, daemon=True, name="workers")
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
 
 
 def on_client(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
