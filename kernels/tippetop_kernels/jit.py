@@ -170,7 +170,7 @@ def _callable(name: str, code: bytes) -> Code:
             raise RuntimeError(f"`{name}` must come to its end, but an error stopped it")
         return row[0]
 
-    call.engine = loaded.engine  # type: ignore[attr-defined]  # it owns the memory
+    call.library = loaded.library  # type: ignore[attr-defined]  # it owns the memory
     return call
 
 

@@ -1,8 +1,10 @@
 """An object file becomes addresses: by LLVM's own loader, without a compiler."""
 
 import ctypes
+import itertools
 import struct
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
@@ -11,7 +13,7 @@ import llvmlite.binding as llvm
 class Loaded(NamedTuple):
     """The functions of an object file in memory."""
 
-    engine: Any  # owns the memory
+    library: Any  # owns the memory
     addresses: tuple[int, ...]  # of the functions that were asked for
 
 
@@ -74,26 +76,36 @@ def load(code: bytes, names: tuple[str, ...], libraries: Iterable[str] = ()) -> 
     """
     for library in libraries:
         llvm.load_library_permanently(library)
-    missing = [name for name in undefined_symbols(code) if not _is_known(name)]
-    if missing:  # LLVM would abort the process
+    called = {name: _address(name) for name in undefined_symbols(code)}
+    if missing := [name for name, address in called.items() if address is None]:
         raise ValueError(f"the functions that an object calls must be there, but {', '.join(missing)} are missing")
+    builder = llvm.JITLibraryBuilder().add_object_img(code)
+    for name, address in called.items():
+        builder.import_symbol(name, address)
+    for name in names:
+        builder.export_symbol(name)
+    try:
+        library = builder.link(_linker(), f"object-{next(_numbers)}")
+    except RuntimeError as error:
+        raise ValueError(f"an object must have the functions {' and '.join(names)}, but: {error}") from None
+    return Loaded(library, tuple(library[name] for name in names))
+
+
+_numbers = itertools.count()
+
+
+@lru_cache(maxsize=1)
+def _linker() -> Any:
+    """LLVM's linker of objects in memory. It puts all parts of an object into one piece of memory: its older one asks
+    for them one by one, and ends the process where two are more than 2 GiB apart, as they are in one that is large."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    target = llvm.Target.from_default_triple().create_target_machine(jit=True)
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-    engine.finalize_object()
-    addresses = tuple(engine.get_function_address(name) for name in names)
-    if not all(addresses):
-        raise ValueError(f"an object must have the functions {' and '.join(names)}")
-    return Loaded(engine, addresses)
+    return llvm.create_lljit_compiler(use_jit_link=True)
 
 
-def _is_known(name: str) -> bool:
-    """Whether LLVM finds a function, after those of C in this process are made known to it."""
-    if llvm.address_of_symbol(name) is None:
-        function = getattr(ctypes.CDLL(None), name, None)
-        if function is None:
-            return False
-        llvm.add_symbol(name, ctypes.cast(function, ctypes.c_void_p).value)
-    return True
+def _address(name: str) -> int | None:
+    """Where a function is that LLVM or the C library of this process knows; None: nowhere."""
+    address = llvm.address_of_symbol(name)
+    if address is None and (function := getattr(ctypes.CDLL(None), name, None)) is not None:
+        address = ctypes.cast(function, ctypes.c_void_p).value
+    return address

@@ -97,3 +97,37 @@ for code in ({object_of("no_such_function_anywhere")!r}, b"", {object_of(second=
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "refused\n" * 3), done.stderr
+
+
+FRAGMENTED = """
+import ctypes
+from tippetop.engine import compiled, taylor
+from tippetop.scenario import build
+
+code = taylor.driver_of(build.load("inverting", until=0.1)).compiled.integrator.llvm_state.object_code
+libraries = compiled._libraries()
+libc = ctypes.CDLL(None)
+place, number = [ctypes.c_void_p, ctypes.c_size_t], ctypes.c_int
+libc.mmap.restype, libc.mmap.argtypes = ctypes.c_void_p, [*place, number, number, number, ctypes.c_long]
+libc.munmap.argtypes = place
+
+
+def reserved(size):
+    return libc.mmap(None, size, 0, 0x4022, -1, 0)  # private, anonymous, without a page of memory
+
+
+end = reserved(6 << 30) + (6 << 30)
+filled = [reserved(1 << k) for k in range(22, 11, -1) for _ in range(200)]  # other holes
+for hole in range(400):  # of a page each, 6 GB from the next large one
+    libc.munmap(end - (2 * hole + 1) * 4096, 4096)
+from tippetop_kernels.compiled_step import load
+
+print(load(code, libraries).step > 0)
+"""
+
+
+def test_memory_in_pieces_does_not_abort_a_process() -> None:
+    """The constants of an object fit into a hole of the memory that is far from where its code fits: LLVM's older
+    linker ended the process, as it did a session of 2400 tests."""
+    done = subprocess.run([sys.executable, "-c", FRAGMENTED], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
