@@ -178,7 +178,7 @@ class ContactDriver:
         at = np.where(values > 0, 1.0, -1.0)
         on_zero = np.abs(values) < ON_ZERO
         for k, event in enumerate(events):
-            if event.name in signs:  # it goes on from the phase before
+            if event.name in signs:  # it continues from the phase before
                 at[k], on_zero[k] = signs[event.name], False
             elif event.name in ("stick", "slip"):
                 at[k], on_zero[k] = at[k] if event.direction == 0 else 1.0, False
@@ -200,7 +200,7 @@ class ContactDriver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps, through as many phases as they take."""
-        asked, found, samples, steps = _Asked(self, request), Found(self.problem), [], 0
+        asked, log, samples, steps = _Asked(self, request), Log(self.problem), [], 0
         while True:
             piece = self.inner.advance(asked, most - steps)
             steps += piece.steps
@@ -209,12 +209,12 @@ class ContactDriver:
             ending = self._ending(piece)
             count = len(piece.passages.times) - (ending is not None)
             passages = Passages(*(column[:count] for column in piece.passages))
-            found.add(passages, self.inner.problem.system, self.rows(passages.states))
+            log.add(passages, self.inner.problem.system, self.rows(passages.states))
             if status is None or not (self.lands or ending is not None):
                 break
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
-            status = self._change(ending, last, when, found, request)
+            status = self._change(ending, last, when, log, request)
             if status is not None:
                 break
             last = self.present()
@@ -223,7 +223,7 @@ class ContactDriver:
         if status is not None:
             self.tables.end(float(when), str(status.value))
         rows = self.present() if status is None else last
-        return Slice(steps, when, rows, np.concatenate(samples), found.passages(), status, self.tables.take())
+        return Slice(steps, when, rows, np.concatenate(samples), log.passages(), status, self.tables.take())
 
     def _ending(self, piece: Slice) -> str | None:
         """The event that ended the present phase; None if none did."""
@@ -232,9 +232,7 @@ class ContactDriver:
         event = self.inner.problem.system.events[int(piece.passages.events[-1])]
         return event.name if event.ends and piece.status != Status.FALLEN else None
 
-    def _change(
-        self, ending: str | None, last: np.ndarray, when: Any, found: "Found", request: Request
-    ) -> Status | None:
+    def _change(self, ending: str | None, last: np.ndarray, when: Any, log: "Log", request: Request) -> Status | None:
         """What follows the end of a phase; gives how it ends the run, or None."""
         row = Row(*last[0, : len(Row._fields)])
         moment = Moment(
@@ -249,7 +247,7 @@ class ContactDriver:
         time = self.problem.number(when) + change.lag
         for event in change.events:
             row_after = last if event == "liftoff" else None
-            found.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
+            log.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
         if change.ends is not None:
             return change.ends
         if ending == "liftoff" and self.problem.on_liftoff == "stop":
@@ -262,10 +260,10 @@ class ContactDriver:
             return Status.STALLED
         self._enter(change, (time, 0 * time), self.problem.number(when) + change.when)
         if change.between is not None:
-            self._between(change, self.problem.number(when), found, request)
+            self._between(change, self.problem.number(when), log, request)
         return None
 
-    def _between(self, change: Change, start: Any, found: "Found", request: Request) -> None:
+    def _between(self, change: Change, start: Any, log: "Log", request: Request) -> None:
         """Rows and events of the beginning of a slide."""
         between, lag = change.between, change.lag
         assert between is not None
@@ -297,7 +295,7 @@ class ContactDriver:
                 continue
             x = _zero(values, change.signs[event.name])
             driver.tallies.functions[SIGN, k, 0] = sign
-            found.note(event.name, start + x * lag, rows(np.array([x])), sign)
+            log.note(event.name, start + x * lag, rows(np.array([x])), sign)
 
     # --- what is known of it --------------------------------------------------------------------------------------
 
@@ -376,7 +374,7 @@ def _zero(values: np.ndarray, sign: float) -> float:
     return high
 
 
-class Found:
+class Log:
     """Passages of a slice, of all its phases, in the order of the run's events."""
 
     def __init__(self, problem: Problem):
@@ -393,7 +391,7 @@ class Found:
         self.parts.append(passages._replace(events=events, states=rows))
 
     def note(self, name: str, time: Any, row: np.ndarray, way: float = 1.0) -> None:
-        """Takes an event that no step has found, such as the end of a phase."""
+        """Takes an event that no step sees, such as the end of a phase."""
         sign = np.array([int(way)])
         self.parts.append(
             Passages(

@@ -83,7 +83,7 @@ class Change:
     moment: Moment
     reason: str
     events: tuple[str, ...] = ()  # of the run, that happen now
-    signs: dict[str, float] = field(default_factory=dict)  # of event functions that go on as they were
+    signs: dict[str, float] = field(default_factory=dict)  # of event functions that stay as they were
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
     landing: Any = None  # internal time to the landing of a flight
