@@ -121,7 +121,8 @@ def test_many_tops_are_the_runs_of_each(run: tt.Run) -> None:
     assert int(tops.steps[0]) == run.summary.steps
     assert float(tops.drift_energy_balance.max()) < 1e-12
     classes = tops["class"].attrs["flag_meanings"].split()
-    assert "lifted-off" not in [classes[int(c)] for c in tops["class"]]
+    assert [classes[int(c)] for c in tops["class"]] == ["rolling", "rolling", "none"]
+    assert run.summary.outcome == "rolling"
 
 
 def test_a_top_whose_contact_is_not_unique_is_marked(run: tt.Run) -> None:

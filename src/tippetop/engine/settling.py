@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.contact.body import Body
+from ..mechanics.contact.phases.row import BALLS, PHASES
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, is_unstable, will_leave
@@ -40,7 +41,7 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     return not will_leave(float(values["theta"][0]), float(values["omega3"][0]) / second, body)
 
 
-CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way")
+CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way", "rolling", "on-stem", "bouncing")
 """What becomes of a top, by number in a store."""
 
 NEAR = 0.1  # rad from a pole: upright or inverted
@@ -78,3 +79,22 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
         tumbles = settled[leaves_it] & away if "tumbling" in system.classes else np.zeros_like(away)
         kinds[leaves_it] = np.where(tumbles, CLASSES.index("tumbling"), CLASSES.index("under-way"))
     return kinds
+
+
+def with_phases(kinds: np.ndarray, values: dict[str, np.ndarray]) -> np.ndarray:
+    """What has become of tops whose contact may change its phase, as numbers of CLASSES, (n,).
+
+    Parameters
+    ----------
+    kinds
+        As `classes_of` gives them.
+    values
+        The quantities `phase` and `ball` at the end by name, (n,) each, where the system has them.
+    """
+    if "phase" not in values:
+        return kinds
+    phase, on_stem = values["phase"], values["ball"] == BALLS.index("stem")
+    flies, under_way = phase == PHASES.index("flight"), kinds == CLASSES.index("under-way")
+    kinds = np.where(under_way & (phase == PHASES.index("roll")), CLASSES.index("rolling"), kinds)
+    kinds = np.where(flies & (under_way | on_stem), CLASSES.index("bouncing"), kinds)
+    return np.where(on_stem & ~flies, CLASSES.index("on-stem"), kinds)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..columns import Column, flag_attributes
 from ..engine.observables import PSI, orientations_of, values_of
-from ..engine.settling import CLASSES, classes_of
+from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
 from ..mechanics.events import Event
@@ -126,7 +126,8 @@ def _conclude(outcomes: Outcomes) -> None:
         theta = columns["theta_end"][ended] = values["theta"]
         omega3 = values["omega3"] / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
         body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-        kind[ended] = classes_of(tops.base.system, theta, omega3, outcomes.settled[ended], body)
+        classes = classes_of(tops.base.system, theta, omega3, outcomes.settled[ended], body)
+        kind[ended] = with_phases(classes, values)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     sound = np.isin(outcomes.status, [status.code for status in Status if status.ordinary])

@@ -18,6 +18,9 @@ COLOURS = {
     "inverted": UPPER,
     "lifted-off": "#6d28d9",
     "under-way": "#b8c4d0",
+    "rolling": "#5b8c5a",
+    "on-stem": "#7c3aed",
+    "bouncing": "#0ea5e9",
 }
 NOT_INVERTED = {
     "upright": "ended upright",
@@ -25,6 +28,9 @@ NOT_INVERTED = {
     "inverted": "inverted later than most of its cell",
     "lifted-off": "lifted off before it inverted",
     "under-way": "not inverted in time: under way",
+    "rolling": "rolling",
+    "on-stem": "on its stem",
+    "bouncing": "in the air",
 }
 """The end of tops without a time of inversion, by their class."""
 STYLES = ("-", "--", ":", "-.")

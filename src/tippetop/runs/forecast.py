@@ -22,8 +22,8 @@ MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # tw
 def assessment(problem: Problem) -> dict[str, Any]:
     """What is at the start (name -> value in SI, unit), what theory predicts of it, and what the run will take."""
     start, expected = at_start(problem), cost(problem)
-    shown = [q for q in problem.system.quantities if q.is_column]
-    quantities = {q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in shown}
+    columns = [q for q in problem.system.quantities if q.is_column]
+    quantities = {q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in columns}
     predicted = _outlook(problem, start) | _regularisation(problem, expected) | _advice(problem)
     form = {"auto_form": {"form": problem.choice.form.name, "because": problem.choice.because}}
     return {**form, "at_start": quantities, **predicted, "expected": expected}

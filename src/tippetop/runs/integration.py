@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.observables import Observables
-from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays
+from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays, with_phases
 from ..engine.slices import STEPS_PER_SLICE, Slice
 from ..engine.status import Status
 from ..engine.taylor import driver_of, fingerprint
@@ -189,7 +189,7 @@ class Integration:
         values = self.view.evaluate(self.last)
         theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
         settled = np.array([self.log.settled_since(self.last) is not None])
-        kind = classes_of(system, theta, omega3 / self.second, settled, self.problem.body())
+        kind = with_phases(classes_of(system, theta, omega3 / self.second, settled, self.problem.body()), values)
         return {"outcome": CLASSES[kind[0]]}
 
     def reason(self) -> str:

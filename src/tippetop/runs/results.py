@@ -71,7 +71,7 @@ class Summary(Record):
         Inclination at the end [rad].
     outcome : str
         Of a top that can turn over: upright, inverted (near a pole whose spin is stable), tumbling, lifted-off or
-        under-way.
+        under-way; where its contact changes its phase also rolling, on-stem or bouncing.
     system, form, parameters, friction, initial, run
         The scenario as it was understood, in SI units; `friction` only where there is a law.
     auto_form : Record

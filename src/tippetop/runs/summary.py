@@ -12,6 +12,9 @@ WORDS = {
     "inverted": "inverted spin, which is stable",
     "lifted-off": "lifted off",
     "under-way": "under way: this is not yet where the motion ends",
+    "rolling": "rolling: nothing slides, and nothing is lost",
+    "on-stem": "on its stem",
+    "bouncing": "in the air",
 }
 """What has become of a body, by the name of its class."""
 
@@ -62,10 +65,10 @@ VERBS = {"slip": "slips", "roll": "rolls", "flight": "flies", "both": "stands on
 TIMES = {1: "once", 2: "twice"}
 
 
-def contact(told: Mapping[str, Any]) -> str:
+def contact(phases: Mapping[str, Any]) -> str:
     """The story of a contact that changes its phase: all phases if they are few, else how many, the first and the
     last."""
-    counts, first, last = told["counts"], told["first"], told["last"]
+    counts, first, last = phases["counts"], phases["first"], phases["last"]
     if sum(counts.values()) == 1:
         text = f"{_does(last)} throughout"
     elif sum(counts.values()) == len(first):
@@ -74,7 +77,7 @@ def contact(told: Mapping[str, Any]) -> str:
         often = ", ".join(f"{VERBS[phase]} {TIMES.get(n, f'{n} times')}" for phase, n in counts.items())
         begins = ", then ".join(map(_until, first[:2]))
         text = f"{often}; first {begins}; at last {_does(last)} from {last['start']:.6g} s"
-    n = told["impacts"]
+    n = phases["impacts"]
     return f"{text}; {n} impact{'' if n == 1 else 's'}" if n else text
 
 
