@@ -113,12 +113,15 @@ class Transitions(Impacts):
             change = self._flight(ball, moment, "liftoff", 3)
             change.events, change.signs = ("liftoff",), signs
             return change
-        struck_ball = 1 - ball if end == "touch" else self._lowest(moment)
+        struck_ball = 1 - ball if end == "touch" else self._landed(moment)
         reason = "other-ball" if end == "touch" else "landing"
-        return self._strike(struck_ball, moment, signs, reason, old=ball if end == "touch" else None)
+        return self._strike(struck_ball, moment, signs, reason)
 
-    def _lowest(self, moment: Moment) -> int:
-        return int(np.argmin([float(self.gap(k, moment)) for k in range(len(self.balls))]))
+    def _landed(self, moment: Moment) -> int:
+        """The ball that lands: of those on the plane the one that falls fastest."""
+        gaps = [float(self.gap(k, moment)) for k in range(len(self.balls))]
+        there = [k for k, gap in enumerate(gaps) if gap <= max(ON_PLANE, min(gaps))]
+        return min(there, key=lambda k: float(self.point(k, moment).z))
 
     def _stick(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Sliding stops: what is left of it takes the time |v_A|/|P|."""
@@ -248,13 +251,15 @@ class Transitions(Impacts):
         begun, lag = self._run_in(ball, b, moment, n)
         return Change("dry-slip", ball, begun, reason, lag=lag, takes=takes)
 
-    def _strike(
-        self, ball: int, moment: Moment, signs: dict[str, float], reason: str, old: int | None = None
-    ) -> Change:
+    def _strike(self, ball: int, moment: Moment, signs: dict[str, float], reason: str) -> Change:
         """An impact at a ball; then at the other one, should that be pressed into the plane."""
         strikes: list[Strike] = []
-        if old is not None and float(self.point(ball, moment).z) > -BOTH_AT:
+        v_n = float(self.point(ball, moment).z)
+        both = self.balls.stem and all(float(self.gap(k, moment)) <= ON_PLANE for k in (0, 1))
+        if both and v_n > -BOTH_AT:
             return Change("flight", ball, moment, reason, ends=Status.ENDED, sentence=BOTH)
+        if not v_n < 0:  # it touches without striking
+            return self._on_plane(ball, moment, reason)
         while len(strikes) < MOST_STRIKES:
             moment, strike = self._struck(ball, moment)
             strikes.append(strike)
