@@ -144,3 +144,18 @@ def test_a_bouncing_top_comes_to_rest_on_the_plane():
     assert ratios == pytest.approx(0.5, abs=1e-9)  # no friction: the slope of v_n is constant
     assert not bounced[-1]
     assert max(done.report["drift"].values()) < 1e-13
+
+
+def test_a_corner_of_theta_is_a_turning():
+    """An impact that turns theta' round ends a swing: between two logged turnings theta is monotone."""
+    corners = 0
+    for seed in range(12):
+        start, friction = random_start(seed)
+        done = run(initial=start | {"gap": 0.003}, friction=friction, contact={"e_n": 0.7}, until=0.1)
+        turnings, columns = done.events.of("turning"), done.columns()
+        corners += np.isin(turnings.time, done.others["impacts"][0]["time"]).sum()
+        t, theta = columns["time"].values, columns["theta"].values
+        for begin, end in zip([0.0, *turnings.time], [*turnings.time, 0.1], strict=True):
+            steps = np.diff(theta[(t > begin) & (t < end)])
+            assert np.all(steps > 0) or np.all(steps < 0), (seed, begin, end)
+    assert corners > 3

@@ -80,7 +80,7 @@ class ContactDriver:
         self.moment = moment  # at the start
         change = self.transitions.at_start(moment)
         change.takes = True
-        self._enter(change, (problem.number(0), problem.number(0)))
+        self._enter(change, (problem.number(change.lag), problem.number(0)), problem.number(0))
         self.first = self.present()
 
     # --- the phase that is under way ------------------------------------------------------------------------------
@@ -271,6 +271,9 @@ class ContactDriver:
         self._enter(change, (time, 0 * time), self.problem.number(when) + change.when)
         if change.between is not None:
             self._between(change, self.problem.number(when), log, request)
+        before, after = signs["turning"], self._signs()["turning"]
+        if change.strikes and before != after:  # theta has a corner, which ends a swing as a turning does
+            log.note("turning", self.problem.number(when), last, after)
         return None
 
     def _between(self, change: Change, start: Any, log: "RunPassages", request: Request) -> None:
