@@ -36,6 +36,8 @@ def cases() -> list[tuple[str, str]]:
     seen = set()
     for preset in reading.presets():
         made = build.load(preset)
+        if made.contact is not None:  # several problems, one a phase: `tests/engine/contact`
+            continue
         forms = made.system.forms if made.system.name not in seen else [made.form.name]
         seen.add(made.system.name)
         found |= {(preset, form): None for form in forms}
