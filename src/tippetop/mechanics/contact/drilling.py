@@ -79,7 +79,8 @@ def drilling_power(N, w2, Omega_z, drag, mu, patch):
 
 
 @formula
-def rolling_torque(N, omega, mu_r):
-    """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever."""
-    k = -(mu_r * N) / sqrt(omega.x * omega.x + omega.y * omega.y)
+def rolling_torque(N, omega, mu_r, still=0):
+    """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever. `still` [rad/s]
+    makes it smooth where omega_h = 0."""
+    k = -(mu_r * N) / sqrt(omega.x * omega.x + omega.y * omega.y + still**2)
     return Vector(k * omega.x, k * omega.y, 0)

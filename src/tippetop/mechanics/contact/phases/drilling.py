@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from ...events import Event
 from ...form import Form, Integral
-from ...operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
+from ...operand import Operand, Vector, cross, dot, formula, plus, times
 from ...units import ANGULAR_MOMENTUM, JELLETT, METRE_PER_SECOND, ONE
 from ..ball import (
     Ball,
@@ -20,7 +20,7 @@ from ..ball import (
     torque_acceleration,
 )
 from ..coulomb import loaded_normal_force
-from ..drilling import OUTSIDE_FROM, between, inside, outside
+from ..drilling import OUTSIDE_FROM, between, drilling_force, drilling_torque, inside, outside, rolling_torque
 from ..gliding import catalogue as gliding
 from ..integrals import integral
 from ..orientation import carried_along
@@ -79,11 +79,9 @@ def patch_speed2(omega, b):
 def per_force(drag, omega, v, b):
     """Of friction per normal force: minus the horizontal force, and the torque, (3,) each."""
     law = b.friction
-    rolling = law.mu_r / sqrt(omega.x * omega.x + omega.y * omega.y + STILL**2)
-    drilling = law.mu * law.patch**2 * drag.twist
-    k = law.mu * drag.k
-    torque = Vector(-(rolling * omega.x), -(rolling * omega.y), -(drilling * omega.z))
-    return Vector(k * v.x, k * v.y, 0 * k), torque
+    force, rolling = drilling_force(1, v, drag, law.mu), rolling_torque(1, omega, law.mu_r, STILL)
+    torque = Vector(rolling.x, rolling.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))
+    return Vector(-force.x, -force.y, 0 * omega.z), torque
 
 
 def _contact(drag: Callable) -> Callable:
