@@ -143,3 +143,13 @@ def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
     with pytest.raises(InputError, match="its contact may change its phase"):
         tt.reconstruct(run)
     np.testing.assert_array_equal(tt.linear_modes(run.problem, omega3=60.0), tt.linear_modes(run, omega3=60.0))
+
+
+@pytest.mark.parametrize("theta", [0.05, np.pi - 0.05])
+def test_a_top_that_drills_ends_near_a_pole_with_a_class(theta: float) -> None:
+    start = {"theta": theta, "omega3": 180.0}
+    law = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
+    drills = tt.run({**BOUNCE, "friction": law, "initial": start, "run": {"until": 1e-4}})
+    slides = tt.run(TOP, tt.Viscous(mu=3 * np.pi * 0.3 / (8 * 5e-4 * 180.0)), start=start, until=1e-4)
+    assert drills.summary.outcome == slides.summary.outcome
+    np.testing.assert_allclose(tt.linear_modes(drills, omega3=180.0), tt.linear_modes(slides, omega3=180.0), rtol=1e-13)
