@@ -14,6 +14,7 @@ from tippetop.mechanics.units import METRE
 
 TOP = tt.TippeTop(**BODY)
 START = {"theta": 0.1, "omega3": 155.0, "centre_at_rest": True}
+STEM = {"r": 0.005, "h": 0.017}
 
 
 @pytest.fixture(scope="module")
@@ -143,3 +144,22 @@ def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
     with pytest.raises(InputError, match="its contact may change its phase"):
         tt.reconstruct(run)
     np.testing.assert_array_equal(tt.linear_modes(run.problem, omega3=60.0), tt.linear_modes(run, omega3=60.0))
+
+
+@pytest.mark.parametrize("theta", [0.05, np.pi - 0.05])
+def test_a_top_that_drills_ends_near_a_pole_with_a_class(theta: float) -> None:
+    start = {"theta": theta, "omega3": 180.0}
+    law = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
+    drills = tt.run({**BOUNCE, "friction": law, "initial": start, "run": {"until": 1e-4}})
+    slides = tt.run(TOP, tt.Viscous(mu=3 * np.pi * 0.3 / (8 * 5e-4 * 180.0)), start=start, until=1e-4)
+    assert drills.summary.outcome == slides.summary.outcome
+    np.testing.assert_allclose(tt.linear_modes(drills, omega3=180.0), tt.linear_modes(slides, omega3=180.0), rtol=1e-13)
+
+
+def test_a_stem_under_the_plane_is_refused() -> None:
+    with pytest.raises(InputError, match=r"`initial.gap` must be at least .*: the stem would be under the plane"):
+        tt.run(TOP, tt.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0}, until=1e-3)
+    least = STEM["r"] - BODY["R"] - STEM["h"] * np.cos(3.0)
+    run = tt.run(TOP, tt.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, "gap": least}, until=1e-3)
+    assert run.trajectory.gap_stem.min() > -1e-15
+    assert run.phases.ball.values.tolist() == [1]

@@ -1,5 +1,6 @@
 """Scenarios whose contact may change its phase: which they are, and what they say of the contact."""
 
+import math
 from typing import Any
 
 from ..errors import InputError
@@ -68,7 +69,23 @@ def contact_faults(problem: Problem) -> list[str]:
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
     if isinstance(problem.friction, SetValued | Contensou):
         faults += _unique(problem)
-    return faults
+    return faults + _under(problem)
+
+
+UNDER = 1e-9  # of the radius: a stem that is deeper under the plane is no rounding
+
+
+def _under(problem: Problem) -> list[str]:
+    """A stem may not start under the plane."""
+    rules, start = problem.contact, problem.initial
+    assert rules is not None
+    if not rules.stem or "theta" not in start:
+        return []
+    R, gap = problem.body().R, float(start.get("gap", 0.0))
+    least = rules.r - R - rules.h * math.cos(float(start["theta"]))
+    if not gap < least - UNDER * R:
+        return []
+    return [f"`initial.gap` must be at least {least:.17g}, but is {gap:g}: the stem would be under the plane."]
 
 
 def _unique(problem: Problem) -> list[str]:

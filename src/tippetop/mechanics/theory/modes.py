@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.body import Body
-from ..friction import slip_coefficient
+from ..friction import Contensou, slip_coefficient
 
 
 def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
@@ -37,7 +37,7 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
 
 def _gliding(omega3: Any, b: Body, up: int) -> np.ndarray:
     """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many."""
-    slip = slip_coefficient(0.0, float(up), b.friction)
+    slip = _slip(omega3, up, b.friction)
     Lz, h = up * b.I3 * omega3, b.R - up * b.c
     n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
     momentum = _row(-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g)
@@ -45,6 +45,15 @@ def _gliding(omega3: Any, b: Body, up: int) -> np.ndarray:
     lever = np.asarray(1j * h / b.I1)
     v = _row(0, 0, -slip * b.g) + lever[..., None] * momentum + 1j * twist[..., None] * n
     return np.stack(np.broadcast_arrays(n, momentum, v), -2)
+
+
+def _slip(omega3: Any, up: int, law: Any) -> Any:
+    """The slip coefficient at rest [s/m]; of a disc that drills at omega3 the limit of small sliding, 3 pi mu/(8 patch
+    |omega3|), its rolling resistance left out."""
+    if not isinstance(law, Contensou):
+        return slip_coefficient(0.0, float(up), law)
+    drilling = np.asarray(8 * law.patch * np.abs(omega3))
+    return np.where(np.asarray(law.mu) == 0, 0.0, 3 * np.pi * law.mu / drilling)
 
 
 def _row(*entries: Any) -> np.ndarray:
