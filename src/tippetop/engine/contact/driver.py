@@ -108,7 +108,7 @@ class ContactDriver:
     def prepare(self) -> None:
         """Compiles the equations of every phase that the run may have."""
         moment = self.moment
-        for kind in ("dry-slip", "roll", "flight") if self.balls.dry else ("slip", "flight"):
+        for kind in self.transitions.names:
             if (kind, self.ball) not in self.drivers:
                 how = self.kinds[kind]
                 self._add(kind, self.ball, how.state(moment.u, moment.L, moment.velocity, moment.height, self.balls[0]))
