@@ -20,7 +20,7 @@ _NAMES = {
     "mechanics.systems": "SYSTEMS",
     "mechanics.units": "Unit",
     "library.bodies": "Cylinder HeavyTop TippeTop",
-    "library.laws": "Coulomb Frictionless Latitude Mixed Modified Stribeck Viscous",
+    "library.laws": "Contensou Coulomb Frictionless Latitude Mixed Modified Stribeck Viscous",
     "library.landscapes": "band marked_lines minimal_surface potential turning_angles",
     "library.many": "ensemble",
     "library.registering": "register",

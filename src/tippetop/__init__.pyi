@@ -11,6 +11,7 @@ from .library.landscapes import marked_lines as marked_lines
 from .library.landscapes import minimal_surface as minimal_surface
 from .library.landscapes import potential as potential
 from .library.landscapes import turning_angles as turning_angles
+from .library.laws import Contensou as Contensou
 from .library.laws import Coulomb as Coulomb
 from .library.laws import Frictionless as Frictionless
 from .library.laws import Latitude as Latitude

@@ -163,3 +163,15 @@ def test_a_stem_under_the_plane_is_refused() -> None:
     run = tt.run(TOP, tt.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, "gap": least}, until=1e-3)
     assert run.trajectory.gap_stem.min() > -1e-15
     assert run.phases.ball.values.tolist() == [1]
+
+
+def test_friction_that_drills_has_a_record() -> None:
+    """The same run as the scenario's table gives; rolling resistance is none by default."""
+    start = {"theta": 0.1, "omega3": 180.0}
+    table = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
+    top = tt.TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
+    one = tt.run(top, tt.Contensou(mu=0.3, patch=5e-4), start=start, until=0.05)
+    other = tt.run(top, table, start=start, until=0.05)
+    assert one.trajectory.theta.identical(other.trajectory.theta)
+    with pytest.raises(tt.InputError, match="patch"):
+        tt.Contensou(mu=0.3, patch=0.0)

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, cast
 
 from ..arguments import refuse_unknown
 from ..errors import InputError
-from ..mechanics.friction import SET_VALUED, Law
+from ..mechanics.friction import CONTENSOU, SET_VALUED, Law
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points
 from ..scenario.numbers import checked
@@ -91,6 +91,39 @@ class Coulomb(Friction):
 
     def _law(self) -> Law:
         return SET_VALUED if self.eps is None else super()._law()
+
+
+@dataclass(frozen=True)
+class Contensou(Friction):
+    """Friction that drills: Coulomb's law at each point of a contact disc under Hertz's pressure, of a tippe top.
+
+    Parameters
+    ----------
+    mu : float
+        Friction coefficient, without unit, at least 0.
+    patch : float
+        Radius of the disc [m], positive.
+    mu_r : float, optional
+        Rolling resistance [m]: torque per normal force, at least 0; none by default.
+
+    Raises
+    ------
+    InputError
+        With one sentence for every number that is wrong.
+
+    Notes
+    -----
+    Contensou (1963), Zhuravlev (1998). The contact slips and flies, and the tables `phases` and `impacts` say when.
+    """
+
+    mu: float
+    patch: float
+    mu_r: float = 0.0
+
+    law: ClassVar[str] = "contensou"
+
+    def _law(self) -> Law:
+        return CONTENSOU
 
 
 @dataclass(frozen=True)
