@@ -105,6 +105,7 @@ class Driver(ABC):
         self.times = np.zeros(0)  # of rows that are wanted and not yet made
 
     sentence = ""  # why the contact ended the run, where it did
+    ended: Status | None = None  # how it ends the run before its first step
 
     @property
     def first(self) -> np.ndarray:

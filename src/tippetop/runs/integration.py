@@ -123,6 +123,8 @@ class Integration:
 
     def ended_at_start(self) -> Status | None:
         """How a run ends before its first step: a quantity that must not be negative is so from the start."""
+        if self.driver.ended is not None:
+            return self.driver.ended
         events = self.problem.system.events
         for event, value in zip(events, self.driver.at_start, strict=True):
             if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:

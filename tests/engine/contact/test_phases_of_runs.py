@@ -159,3 +159,21 @@ def test_a_corner_of_theta_is_a_turning():
             steps = np.diff(theta[(t > begin) & (t < end)])
             assert np.all(steps > 0) or np.all(steps < 0), (seed, begin, end)
     assert corners > 3
+
+
+def test_newtons_restitution_that_makes_energy_ends_the_run():
+    """Kane's paradox: canonical body, e_n = 1, mu = 0.31, nu_x = -0.66 |v_n|. [contact 3.3]"""
+    start = {"theta": 1.66, "nu_x": -0.66, "nu_z": -1.0}
+    tables = {"friction": {"law": "coulomb", "mu": 0.31}, "initial": start, "until": 0.01}
+    done = run(contact={"restitution": "newton", "e_n": 1.0}, **tables)
+    assert done.status is Status.ENDED
+    assert "made energy" in done.reason
+    assert run(contact={"restitution": "energetic", "e_n": 1.0}, **tables).status is Status.FINISHED
+
+
+def test_a_start_on_sphere_and_stem_at_once_ends_there():
+    theta = float(np.arccos(-(0.015 - 0.005) / 0.013))
+    start = {"theta": theta, "omega3": 50.0}
+    done = run(LEINE_GLOCKER, initial=start, stem={"r": 0.005, "h": 0.013})
+    columns = done.columns()
+    assert done.status is Status.ENDED or columns["gap_stem"].values.min() > -1e-12

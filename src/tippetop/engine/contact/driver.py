@@ -61,6 +61,8 @@ class ContactDriver:
         The row at the start, (1, variables).
     sentence
         Why the contact ended the run; empty where it did not.
+    ended
+        How the contact ends the run before its first step; None: it does not.
     """
 
     def __init__(self, problem: Problem, make: Any):
@@ -80,6 +82,7 @@ class ContactDriver:
         self.moment = moment  # at the start
         change = self.transitions.at_start(moment)
         change.takes = True
+        self.ended, self.sentence = change.ends, change.sentence
         self._enter(change, (problem.number(change.lag), problem.number(0)), problem.number(0))
         self.first = self.present()
 
@@ -259,6 +262,7 @@ class ContactDriver:
             log.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
         if change.ends is not None:
             self.sentence = change.sentence
+            self.tables.struck(float(when), change)
             return change.ends
         if ending == "liftoff" and self.problem.on_liftoff == "stop":
             return Status.LIFTOFF

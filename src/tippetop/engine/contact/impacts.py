@@ -45,6 +45,7 @@ class Strike:
     work: float  # energy that the body gained
     mode: str
     plastic: bool  # whether the ball stays on the plane
+    makes_energy: bool  # more than rounding does; restitution "newton" can
 
 
 class Impacts:
@@ -109,7 +110,7 @@ class Impacts:
             velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding
         strike = Strike(
             index, (float(v.z), 0.0 if plastic else float(after.z)), (float(self._size(v)), float(self._size(after))),
-            float(p.z), float(self._size(p)), float(gained), result.mode, plastic,
+            float(p.z), float(self._size(p)), float(gained), result.mode, plastic, result.makes_energy,
         )  # fmt: skip
         return Moment(u, L, velocity, moment.height, carried), strike
 
@@ -138,7 +139,7 @@ class Impacts:
         strike = Strike(
             index, (numbers[2], 0.0 if plastic else float(after.z)),
             (float(self._size(before)), float(self._size(after))),
-            float(p.z), float(self._size(p)), float(gained), result.mode, plastic,
+            float(p.z), float(self._size(p)), float(gained), result.mode, plastic, result.makes_energy,
         )  # fmt: skip
         return Moment(u, L, velocity, moment.height, carried), strike
 

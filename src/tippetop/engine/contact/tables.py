@@ -45,13 +45,17 @@ class Tables:
         """A phase begins at an internal time, with what struck the plane then."""
         if self.under_way is not None:
             self.end(time, "")
+        self.struck(time, change)
+        self.under_way = [time * self.second, phase, ball, REASONS.index(change.reason)]
+
+    def struck(self, time: float, change: Any) -> None:
+        """What struck the plane at an internal time."""
         for strike in change.strikes:
             numbers = (*strike.v_n, *strike.slide)
             self.impacts.append(
                 [time * self.second, strike.ball, *(v * self.speed for v in numbers), strike.impulse * self.impulse,
                  strike.friction_impulse * self.impulse, strike.work * self.energy, MODES.index(strike.mode)]
             )  # fmt: skip
-        self.under_way = [time * self.second, phase, ball, REASONS.index(change.reason)]
 
     def end(self, time: float, word: str) -> None:
         """The phase under way ends."""

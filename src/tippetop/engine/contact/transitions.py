@@ -25,6 +25,7 @@ from .impacts import CLOSES_AT, Impacts, Moment, Strike
 BEGINS_AT = 1e-8  # |v_A| with which sliding begins from rest outside the friction cone; its square is the error
 BOTH_AT = 1e-5  # v_n at which one ball takes over from the other below which both are on the plane at once
 NO_WAY = "the contact opens and closes at once: the model has no solution"
+MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 BOTH = "the body stands on its sphere and its stem at once, which is not followed"
 ON_PLANE = 1e-9  # gap of a ball that touches
 MOST_STRIKES = 16  # of impacts at one instant
@@ -263,6 +264,18 @@ class Transitions(Impacts):
         while len(strikes) < MOST_STRIKES:
             moment, strike = self._struck(ball, moment)
             strikes.append(strike)
+            if strike.makes_energy:
+                events = ("impact",) * len(strikes)
+                return Change(
+                    "flight",
+                    ball,
+                    moment,
+                    reason,
+                    events,
+                    strikes=tuple(strikes),
+                    ends=Status.ENDED,
+                    sentence=MAKES_ENERGY,
+                )
             others = [k for k in range(len(self.balls)) if k != ball and float(self.gap(k, moment)) <= ON_PLANE]
             pressed = [k for k in others if float(self.point(k, moment).z) < -CLOSES_AT]
             if not pressed:
