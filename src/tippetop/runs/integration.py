@@ -184,7 +184,7 @@ class Integration:
     def _outcome(self) -> dict[str, str]:
         """What has become of the body by now, a name of CLASSES; nothing of a system that friction cannot turn over."""
         system = self.problem.system
-        if not (system.inverts and system.classes):
+        if self.driver.sentence or not (system.inverts and system.classes):
             return {}
         if self.log.tally.kept.get("lifted_at") is not None and self.problem.on_liftoff != "fly":
             return {"outcome": "lifted-off"}

@@ -39,7 +39,9 @@ def direction(u: Vector, L: Vector, b: Ball) -> Vector | None:
     return Vector(np.cos(angles[0]), np.sin(angles[0]), 0 * u.z)
 
 
-def begun(kind: Kind, body: Body, b: Ball, u: Vector, L: Vector, carried: np.ndarray, rates_of: Any) -> FirstSlip:
+def slide_from_cone(
+    kind: Kind, body: Body, b: Ball, u: Vector, L: Vector, carried: np.ndarray, rates_of: Any
+) -> FirstSlip:
     """The first moments of a slide that begins at the edge of the friction cone.
 
     Parameters

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...mechanics.contact.ball import jellett
 from ...mechanics.contact.phases.row import PHASES, Row
+from ...mechanics.doubledouble import parts_of, sum_of
 from ...mechanics.events import ON_ZERO
 from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import kinds_of
@@ -80,7 +81,10 @@ class ContactDriver:
         row = Row(*start[: len(Row._fields)])
         moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, start[len(row) :].copy())
         self.moment = moment  # at the start
-        change = self.transitions.at_start(moment)
+        try:
+            change = self.transitions.at_start(moment)
+        except ArithmeticError as error:
+            change = Change("flight", 0, moment, "start", ends=Status.STALLED, sentence=str(error))
         change.takes = True
         self.ended, self.sentence = change.ends, change.sentence
         self._enter(change, (problem.number(change.lag), problem.number(0)), problem.number(0))
@@ -253,7 +257,11 @@ class ContactDriver:
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         signs, name = self._signs(), ending or "landing"
-        change = self.transitions.after(name, self.kind, self.ball, moment, signs)
+        try:
+            change = self.transitions.after(name, self.kind, self.ball, moment, signs)
+        except ArithmeticError as error:
+            self.sentence = str(error)
+            return Status.STALLED
         self._merge_force()
         self.times = self.inner.times
         time = self.problem.number(when) + change.lag
@@ -351,11 +359,11 @@ class ContactDriver:
             **self.inner.snapshot(),
             "kind": self.kind,
             "ball": self.ball,
-            "carried": [_parts(value) for value in self.carried],
-            "taken": _parts(self.taken),
+            "carried": [parts_of(value) for value in self.carried],
+            "taken": parts_of(self.taken),
             "force": list(self.force),
             "changes": [self.changes, self.short, self.began],
-            "landing": None if self.landing is None else _parts(self.landing),
+            "landing": None if self.landing is None else parts_of(self.landing),
             "under_way": self.tables.under_way,
         }
 
@@ -365,10 +373,10 @@ class ContactDriver:
         number = self.problem.number
         start = self.present()[0]
         row = Row(*start[: len(Row._fields)])
-        carried = np.array([_sum(parts, number) for parts in kept["carried"]], dtype=number)
+        carried = np.array([sum_of(parts, number) for parts in kept["carried"]], dtype=number)
         moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
-        self.taken = _sum(kept["taken"], number)
-        landing = None if kept["landing"] is None else _sum(kept["landing"], number)
+        self.taken = sum_of(kept["taken"], number)
+        landing = None if kept["landing"] is None else sum_of(kept["landing"], number)
         self._enter(Change(kept["kind"], kept["ball"], moment, "start"), clock)
         self.inner.restore(kept, state, clock)
         self._until(landing, self.inner)
@@ -376,17 +384,3 @@ class ContactDriver:
         self.changes, self.short, self.began = kept["changes"]
         self.tables = Tables(self.problem)
         self.tables.under_way = kept["under_way"]
-
-
-def _parts(value: Any) -> list[float]:
-    """A number of any precision as doubles that add up to it exactly."""
-    parts = [float(value)]
-    while (rest := value - parts[-1]) != 0 and np.isfinite(parts[-1]):
-        value = rest
-        parts.append(float(rest))
-    return parts
-
-
-def _sum(parts: list[float], number: Any) -> Any:
-    """The number of these parts."""
-    return sum(map(number, parts[1:]), number(parts[0]))

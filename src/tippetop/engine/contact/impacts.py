@@ -97,22 +97,7 @@ class Impacts:
             result = struck_smooth(
                 along, sideways, v.z, K, lambda v2: slip_coefficient(v2, u.z, law), e_n, self.rules.restitution
             )
-        p = Vector(result.p_e * e.x - result.p_2 * e.y, result.p_e * e.y + result.p_2 * e.x, result.p_z)
-        velocity = plus(moment.velocity, times(1 / b.m, p))
-        L = plus(moment.L, cross(balls_.arm(u, b), p))
-        after = balls_.contact_velocity(u, L, velocity, b)
-        gained = (dot(p, v) + dot(p, after)) / 2
-        carried = moment.carried.copy()
-        carried[self.work] = carried[self.work] - gained * INTEGRAL_SCALE
-        carried[self.impulse] = carried[self.impulse] + p.z * INTEGRAL_SCALE
-        plastic = closes or self.rules.e_n == 0
-        if plastic:
-            velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding
-        strike = Strike(
-            index, (float(v.z), 0.0 if plastic else float(after.z)), (float(self._size(v)), float(self._size(after))),
-            float(p.z), float(self._size(p)), float(gained), result.mode, plastic, result.makes_energy,
-        )  # fmt: skip
-        return Moment(u, L, velocity, moment.height, carried), strike
+        return self._applied(index, moment, e, result, 0 * b.m, closes)
 
     def _struck_patch(
         self, index: int, moment: Moment, e: Vector, s: Any, v: tuple, e_n: float, closes: bool
@@ -120,27 +105,41 @@ class Impacts:
         """The same with friction that drills, whose torque is struck too."""
         b, u, law = self.ball(index), moment.u, self.balls[index].friction
         assert self.rules is not None
-        omega = balls_.angular_velocity(u, moment.L, b)
-        numbers = tuple(map(float, v))
-        result = patch_struck(numbers, float(omega.z), s, u.z, b, law.patch, e_n, self.rules.restitution)
+        turn = float(balls_.angular_velocity(u, moment.L, b).z)
+        result = patch_struck(tuple(map(float, v)), turn, s, u.z, b, law.patch, e_n, self.rules.restitution)
+        return self._applied(index, moment, e, result, result.twist, closes)
+
+    def _applied(
+        self, index: int, moment: Moment, e: Vector, result: Any, twist: Any, closes: bool
+    ) -> tuple[Moment, Strike]:
+        """The body after an impulse at a ball, and the impulse `twist` of a torque about the vertical."""
+        assert self.rules is not None
+        b, u = self.ball(index), moment.u
         p = Vector(result.p_e * e.x - result.p_2 * e.y, result.p_e * e.y + result.p_2 * e.x, result.p_z)
-        before = balls_.contact_velocity(u, moment.L, moment.velocity, b)
-        velocity, turn = plus(moment.velocity, times(1 / b.m, p)), cross(balls_.arm(u, b), p)
-        L = plus(moment.L, turn._replace(z=turn.z + result.twist))
-        after, omega_after = balls_.contact_velocity(u, L, velocity, b), balls_.angular_velocity(u, L, b)
-        gained = (dot(p, before) + dot(p, after) + result.twist * (omega.z + omega_after.z)) / 2
+        before, turn = self.point(index, moment), balls_.angular_velocity(u, moment.L, b).z
+        velocity, moved = plus(moment.velocity, times(1 / b.m, p)), cross(balls_.arm(u, b), p)
+        L = plus(moment.L, moved._replace(z=moved.z + twist))
+        after, turn_after = balls_.contact_velocity(u, L, velocity, b), balls_.angular_velocity(u, L, b).z
+        gained = (dot(p, before) + dot(p, after) + twist * (turn + turn_after)) / 2
         carried = moment.carried.copy()
         carried[self.work] = carried[self.work] - gained * INTEGRAL_SCALE
         carried[self.impulse] = carried[self.impulse] + p.z * INTEGRAL_SCALE
-        carried[self.lost] = carried[self.lost] + result.twist * balls_.arm(u, b).z * INTEGRAL_SCALE
+        if self.lost >= 0:
+            carried[self.lost] = carried[self.lost] + twist * balls_.arm(u, b).z * INTEGRAL_SCALE
         plastic = closes or self.rules.e_n == 0
         if plastic:
-            velocity = velocity._replace(z=velocity.z - after.z)
+            velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding
         strike = Strike(
-            index, (numbers[2], 0.0 if plastic else float(after.z)),
+            index,
+            (float(before.z), 0.0 if plastic else float(after.z)),
             (float(self._size(before)), float(self._size(after))),
-            float(p.z), float(self._size(p)), float(gained), result.mode, plastic, result.makes_energy,
-        )  # fmt: skip
+            float(p.z),
+            float(self._size(p)),
+            float(gained),
+            result.mode,
+            plastic,
+            result.makes_energy,
+        )
         return Moment(u, L, velocity, moment.height, carried), strike
 
     def _direction(self, v: Vector) -> Vector:

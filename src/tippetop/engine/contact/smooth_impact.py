@@ -15,6 +15,7 @@ from ...mechanics.contact.struck import Impact
 
 
 NODES, SWEEPS = 20, 40
+UNRESOLVED = 4e-15  # of the largest value: the last coefficients of a step that is too long
 SMALL = 4e-16  # of the largest value: a correction that is rounding
 MOST_PARTS = 40  # halvings of a step
 V_E, V_2, IMPULSE, WORK_N, WORK_T = range(5)
@@ -40,6 +41,11 @@ def struck_smooth(
     -------
     Impact
         After it, in doubles.
+
+    Raises
+    ------
+    ArithmeticError
+        If the law is too stiff to be followed, or jams the contact.
     """
     K, v_e, v_2, v_n = Mobility(*map(float, K)), float(v_e), float(v_2), float(v_n)
 
@@ -74,31 +80,47 @@ def struck_smooth(
 
 
 @lru_cache(maxsize=1)
-def _chebyshev() -> tuple[np.ndarray, np.ndarray]:
-    """Chebyshev's nodes in [0, 1], and the matrix that integrates from 0 to each of them."""
+def _chebyshev() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Chebyshev's nodes in [0, 1], and the matrices that integrate from 0 to each of them, and give coefficients."""
     x = (1 - np.cos(np.pi * np.arange(NODES) / (NODES - 1))) / 2
     basis = np.polynomial.chebyshev
     of_values = np.linalg.inv(basis.chebvander(2 * x - 1, NODES - 1))
     integrals = np.array([basis.chebval(2 * x - 1, basis.chebint(row, lbnd=-1)) / 2 for row in np.eye(NODES)]).T
-    return x, integrals @ of_values
+    return x, integrals @ of_values, of_values
+
+
+def _sizes(values: np.ndarray, h: float) -> np.ndarray:
+    """What rounding is relative to, (5, 1): velocities to the largest of them, works to the larger."""
+    largest = np.max(np.abs(values), axis=1)
+    speed, work = (
+        max(largest[V_E], largest[V_2], abs(h)),
+        max(largest[WORK_N], largest[WORK_T], abs(h) * largest[IMPULSE]),
+    )
+    return np.array([speed, speed, largest[IMPULSE], work, work])[:, None] + 1e-300
 
 
 def _integrated(rates: Callable, start: float, end: float, y: np.ndarray, parts: int = 0) -> np.ndarray:
-    """The state at `end`, from y at `start`."""
-    x, matrix = _chebyshev()
+    """The state at `end`, from y at `start`. Raises ArithmeticError where it cannot be followed."""
+    x, matrix, coefficients = _chebyshev()
     h = end - start
     times, values = start + h * x, np.repeat(y[:, None], NODES, axis=1)
     before: Any = np.inf
+    if not 0 < rates(times[:1], y[:, None])[IMPULSE, 0] < np.inf:
+        raise ArithmeticError("friction jams the contact within an impact, or is not finite: it has no solution")
     for _ in range(SWEEPS):
-        new = y[:, None] + h * (rates(times, values) @ matrix.T)
-        change = np.max(np.abs(new - values) / (np.max(np.abs(new), axis=1, keepdims=True) + 1e-300))
+        slopes = rates(times, values)
+        new = y[:, None] + h * (slopes @ matrix.T)
+        change = np.max(np.abs(new - values) / _sizes(new, h))
         values = new
         if change <= SMALL or (change < 1e-14 and change >= before):
+            last = np.max(np.abs(values @ coefficients.T[:, -2:]) / _sizes(values, h))
+            if last > UNRESOLVED or not np.all(slopes[IMPULSE] > 0):
+                break
             return values[:, -1]
         if not change < 1e3 * max(before, 1e-3):
             break
         before = change
     if parts == MOST_PARTS:
-        return values[:, -1]
+        raise ArithmeticError("friction within an impact is too stiff to be followed")
     middle = start + h / 2
     return _integrated(rates, middle, end, _integrated(rates, start, middle, y, parts + 1), parts + 1)

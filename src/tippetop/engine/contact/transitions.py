@@ -18,7 +18,7 @@ from ...mechanics.operand import Vector, cross, dot, plus, times
 from ...mechanics.systems.with_contact import PLANAR
 from ...mechanics.variables import INTEGRAL_SCALE
 from ..status import Status
-from .beginning import begun, direction, states
+from .beginning import direction, slide_from_cone, states
 from .impacts import CLOSES_AT, Impacts, Moment, Strike
 
 
@@ -82,13 +82,16 @@ class Transitions(Impacts):
         touching = [k for k, gap in enumerate(gaps) if gap <= ON_PLANE]
         if not touching:
             return self._flight(0, moment, "start", 0)
-        ball = touching[-1]
-        v_n = float(self.point(ball, moment).z)
-        if v_n < -CLOSES_AT:
-            return self._strike(ball, moment, {}, "start")
-        if v_n > CLOSES_AT:
-            return self._flight(ball, moment, "start", 1)
-        return self._on_plane(ball, moment, "start", takes=True)
+        v_n = {k: float(self.point(k, moment).z) for k in touching}
+        falls = min(touching, key=v_n.__getitem__)
+        if v_n[falls] < -CLOSES_AT:
+            return self._strike(falls, moment, {}, "start")
+        rests = [k for k in touching if v_n[k] <= CLOSES_AT]
+        if not rests:
+            return self._flight(falls, moment, "start", 1)
+        if len(rests) == 2:
+            return Change("flight", falls, moment, "start", ends=Status.ENDED, sentence=BOTH)
+        return self._on_plane(falls, moment, "start", takes=True)
 
     def after(self, end: str, kind: str, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """What follows a phase.
@@ -182,7 +185,7 @@ class Transitions(Impacts):
         """Rolling needs more friction than there is."""
         b, body, kind = self.ball(ball), self.balls[ball], self.kinds["dry-slip"]
         carried, rate = moment.carried / INTEGRAL_SCALE, self._rates(kind, body)
-        first = begun(kind, body, b, moment.u, moment.L, carried, rate)
+        first = slide_from_cone(kind, body, b, moment.u, moment.L, carried, rate)
         end = states(kind, body, first, first.time[-1:])[:, 0]
         says = kind.says(type(kind.form.units)(*end[: len(kind.form.units)]), body)
         carried = end[len(kind.form.units) :] * INTEGRAL_SCALE
@@ -249,8 +252,8 @@ class Transitions(Impacts):
         if n is None:
             return self._flight(ball, moment, "opens-at-once", 2)
         n = Vector(np.sign(n.x), none, none) if self.problem.system.name in PLANAR else n
-        begun, lag = self._run_in(ball, b, moment, n)
-        return Change("dry-slip", ball, begun, reason, lag=lag, takes=takes)
+        moment, lag = self._run_in(ball, b, moment, n)
+        return Change("dry-slip", ball, moment, reason, lag=lag, takes=takes)
 
     def _strike(self, ball: int, moment: Moment, signs: dict[str, float], reason: str) -> Change:
         """An impact at a ball; then at the other one, should that be pressed into the plane."""
@@ -281,6 +284,8 @@ class Transitions(Impacts):
             if not pressed:
                 break
             ball = pressed[0]
+        else:
+            return Change("flight", ball, moment, reason, ends=Status.STALLED, sentence=NO_WAY)
         rises = not strikes[-1].plastic
         change = self._flight(ball, moment, reason, 1) if rises else self._on_plane(ball, moment, reason)
         change.takes, change.strikes = True, tuple(strikes)

@@ -1,5 +1,6 @@
 """Sliding under friction that drills: it never stops, and takes energy and Jellett's integral by its torque."""
 
+from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -9,7 +10,6 @@ from ...form import Form, Integral
 from ...operand import Operand, Vector, cross, dot, formula, plus, times
 from ...units import ANGULAR_MOMENTUM, JELLETT, METRE_PER_SECOND, ONE
 from ..ball import (
-    Ball,
     angular_velocity,
     arm,
     bias_vector,
@@ -25,6 +25,7 @@ from ..gliding import catalogue as gliding
 from ..integrals import integral
 from ..orientation import carried_along
 from . import legs, row
+from .legs import ball
 
 
 STILL = 1e-6
@@ -61,12 +62,6 @@ class Contact(NamedTuple):
     torque: Vector
     U2: Operand
     omega: Vector
-
-
-@formula
-def ball(b):
-    """The ball of a body, as the formulas of its contact take it."""
-    return Ball(b.m, b.I1, b.I3, b.g, b.friction.mu, b.c, b.R)
 
 
 @formula
@@ -211,24 +206,8 @@ def region_kind(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
     return f"drill-{'inside' if x2 < EDGE**2 else 'between' if x2 < OUTSIDE_FROM**2 else 'outside'}"
 
 
-class Angles(NamedTuple):
-    """As of any body whose contact has phases, and what its torque took of Jellett's integral."""
-
-    theta: Operand
-    theta_dot: Operand
-    phi_dot: Operand
-    omega3: Operand
-    nu_x: Operand
-    nu_y: Operand
-    nu_z: Operand
-    gap: Operand
-    phi: Operand
-    x: Operand
-    y: Operand
-    work: Operand
-    impulse: Operand
-    jellett_lost: Operand
-
+Angles: Any = namedtuple("Angles", (*row.Angles._fields, LOST[0]))  # type: ignore[misc]
+"""As of any body whose contact has phases, and what its torque took of Jellett's integral."""
 
 ANGLES = Angles._make((*row.ANGLES, JELLETT))
 

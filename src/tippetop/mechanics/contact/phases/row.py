@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from ...form import Form, Integral, Quantity
-from ...operand import Operand, Vector, cos, cross, formula, plus, sin, sqrt, times
+from ...operand import Operand, Vector, cos, formula, sin, sqrt
 from ...units import (
     ANGULAR_MOMENTUM,
     JELLETT,
@@ -23,11 +23,13 @@ from ...units import (
     WATT,
 )
 from .. import body as contact
+from ..ball import Ball, contact_velocity
 from ..gliding.chart import axis_and_momentum, axis_angles
-from ..gliding.vector import angular_velocity
+from ..gliding.vector import axis, axis_rate, momentum
 from ..integrals import NAMED
 from ..orientation import carried_along
 from ..rolling.reaction import kinematics
+from ..rolling.vector import spin
 
 
 PHASES = ("slip", "roll", "flight", "both")
@@ -142,35 +144,9 @@ class Scalars(NamedTuple):
 
 
 @formula
-def axis(q):
-    """3hat, (3,), space frame."""
-    return Vector(q.ux, q.uy, q.uz)
-
-
-@formula
-def momentum(q):
-    """L about the centre of mass, (3,), space frame [kg m^2/s]."""
-    return Vector(q.Lx, q.Ly, q.Lz)
-
-
-@formula
-def axis_rate(q, b):
-    """3hat' = L x 3hat/I1 [1/s]."""
-    return times(1 / b.I1, cross(momentum(q), axis(q)))
-
-
-@formula
-def spin(q, b):
-    """omega_3 = L.3hat/I3 [rad/s]."""
-    return (q.Lx * q.ux + q.Ly * q.uy + q.Lz * q.uz) / b.I3
-
-
-@formula
 def point_velocity(u, L, v, radius, offset, b):
-    """v_A = s' + omega x a of the lowest point of a ball, a = offset 3hat - radius zhat, (3,) [m/s]; v is s'."""
-    L3 = L.x * u.x + L.y * u.y + L.z * u.z
-    w = angular_velocity(u, L, L3, b)
-    return plus(v, cross(w, Vector(offset * u.x, offset * u.y, offset * u.z - radius)))
+    """Velocity of the lowest point of a ball, (3,) [m/s]; v is that of the centre of mass."""
+    return contact_velocity(u, L, v, Ball(b.m, b.I1, b.I3, b.g, 0, offset, radius))
 
 
 @formula

@@ -1,0 +1,72 @@
+"""Impacts under smooth friction laws, against laws that share no code with them."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from tippetop.engine.contact.smooth_impact import struck_smooth
+from tippetop.mechanics.contact.ball import Ball, Mobility, mobility
+from tippetop.mechanics.contact.struck import struck
+
+
+def contacts(n: int = 20) -> list[tuple[Mobility, tuple[float, float, float]]]:
+    """Mobilities of the canonical body, m = R = 1, and velocities before an impact."""
+    rng = np.random.default_rng(5)
+    ball = Ball(1.0, 131 / 350, 0.4, 1.0, 0.0, 0.3, 1.0)
+    angles = rng.uniform(0.1, 3.0, n)
+    velocities = [(rng.normal(), rng.normal(), -rng.uniform(0.01, 1.0)) for _ in range(n)]
+    return [(mobility(np.sin(a), np.cos(a), ball), v) for a, v in zip(angles, velocities, strict=True)]
+
+
+@pytest.mark.parametrize("k", [0.0, 0.1, 2.0])
+def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
+    """v' = A v + b by the normal impulse: the exponential of a matrix, to where v_n is -e_n of what it was."""
+    for K, (v_e, v_2, v_n) in contacts():
+        if K.zz - k * abs(K.ez * v_e) < 0.1:  # it jams, or nearly so
+            continue
+        A = np.zeros((4, 4))
+        A[:3] = [[-k * K.ee, 0, 0, K.ez], [0, -k * K.tt, 0, 0], [-k * K.ez, 0, 0, K.zz]]
+        start = np.array([v_e, v_2, v_n, 1.0])
+        for e_n in (0.0, 0.6):
+
+            def missing(p: float, A=A, start=start, goal=-e_n * v_n) -> float:
+                return float((expm(A * p) @ start)[2] - goal)
+
+            p_z = brentq(missing, 0.0, 20 * abs(v_n), xtol=1e-16, rtol=1e-15)
+            exact = expm(A * p_z) @ start
+            got = struck_smooth(v_e, v_2, v_n, K, lambda v2: k, e_n, "newton")
+            assert got.p_z == pytest.approx(p_z, rel=1e-12)
+            assert (got.v_e, got.v_2, got.v_n) == pytest.approx(tuple(exact[:3]), abs=1e-12)
+
+
+@pytest.mark.parametrize("restitution", ["energetic", "poisson", "newton"])
+def test_the_works_are_those_of_the_impulse(restitution: str) -> None:
+    """The sum of the works is p.(v- + v+)/2, whatever the law; energetic: of the normal ones e_n^2 comes back."""
+    for K, v in contacts():
+        got = struck_smooth(*v, K, lambda v2: 0.3 / np.sqrt(v2 + 0.01), 0.5, restitution)
+        p, after = np.array([got.p_e, got.p_2, got.p_z]), np.array([got.v_e, got.v_2, got.v_n])
+        assert got.energy == pytest.approx(p @ (np.array(v) + after) / 2, abs=1e-13)
+        if restitution == "energetic":
+            assert got.work_n == pytest.approx((1 - 0.25) * got.compression, rel=1e-12)
+
+
+def test_the_regularised_law_tends_to_coulombs() -> None:
+    """Sliding that does not stop differs from that under the law itself by the square of eps."""
+    K, mu = contacts()[0][0], 0.2
+    v = (3.0, 1.0, -0.5)
+    exact = struck(*v, K, mu, 0.4)
+    assert exact.mode == "slip"
+    errors = []
+    for eps in (4e-3, 2e-3, 1e-3):
+        got = struck_smooth(*v, K, lambda v2, eps=eps: mu / np.sqrt(v2 + eps**2), 0.4)
+        errors.append(np.hypot(got.p_e - exact.p_e, got.p_2 - exact.p_2))
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.01)
+
+
+def test_a_law_that_cannot_be_followed_is_refused() -> None:
+    K, v = contacts()[0]
+    with pytest.raises(ArithmeticError, match="no solution"):
+        struck_smooth(*v, K, lambda v2: np.nan, 0.0)
+    with pytest.raises(ArithmeticError, match="no solution"):  # v_e K_ez > 0 and k beyond K_zz/(K_ez v_e)
+        struck_smooth(3.0 * np.sign(K.ez), 0.0, -1.0, K, lambda v2: abs(K.zz / K.ez), 0.0)
