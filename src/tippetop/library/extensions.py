@@ -48,15 +48,15 @@ def given_events(events: Any) -> list[str | Event]:
     return given
 
 
-def given_columns(columns: Any) -> tuple[Quantity, ...]:
-    """The argument `columns` as a tuple. Raises InputError."""
-    if columns is None:
-        return ()
-    given = [columns] if isinstance(columns, Quantity) else _listed("columns", columns)
-    wrong = [item for item in given if not isinstance(item, Quantity)]
+def given_columns(columns: Any) -> list[str | Quantity]:
+    """The argument `columns` as a list. Raises InputError."""
+    given: list[Any] = [columns] if isinstance(columns, str | Quantity) else _listed("columns", columns)
+    wrong = [item for item in given if not isinstance(item, str | Quantity)]
     if wrong:
-        raise InputError([f"`columns` must be Quantity records, but has {item!r:.60}." for item in wrong])
-    return tuple(given)
+        raise InputError(
+            [f"`columns` must be names of columns or Quantity records, but has {item!r:.60}." for item in wrong]
+        )
+    return given
 
 
 def _listed(argument: str, given: Any) -> list[Any]:
