@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -61,7 +61,7 @@ def given_columns(columns: Any) -> list[str | Quantity]:
 
 def _listed(argument: str, given: Any) -> list[Any]:
     """A list of what is given. Raises InputError if it is no collection."""
-    if isinstance(given, Iterable) and not isinstance(given, str | bytes) and getattr(given, "ndim", 1) == 1:
+    if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping) and getattr(given, "ndim", 1) == 1:
         return list(given)
     raise InputError([f"`{argument}` must be a list, but is {given!r:.60}."])
 
