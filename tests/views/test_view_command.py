@@ -67,8 +67,14 @@ def test_what_is_wrong_is_a_sentence(
 
 
 def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    stop = threading.Event()
-    stop.set()
+    class Soon(threading.Event):
+        looks = 0
+
+        def is_set(self) -> bool:
+            self.looks += (tmp_path / "part.zarr").exists()
+            return self.looks > 3
+
+    stop = Soon()
     with pytest.raises(tt.Interrupted):
         tt.run("rolling", until=900.0, output_step=1.0, out=tmp_path / "part.zarr", stop=stop)
     assert outcome(["view", str(tmp_path / "part.zarr"), "--out", str(tmp_path / "x.html")]) == 5
