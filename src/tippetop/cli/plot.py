@@ -70,6 +70,7 @@ def _parted(words: list[str]) -> tuple[list[Path], str | None]:
 def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, float | None], look: Look) -> Any:
     """The figure of some stores, or of a scenario."""
     from ..errors import InputError
+    from ..figures.window import in_window
     from ..store import chunks, root
 
     if len(stores) == 1 and kind in ("states", "phase") and not stores[0].is_dir():
@@ -93,7 +94,7 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
         return picture(stores[0], attributes[0], look)
     kind = catalogue.kind_of(kind or "theta")
     parts = [
-        catalogue.in_window(chunks.for_figures(store, attrs, window), attrs, *window)
+        in_window(chunks.for_figures(store, attrs, window), attrs, *window)
         for store, attrs in zip(stores, attributes, strict=True)
     ]
     if len(stores) > 1:

@@ -21,9 +21,11 @@ class RunFigure:
     draw: str
     prepare: str | None = None  # None: what is drawn is the run as it is
     needs: str = "time"  # the column of the trajectory without which there is nothing to show
+    uses: tuple[str, ...] = ("theta",)  # the columns that it is made from, where the system has them; "integrals" and
+    # "landscape" stand for those of the system
     drawn_for: str = ""  # the systems that have that column, in words
     over_time: bool = False  # whether the x axis of every panel is the time
-    compares: bool = False  # whether several runs can be drawn in one panel
+    compares: bool = False  # whether several runs can be axes in one panel
 
 
 @dataclass(frozen=True)
@@ -39,10 +41,14 @@ class Look:
 PLAIN = Look()
 
 
+OF_LANDSCAPES = ("theta", "phase", "ball", "landscape")
+OF_DRIFT = ("integrals", "energy", "work", "axis", "ball", "jellett_lost")
+
+
 def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
     """A figure over the spinning states of a tippe top."""
     prepare = f"landscape.along_run:{draw.rpartition(':')[2]}"
-    return RunFigure(shows, draw, prepare, needs="routh", drawn_for="tippe tops")
+    return RunFigure(shows, draw, prepare, needs="routh", uses=OF_LANDSCAPES, drawn_for="tippe tops")
 
 
 FIGURES: dict[str, RunFigure] = {
@@ -53,27 +59,46 @@ FIGURES: dict[str, RunFigure] = {
         "normal force g_n(t) in units of the weight",
         "figures.energetics:normal_force",
         needs="normal_force",
+        uses=("normal_force",),
         drawn_for="systems with a normal force",
         over_time=True,
         compares=True,
     ),
     "drift": RunFigure(
-        "relative change of what must be conserved", "figures.conserved:drift", over_time=True, compares=True
+        "relative change of what must be conserved",
+        "figures.conserved:drift",
+        uses=OF_DRIFT,
+        over_time=True,
+        compares=True,
     ),
-    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.conserved:growth", compares=True),
-    "sphere": RunFigure("path of the axis on the sphere", "figures.sphere:sphere", needs="axis", drawn_for="tops"),
+    "growth": RunFigure(
+        "growth of the worst drift with t, beside sqrt(t)", "figures.conserved:growth", uses=OF_DRIFT, compares=True
+    ),
+    "sphere": RunFigure(
+        "path of the axis on the sphere", "figures.sphere:sphere", needs="axis", uses=("axis",), drawn_for="tops"
+    ),
     "energy": RunFigure(
-        "energy, modified energy, energy taken by friction", "figures.energetics:energy", over_time=True, compares=True
+        "energy, modified energy, energy taken by friction",
+        "figures.energetics:energy",
+        uses=("energy", "modified_energy", "work", "phase"),
+        over_time=True,
+        compares=True,
     ),
     "states": _of_tippe_tops(
         "figures.stability:states", "asymptotic states over lambda, and the run among them; also of a scenario"
     ),
     "band": RunFigure(
-        "turning angles that the main equation predicts", "figures.landscape:band", "landscape.along_run:band"
+        "turning angles that the main equation predicts",
+        "figures.landscape:band",
+        "landscape.along_run:band",
+        uses=OF_LANDSCAPES,
     ),
     "surface": _of_tippe_tops("figures.landscape:surface", "the run on the minimal surface F(D, lambda)"),
     "potential": RunFigure(
-        "the effective potential V(z) at six times", "figures.potential:potential", "landscape.along_run:potential"
+        "the effective potential V(z) at six times",
+        "figures.potential:potential",
+        "landscape.along_run:potential",
+        uses=OF_LANDSCAPES,
     ),
     "inversion": _of_tippe_tops("figures.landscape:inversion", "the run on the section of F at its lambda"),
 }
@@ -97,7 +122,7 @@ def described() -> str:
     several = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
     sweeps = "".join(f"\n- {name}: {shows}" for name, shows in SWEEP_KINDS.items())
     return (
-        f"Further runs, to be drawn beside the first ({several}); and, last, the kind of figure.\n\nOf a run:\n{runs}"
+        f"Further runs, to be axes beside the first ({several}); and, last, the kind of figure.\n\nOf a run:\n{runs}"
         f"\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
     )
 
@@ -156,9 +181,11 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
     """As `figure_of`; gives the Axes, of several panels the first."""
     from ..errors import InputError, a_system
     from .style import styled
+    from .window import handed_over
 
     kind = kind_of(kind)
     chosen = FIGURES[kind]
+    _refuse_left_out(kind, groups["trajectory"], attrs)
     if chosen.needs not in groups["trajectory"]:
         raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
     if not len(groups["trajectory"]["time"].values):
@@ -172,12 +199,29 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
 
         given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
     with styled(dark=look.dark):
-        drawn = _function(chosen.draw)(*given, ax=ax)
+        axes = _function(chosen.draw)(*given, ax=ax)
         if chosen.over_time and "phases" in groups:
-            panels = [drawn] if ax is not None else list(drawn.get_figure(root=True).axes)
+            panels = [axes] if ax is not None else list(axes.get_figure(root=True).axes)
             _function("figures.phases:mark")(panels, groups["phases"], groups["impacts"], own=ax is None)
-        _finish(drawn, look, own=ax is None)
-        return drawn
+        _finish(axes, look, own=ax is None)
+        return axes
+
+
+def _refuse_left_out(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
+    """Raises InputError if a figure uses columns that its system has and the run did not keep."""
+    from ..columns import require
+    from ..mechanics.systems import find
+    from ..problem import column_names
+
+    system = find(attrs["system"])
+    if "columns" not in attrs["run"] or system is None:
+        return
+    has = {*column_names(system, system.forms[attrs["form"]], True, "double")}
+    has |= {"phase", "ball"} if "contact" in attrs else set()
+    uses = {*FIGURES[kind].uses} | {*(system.integrals if "integrals" in FIGURES[kind].uses else ())}
+    if "landscape" in uses and system.landscape is not None:
+        uses |= {*system.landscape.columns}
+    require(sorted(uses & has), trajectory, f"what `{kind}` is drawn from")
 
 
 def several(
@@ -194,15 +238,16 @@ def several(
         known = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
         raise InputError([f"several runs are drawn together as {known}; `{kind}` is drawn of one."])
     for trajectory, attrs in runs:
+        _refuse_left_out(kind, trajectory, attrs)
         if FIGURES[kind].needs not in trajectory:
             words = FIGURES[kind].drawn_for
             raise InputError([f"`{kind}` is drawn for {words} only; one of these is {a_system(attrs['system'])}."])
         if not len(trajectory["time"].values):
             raise InputError([f"`{kind}` is drawn of rows, and one of these runs keeps none: replay a part of it."])
     with styled(dark=look.dark):
-        drawn = overlay(kind, [(trajectory, with_units(attrs)) for trajectory, attrs in runs], names, ax)
-        _finish(drawn, look, own=ax is None)
-        return drawn
+        axes = overlay(kind, [(trajectory, with_units(attrs)) for trajectory, attrs in runs], names, ax)
+        _finish(axes, look, own=ax is None)
+        return axes
 
 
 def states_of(system: str, parameters: dict[str, float], lam: float, look: Look = PLAIN, title: str = "") -> Any:
@@ -223,58 +268,6 @@ def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
     law = (system.laws if system is not None else {}).get(name, {"contensou": CONTENSOU}.get(name))
     units = {name: parameter.unit.symbol for name, parameter in law.parameters.items()} if law is not None else {}
     return attrs | {"units": attrs.get("units", {}) | units}
-
-
-def handed_over(groups: dict[str, Any]) -> list[float]:
-    """The times at which another ball touches than before [s]."""
-    if "phases" not in groups:
-        return []
-    balls, begun = groups["phases"]["ball"].values, groups["phases"]["start"].values
-    return [float(time) for time, now, before in zip(begun[1:], balls[1:], balls[:-1], strict=True) if now != before]
-
-
-def in_window(
-    groups: dict[str, Any], attrs: dict[str, Any], start: float | None, until: float | None
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The part of a run from one time to another [s], and its attributes with the row that it began with: changes are
-    measured from there. Raises InputError if nothing is in between."""
-    import numpy as np
-
-    from ..errors import InputError
-
-    if start is None and until is None:
-        return groups, attrs
-    low, high = -np.inf if start is None else start, np.inf if until is None else until
-    if not low < high:
-        raise InputError([f"`--from` must be less than `--until`, but they are {low:g} and {high:g}."])
-    whole = groups["trajectory"]
-    cut = dict(groups)
-    for name in ("trajectory", "events", "impacts"):
-        if name in groups:
-            times = groups[name]["time"].values
-            cut[name] = _rows(groups[name], (times >= low) & (times <= high))
-    if len(cut["trajectory"]["time"].values) < 2:
-        raise InputError([f"at least two rows must be from t = {low:g} to {high:g} s, but there are fewer."])
-    if "phases" in groups:
-        phases = groups["phases"]
-        shown = cut["trajectory"]["time"].values[[0, -1]]
-        kept = _rows(phases, (phases["end"].values > shown[0]) & (phases["start"].values < shown[1]))
-        ends = {name: np.clip(kept[name].values, *shown) for name in ("start", "end")}
-        cut["phases"] = {name: kept[name] for name in kept} | {
-            name: kept[name]._replace(values=values)
-            if hasattr(kept[name], "_replace")
-            else kept[name].copy(data=values)
-            for name, values in ends.items()
-        }
-    first = {name: float(whole[name].values[0]) for name in whole if whole[name].values.ndim == 1}
-    return cut, attrs | {"first_row": first}
-
-
-def _rows(group: Any, keep: Any) -> Any:
-    """Some rows of a Dataset or of columns by name."""
-    if hasattr(group, "isel"):
-        return group.isel({group["time" if "time" in group else "start"].dims[0]: keep})
-    return {name: column._replace(values=column.values[keep]) for name, column in group.items()}
 
 
 def _finish(axes: Any, look: Look, *, own: bool) -> None:
@@ -309,9 +302,9 @@ def composed(draw: str, given: tuple[Any, ...], look: Look = PLAIN) -> Any:
     from .style import styled
 
     with styled(dark=look.dark):
-        drawn = _function(draw)(*given)
-        _finish(drawn, look, own=True)
-    return drawn.get_figure(root=True)
+        axes = _function(draw)(*given)
+        _finish(axes, look, own=True)
+    return axes.get_figure(root=True)
 
 
 def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:

@@ -83,11 +83,11 @@ def _dress(ax: Axes, attrs: dict[str, Any], own: bool) -> None:
         "rounding\nunit", (1.0, UNIT), xycoords=("axes fraction", "data"), color=colours.quiet, xytext=(4, -8),
         textcoords="offset points",
     )  # fmt: skip
-    drawn = [
+    heights = [
         np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines() if len(np.atleast_1d(line.get_xdata())) > 2
     ]
-    least = min((float(np.nanmin(y)) for y in drawn if np.isfinite(y).any()), default=UNIT)
-    most = max((float(np.nanmax(y)) for y in drawn if np.isfinite(y).any()), default=UNIT)
+    least = min((float(np.nanmin(y)) for y in heights if np.isfinite(y).any()), default=UNIT)
+    most = max((float(np.nanmax(y)) for y in heights if np.isfinite(y).any()), default=UNIT)
     ax.set_ylim(min(0.5 * least, 0.3 * UNIT), max(3 * most, 20 * UNIT))
     ax.set(xlabel="time t (s)", title=title(attrs))
     legend(ax, "upper right", own=own, ncols=3)

@@ -118,8 +118,8 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
-    """For each run the words that tell it from the others: what its scenario has and theirs have not. Runs between
-    not told apart so have their names as well."""
+    """For each run the words that tell it from the others: what its scenario has and theirs have not; its name as well,
+    where there is no difference."""
     tables = [name for name in TABLES if any(attrs.get(name, {}) != runs[0].get(name, {}) for attrs in runs)]
     words = []
     for attrs, called in zip(runs, names, strict=True):

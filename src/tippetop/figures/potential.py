@@ -37,10 +37,10 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
         axes.set_ylabel(f"V ({_unit(curves)[1]})")
     for axes in panels[max(0, len(curves) - columns) : len(curves)]:
         axes.set_xlabel("z = cos θ")
-    found = {
+    handles = {
         label: handle for axes in fig.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    fig.legend(found.values(), found.keys(), loc="outside lower center", ncols=5, fontsize=9)
+    fig.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5, fontsize=9)
     fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left", fontsize=11)
     return panels[0]
 

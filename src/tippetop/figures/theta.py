@@ -32,7 +32,8 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     elif ax is None:
         ax = figure(10, 5.0).subplots()
     colours = ink()
-    words = "nutational band" if "axis" in trajectory else "band between the turnings"
+    inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
+    words = "nutational band" if inclined else "band between the turnings"
     for i, (when, bottom, top) in enumerate(pieces):
         ax.fill_between(when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="_" * (i > 0) + words)
     ax.plot(*thinned(t, angle), color=colours.run, lw=0.7, label="θ(t)")
@@ -43,7 +44,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     ):
         if len(when):
             ax.scatter(*thinned(when, where), s=size, color=color, lw=0, zorder=3, label=name)
-    ax.set(ylabel="inclination θ (rad)" if "axis" in trajectory else "angle θ (rad)", title=title(attrs), xlim=span(t))
+    ax.set(ylabel="inclination θ (rad)" if inclined else "angle θ (rad)", title=title(attrs), xlim=span(t))
     _ticks(ax, float(np.min(angle)), float(np.max(angle)))
     lifted = events["time"].values[flagged(events["kind"], "liftoff")]
     for when in lifted[:1]:

@@ -112,8 +112,10 @@ class Plots:
         )
         if options:
             raise InputError([f"a figure has no option `{next(iter(options))}`."])
+        from ..figures.window import in_window
+
         runs = [self._run, *beside]
-        parts = [catalogue.in_window(run._for_figures(window), run.attributes, *window) for run in runs]
+        parts = [in_window(run._for_figures(window), run.attributes, *window) for run in runs]
         if beside:
             names = [f"run {i + 1}" for i in range(len(runs))]
             return catalogue.several(kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax)
