@@ -136,14 +136,14 @@ def export(
     group: str | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Write a store as one netCDF, CSV or Parquet file.
+    """Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator (MJCF, URDF).
 
     Parameters
     ----------
     store
-        The store of a run or of a sweep.
+        The store of a run or of a sweep; for mjcf and urdf a scenario, a preset or the store of a run.
     to
-        The format: netcdf, csv or parquet.
+        The format: netcdf, csv or parquet; mjcf or urdf for the body, its start and its friction.
     out
         The file to write; must not exist yet (or say --overwrite).
     group
@@ -154,6 +154,10 @@ def export(
     """
     from ..store.export import export as write
 
+    if to in ("mjcf", "urdf"):
+        from . import exchange
+
+        return exchange.describe(str(store), to, out, overwrite=overwrite)
     write(store, to, out, group, overwrite=overwrite)
     return 0
 

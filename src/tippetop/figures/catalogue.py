@@ -290,6 +290,15 @@ def write(figure: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = Fals
         save(figure, path, dpi=look.dpi, overwrite=overwrite)
 
 
+def comparison(motions: Any, title: str) -> Any:
+    """The figure of motions beside their reference, as `exchange.comparison` gives them."""
+    from .comparison import comparison
+    from .style import styled
+
+    with styled():
+        return comparison(motions, title)
+
+
 def figure_of_sweep(kind: str, store: Path, look: Look = PLAIN) -> Any:
     """One kind of figure of a sweep. Raises InputError, StoreError."""
     from ..sweeps import maps
