@@ -8,6 +8,7 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding.euler import centre_velocity
 from ..contact.phases import legs
+from ..contact.phases.both import BOTH_KINDS
 from ..contact.phases.drilling import ANGLES as DRILLING_ANGLES
 from ..contact.phases.drilling import DRILLING_KINDS, DRILLING_ROW, LOST
 from ..contact.phases.drilling import Angles as DRILLING
@@ -138,7 +139,7 @@ def plain(system: System) -> System:
 
 def kinds_of(name: str) -> dict[str, legs.Kind]:
     """Every way in which the body of a system moves, by name."""
-    return PLANAR_KINDS if name in PLANAR else legs.KINDS | DRILLING_KINDS
+    return PLANAR_KINDS if name in PLANAR else legs.KINDS | DRILLING_KINDS | BOTH_KINDS
 
 
 @lru_cache
@@ -158,8 +159,9 @@ def leg(name: str, kind: str) -> System:
         Of the form "vector"; its parameters are `legs.PARAMETERS`, in internal units.
     """
     what, system = kinds_of(name)[kind], BODIES[name]
+    of_axis = () if what.axis_stays else of_the_axis(system)
     return system.replace(
-        phases={what.phase: Phase({what.form.name: what.form}, (), (*of_the_axis(system), *what.events))},
+        phases={what.phase: Phase({what.form.name: what.form}, (), (*of_axis, *what.events))},
         parameters=dict.fromkeys(legs.PARAMETERS, Parameter(METRE, "in internal units")),
         body=legs.body,
         body_units=legs.body_units,
