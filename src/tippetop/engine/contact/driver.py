@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from ...mechanics.contact.ball import jellett
-from ...mechanics.contact.phases.row import PHASES, Row
+from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
 from ...mechanics.events import ON_ZERO
-from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import kinds_of
 from ...mechanics.units import SECOND
 from ...mechanics.variables import INTEGRAL_SCALE
@@ -21,7 +20,7 @@ from ..slices import Driver, Extremes, Passages, Request, Slice
 from ..status import Status
 from ..tallies import SIGN, reset
 from .between import fill_between
-from .impacts import Moment
+from .impacts import moment_of
 from .legs import Balls, Carried, new_leg, rows_of
 from .passages import RunPassages
 from .tables import Tables
@@ -77,8 +76,7 @@ class ContactDriver:
         self.taken: Any = problem.number(0)
         self.times, self.sentence = np.zeros(0), ""
         start = problem.start()
-        row = Row(*start[: len(Row._fields)])
-        moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, start[len(row) :].copy())
+        moment = moment_of(start)
         self.moment = moment  # at the start
         try:
             change = self.transitions.at_start(moment)
@@ -262,10 +260,7 @@ class ContactDriver:
         self, ending: str | None, last: np.ndarray, when: Any, log: "RunPassages", request: Request
     ) -> Status | None:
         """What follows the end of a phase; gives how it ends the run, or None."""
-        row = Row(*last[0, : len(Row._fields)])
-        moment = Moment(
-            Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, last[0, len(Row._fields) :].copy()
-        )
+        moment = moment_of(last[0])
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         signs, name = self._signs(), ending or ("landing" if self.waits is None else "clear")
@@ -342,10 +337,8 @@ class ContactDriver:
         """Continues from a snapshot, of which state and time come in the working precision. Raises ValueError if it is
         of another run."""
         number = self.problem.number
-        start = self.present()[0]
-        row = Row(*start[: len(Row._fields)])
         carried = np.array([sum_of(parts, number) for parts in kept["carried"]], dtype=number)
-        moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
+        moment = moment_of(self.present()[0])._replace(carried=carried)
         self.taken = sum_of(kept["taken"], number)
         landing = None if kept["landing"] is None else sum_of(kept["landing"], number)
         self._enter(Change(kept["kind"], kept["ball"], moment, "start"), clock)
