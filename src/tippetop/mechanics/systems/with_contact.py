@@ -24,6 +24,7 @@ from ..system import Phase, System
 from ..units import METRE, METRE_PER_SECOND
 from .cylinder import GLIDING_CYLINDER
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
+from .outlook import tippe_top_with_contact
 from .tippe_top import TIPPE_TOP, routh
 
 
@@ -31,6 +32,8 @@ BODIES: dict[str, System] = {system.name: system for system in (TIPPE_TOP, GLIDI
 """The systems whose contact may change its phase, by name."""
 
 ROUTH: dict[str, Callable] = {"tippe-top": routh}
+
+OUTLOOKS: dict[str, Callable] = {"tippe-top": tippe_top_with_contact}
 
 PLANAR = ("gliding-cylinder",)
 """Those that move in a plane."""
@@ -124,7 +127,7 @@ def with_contact(name: str, friction: str, stem: bool) -> System:
         integrals=() if planar else ("jellett",),
         landscape=None,
         potential=None,
-        outlook=None,
+        outlook=OUTLOOKS.get(name),
         borders=None,
         motion=None,
         long_form="",
