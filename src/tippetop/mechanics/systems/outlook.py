@@ -64,9 +64,7 @@ def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
         return Outlook("no friction: no inversion, theta nutates while it stands on one ball", "", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
     if isinstance(b.friction, SetValued):
-        regime_now += (
-            "; sliding under Coulomb's law itself may stop, and a top that rolls loses no energy and does not rise"
-        )
+        sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
     elif isinstance(b.friction, Contensou):
         sentence += "; drilling takes of Jellett's integral, which decides that"
     return Outlook(sentence, "", limits)
