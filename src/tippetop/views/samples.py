@@ -10,7 +10,7 @@ from ..mechanics.contact.gliding.vector import angular_velocity
 from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross
 from ..mechanics.systems import find
-from .shape import body_of, is_fixed, is_planar
+from ..runs.shape import body_of, is_fixed, is_planar
 
 
 Columns = Mapping[str, np.ndarray]
