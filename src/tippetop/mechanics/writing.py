@@ -136,19 +136,19 @@ class Symbol:
         return self.program.new(f"{self.program.language.functions[name]}({', '.join(names)})", names)
 
 
-def function(language: Language, arguments: Sequence[str], formula: Callable[..., Sequence[Any]], inputs: Any) -> tuple:
+def function(
+    language: Language, inputs: Sequence[str], formula: Callable[[list[Symbol]], Sequence[Any]]
+) -> tuple[list[str], list[str]]:
     """The lines and the results of a formula.
 
     Parameters
     ----------
     language
         Of the program.
-    arguments
-        The expressions that the program calls its inputs.
-    formula
-        formula(*inputs) -> results; the inputs are made of symbols by `inputs`.
     inputs
-        inputs(symbols) -> the arguments of the formula.
+        The expressions that the program has for its inputs.
+    formula
+        formula(symbols) -> results; a symbol for each input.
 
     Returns
     -------
@@ -157,6 +157,5 @@ def function(language: Language, arguments: Sequence[str], formula: Callable[...
         The expression of each result.
     """
     program = Program(language)
-    symbols = [program.new(text) for text in arguments]
-    results = [program.of(value) for value in formula(*inputs(symbols))]
+    results = [program.of(value) for value in formula([program.new(text) for text in inputs])]
     return program.lines(results), [result.name for result in results]
