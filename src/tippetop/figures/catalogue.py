@@ -163,6 +163,15 @@ def write(figure: Any, path: Path) -> None:
         save(figure, path)
 
 
+def comparison(motions: Any, title: str) -> Any:
+    """The figure of motions beside their reference, as `exchange.comparison` gives them."""
+    from .comparison import comparison
+    from .style import styled
+
+    with styled():
+        return comparison(motions, title)
+
+
 def draw_sweep(kind: str, store: Path, path: Path) -> None:
     """Draws one kind of figure of a sweep to a file. Raises InputError, StoreError."""
     from ..sweeps import maps
