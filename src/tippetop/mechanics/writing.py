@@ -19,7 +19,11 @@ class Language(NamedTuple):
 
 
 NAMES = ("sqrt", "sin", "cos", "exp")
-CPP = Language("const double ", lambda x: x.hex(), {name: f"std::{name}" for name in NAMES})
+CPP = Language(
+    "const double ",
+    lambda x: x.hex(),
+    {**{name: f"std::{name}" for name in NAMES}, "arctan2": "std::atan2", "maximum": "std::fmax"},
+)
 JAVASCRIPT = Language(
     "const ",
     lambda x: repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN",
@@ -67,6 +71,9 @@ class Symbol:
     program: Program
     name: str
     number: float | None = None  # its value, if it is a number
+
+    def __repr__(self) -> str:
+        return self.name
 
     def _with(self, sign: str, other: Any, swapped: bool = False) -> "Symbol":
         a, b = self, self.program.of(other)
