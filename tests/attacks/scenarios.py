@@ -1,7 +1,8 @@
 """Generated scenarios: what can be runs as it says, what cannot is refused in sentences, and `check` knows which.
 
-A scenario is made of a random system, form, body, law, start and [run]; two in three are then distorted (numbers at the
-ends of the doubles, other types, missing and unknown keys) or garbled as text. `check --json` and a short `run --json`
+A scenario is made of a random system, form, body, law, start and [run], two in five of them with a contact that sticks,
+opens and closes; two in three are then distorted (numbers at the ends of the doubles, other types, missing and unknown
+keys) or garbled as text. `check --json` and a short `run --json`
 must agree: both refuse with the same sentences and 2, or the run ends with 0, 3 or 4. Of a run that ends with 0, the
 JSON must be whole, its times and numbers finite and in their ranges, and every drift within the contract; one in four
 is stored, and `info --json` must say the same.
@@ -24,7 +25,8 @@ from verdict import Verdict
 
 COUNT = 2000
 STEPS = 400.0  # of the integrator that a run may take, roughly
-STATUSES = {"finished", "liftoff", "fallen", "settled", "non-finite", "stalled"}
+OPENING = 0.4  # of the scenarios: their contact may open
+STATUSES = {"finished", "liftoff", "fallen", "settled", "ended", "non-finite", "stalled"}
 
 
 def prepare(_: Path, count: int, __: int) -> dict[str, Any]:
@@ -60,8 +62,13 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
     """Checks and runs one scenario."""
     fastest = bodies.spread(rng, 1.0, 2000.0)
     tables = bodies.scenario(rng, (str(rng.choice(prepared["systems"])), ""), fastest=fastest)
+    opens = rng.random() < OPENING
+    if opens:
+        tables = bodies.opening(tables, rng)
     rates = [abs(v) for name, v in tables["initial"].items() if name.endswith(("dot", "omega3"))]
     tables["run"] = run_table(rng, max([1.0, *rates]))
+    if opens and tables["run"].get("on_liftoff") == "continue":
+        tables["run"]["on_liftoff"] = str(rng.choice(["fly", "stop", "continue"]))
     way = int(rng.integers(3))
     said = nonsense.distort(tables, rng) if way == 1 else []
     text = nonsense.text_of(tables)
