@@ -1,10 +1,12 @@
 """Named columns in SI units, as the store and a Dataset keep them."""
 
 import re
+from collections.abc import Container, Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .errors import InputError
 from .mechanics.units import Unit
 
 
@@ -42,6 +44,22 @@ def flagged(flags: Any, name: str) -> np.ndarray:
     """Where a column of flags, with its `flag_meanings`, has the value of this name; (n,) of bool."""
     meanings = flags.attrs["flag_meanings"].split()
     return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
+
+
+def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
+    """Raises InputError where columns that something needs are not among those that a run keeps.
+
+    Parameters
+    ----------
+    names
+        What is needed.
+    kept
+        What there is.
+    subject
+        What needs them, the beginning of the sentence.
+    """
+    if missing := ", ".join(f"`{name}`" for name in names if name not in kept):
+        raise InputError([f"{subject} must have {missing}, but the run does not keep that: see its `run.columns`."])
 
 
 LETTERS = ("xyz", "wxyz")

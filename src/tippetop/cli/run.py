@@ -24,6 +24,7 @@ def run(
     overwrite: Annotated[bool, Parameter(negative=())] = False,
     certify: Annotated[bool, Parameter(negative=())] = False,
     window: float | None = None,
+    columns: str | None = None,
 ) -> int:
     """Integrate a scenario: a TOML file or the name of a preset.
 
@@ -47,7 +48,10 @@ def run(
         Repeat the run in wider numbers and report the difference; exit 4 if the accuracy contract is broken.
     window
         Certify only the first so many seconds.
+    columns
+        Keep these columns alone beside the time: names with commas between them, such as theta,normal_force.
     """
+    from ..columns import require
     from ..errors import InputError
     from ..progress import Bar
     from ..runs import attributes, starting
@@ -55,8 +59,9 @@ def run(
     from ..store import root
     from .text import following, warn
 
+    kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
     try:
-        problem = starting.load(scenario, set_, until)
+        problem = starting.load(scenario, [*(set_ or []), *kept], until)
     except InputError:
         _refuse_plan(scenario)
         raise
@@ -65,6 +70,7 @@ def run(
         check_picture(figure, "--figure")
         if problem.output == "keyframes":
             raise InputError(['`run.output` must keep rows to be drawn by --figure, but is "keyframes".'])
+        require(("theta",), problem.kept_columns, "what --figure draws")
     if out is None:
         from ..runs.run import solve
 

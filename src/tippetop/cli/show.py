@@ -175,14 +175,14 @@ def _plot(store: Path, kind: str | None, attrs: dict[str, Any], out: Path) -> No
 
 
 def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
-    """Write a store as one netCDF, CSV or Parquet file.
+    """Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator (MJCF, URDF).
 
     Parameters
     ----------
     store
-        The store of a run or of a sweep.
+        The store of a run or of a sweep; for mjcf and urdf a scenario, a preset or the store of a run.
     to
-        The format: netcdf, csv or parquet.
+        The format: netcdf, csv or parquet; mjcf or urdf for the body, its start and its friction.
     out
         The file to write; must not exist yet.
     group
@@ -191,6 +191,10 @@ def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
     """
     from ..store.export import export as write
 
+    if to in ("mjcf", "urdf"):
+        from . import exchange
+
+        return exchange.describe(str(store), to, out)
     write(store, to, out, group)
     return 0
 

@@ -8,7 +8,7 @@ from ..columns import Column, column
 from ..mechanics.operand import leaves
 from ..mechanics.system import Form
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
-from ..problem import Problem, Problems
+from ..problem import TURN, Problem, Problems
 from .expressions import (
     compile_observables,
     compile_orientation,
@@ -106,36 +106,43 @@ class Observables:
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
         """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked for."""
-        names, values = self.system.long_names, self.evaluate(rows)
+        names, values, kept = self.system.long_names, self.evaluate(rows), set(self.problem.kept_columns)
 
         def scale(unit: Unit) -> Any:
             return _widened(np.array(self.problem.scales.of(unit)), self._wide)
 
         columns = {"time": column(times, SECOND, "time")}
         for name, unit in self.system.angles._asdict().items():
+            if name not in kept:
+                continue
             columns |= self._split(name, values[name] * scale(unit), unit, names[name])
         for name, variables in self.system.vectors.items():
+            if name not in kept:
+                continue
             unit = getattr(self.system.forms["vector"].units, variables[0])
             stacked = np.stack([values[component(v)] for v in variables], axis=1) * scale(unit)
             columns |= self._split(name, stacked, unit, names[name], ("time", "xyz"))
-        if self.problem.orientation and self.form.orientation:
+        if self.problem.orientation and self.form.orientation and not kept.isdisjoint(TURN):
             turns, psi = self.orientation(rows)
-            if psi is not None:
+            if psi is not None and "psi" in kept:
                 columns |= self._split("psi", psi, RADIAN, PSI)
-            columns |= self._split("orientation", turns, ONE, ORIENTATION, ("time", "wxyz"))
+            if "orientation" in kept:
+                columns |= self._split("orientation", turns, ONE, ORIENTATION, ("time", "wxyz"))
         for q in self.system.quantities:
+            if q.name not in kept:
+                continue
             if q.meanings:
                 flags = {"flag_values": list(range(len(q.meanings))), "flag_meanings": " ".join(q.meanings)}
                 attributes = {"units": "1", "long_name": q.long_name, **flags}
                 columns[q.name] = Column(("time",), np.rint(values[q.name]).astype(np.int8), attributes)
-                continue
-            if not q.is_column:
                 continue
             si = values[q.name] * scale(q.unit)
             columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
         if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole
             units = self.problem.variables.units.items()
             for (name, unit), variable, weight in zip(units, rows.T, self.problem.weights(), strict=True):
+                if f"state_{name}" not in kept:
+                    continue
                 columns |= self._split(
                     f"state_{name}", variable * np.array([weight]), unit, f"integrated variable {name}"
                 )

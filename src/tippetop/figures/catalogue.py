@@ -20,14 +20,20 @@ class RunFigure:
     draw: str
     prepare: str | None = None  # None: what is drawn is the run as it is
     needs: str = "time"  # the column of the trajectory without which there is nothing to show
+    uses: tuple[str, ...] = ("theta",)  # the columns that it is made from, where the system has them; "integrals" and
+    # "landscape" stand for those of the system
     drawn_for: str = ""  # the systems that have that column, in words
     over_time: bool = False  # whether the x axis of every panel is the time
+
+
+OF_LANDSCAPES = ("theta", "phase", "landscape")
+OF_DRIFT = ("integrals", "energy", "work", "axis", "ball")
 
 
 def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
     """A figure over the spinning states of a tippe top."""
     prepare = f"landscape.along_run:{draw.rpartition(':')[2]}"
-    return RunFigure(shows, draw, prepare, needs="routh", drawn_for="tippe tops")
+    return RunFigure(shows, draw, prepare, needs="routh", uses=OF_LANDSCAPES, drawn_for="tippe tops")
 
 
 FIGURES: dict[str, RunFigure] = {
@@ -36,20 +42,34 @@ FIGURES: dict[str, RunFigure] = {
         "normal force g_n(t) in units of the weight",
         "figures.run:normal_force",
         needs="normal_force",
+        uses=("normal_force",),
         drawn_for="systems with a normal force",
         over_time=True,
     ),
-    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift", over_time=True),
-    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.run:growth"),
-    "sphere": RunFigure("path of the axis on the sphere", "figures.run:sphere", needs="axis", drawn_for="tops"),
-    "energy": RunFigure("energy, modified energy, energy taken by friction", "figures.run:energy", over_time=True),
+    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift", uses=OF_DRIFT, over_time=True),
+    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.run:growth", uses=OF_DRIFT),
+    "sphere": RunFigure(
+        "path of the axis on the sphere", "figures.run:sphere", needs="axis", uses=("axis",), drawn_for="tops"
+    ),
+    "energy": RunFigure(
+        "energy, modified energy, energy taken by friction",
+        "figures.run:energy",
+        uses=("energy", "modified_energy", "work", "phase"),
+        over_time=True,
+    ),
     "phase": _of_tippe_tops("figures.stability:phase", "asymptotic states over lambda, and the run among them"),
     "band": RunFigure(
-        "turning angles that the main equation predicts", "figures.landscape:band", "landscape.along_run:band"
+        "turning angles that the main equation predicts",
+        "figures.landscape:band",
+        "landscape.along_run:band",
+        uses=OF_LANDSCAPES,
     ),
     "surface": _of_tippe_tops("figures.landscape:surface", "the run on the minimal surface F(D, lambda)"),
     "potential": RunFigure(
-        "the effective potential V(z) at six times", "figures.landscape:potential", "landscape.along_run:potential"
+        "the effective potential V(z) at six times",
+        "figures.landscape:potential",
+        "landscape.along_run:potential",
+        uses=OF_LANDSCAPES,
     ),
     "inversion": _of_tippe_tops("figures.landscape:inversion", "the run on the section of F at its lambda"),
 }
@@ -101,6 +121,7 @@ def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
 
     check_kind(kind)
     chosen = FIGURES[kind]
+    _refuse_left_out(kind, groups["trajectory"], attrs)
     if chosen.needs not in groups["trajectory"]:
         raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
     if not len(groups["trajectory"]["time"].values):
@@ -117,12 +138,38 @@ def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
         return drawing
 
 
+def _refuse_left_out(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
+    """Raises InputError if a figure uses columns that its system has and the run did not keep."""
+    from ..columns import require
+    from ..mechanics.systems import find
+    from ..problem import column_names
+
+    system = find(attrs["system"])
+    if "columns" not in attrs["run"] or system is None:
+        return
+    has = {*column_names(system, system.forms[attrs["form"]], True, "double")}
+    has |= {"phase", "ball"} if "contact" in attrs else set()
+    uses = {*FIGURES[kind].uses} | {*(system.integrals if "integrals" in FIGURES[kind].uses else ())}
+    if "landscape" in uses and system.landscape is not None:
+        uses |= {*system.landscape.columns}
+    require(sorted(uses & has), trajectory, f"what `{kind}` is drawn from")
+
+
 def write(figure: Any, path: Path) -> None:
     """Writes a figure; the ending of `path` names the format. Raises StoreError."""
     from .style import save, styled
 
     with styled():
         save(figure, path)
+
+
+def comparison(motions: Any, title: str) -> Any:
+    """The figure of motions beside their reference, as `exchange.comparison` gives them."""
+    from .comparison import comparison
+    from .style import styled
+
+    with styled():
+        return comparison(motions, title)
 
 
 def draw_sweep(kind: str, store: Path, path: Path) -> None:

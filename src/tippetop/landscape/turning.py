@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..columns import flagged
+from ..columns import flagged, require
 from ..mechanics.system import System
 from .body import Top, landscape_of, top
 from .kernels import compiled, kernels
@@ -149,6 +149,7 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
         As `turning_angles`.
     """
     names = landscape_of(system)[1].columns
+    require(names, run, "the band along a run")
     first, second, energy = (run[name] for name in names)
     angles = turning_angles(parameters, first, second, energy, system, theta=run.get("theta"))
     if "phase" in run:

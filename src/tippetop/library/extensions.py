@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -48,20 +48,20 @@ def given_events(events: Any) -> list[str | Event]:
     return given
 
 
-def given_columns(columns: Any) -> tuple[Quantity, ...]:
-    """The argument `columns` as a tuple. Raises InputError."""
-    if columns is None:
-        return ()
-    given = [columns] if isinstance(columns, Quantity) else _listed("columns", columns)
-    wrong = [item for item in given if not isinstance(item, Quantity)]
+def given_columns(columns: Any) -> list[str | Quantity]:
+    """The argument `columns` as a list. Raises InputError."""
+    given: list[Any] = [columns] if isinstance(columns, str | Quantity) else _listed("columns", columns)
+    wrong = [item for item in given if not isinstance(item, str | Quantity)]
     if wrong:
-        raise InputError([f"`columns` must be Quantity records, but has {item!r:.60}." for item in wrong])
-    return tuple(given)
+        raise InputError(
+            [f"`columns` must be names of columns or Quantity records, but has {item!r:.60}." for item in wrong]
+        )
+    return given
 
 
 def _listed(argument: str, given: Any) -> list[Any]:
     """A list of what is given. Raises InputError if it is no collection."""
-    if isinstance(given, Iterable) and not isinstance(given, str | bytes) and getattr(given, "ndim", 1) == 1:
+    if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping) and getattr(given, "ndim", 1) == 1:
         return list(given)
     raise InputError([f"`{argument}` must be a list, but is {given!r:.60}."])
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ..columns import require
 from ..errors import InputError
 from ..landscape import marked_lines as lines_of
 from ..landscape import potential as potential_of
@@ -190,6 +191,7 @@ def band(
         if not isinstance(run, Run):
             raise InputError(["`trajectory` must be given where the first argument is no Run, but is missing."])
         trajectory = run.trajectory
+        require(("theta", *(("phase",) if "contact" in run.attributes else ())), trajectory, "the band along a run")
     return turning.band(parameters, trajectory, name)
 
 

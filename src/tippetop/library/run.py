@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..mechanics.system import System
+    from ..views.pages import Page
 
 
 class Run:
@@ -222,6 +223,40 @@ class Run:
     def _for_figures(self) -> dict[str, Any]:
         return self._datasets
 
+    def view(self, start: float | None = None, until: float | None = None) -> "Page":
+        """The run in motion: an HTML file that needs no network, which a notebook shows.
+
+        Parameters
+        ----------
+        start, until : float, optional
+            The part that is shown [s]; by default all of it, as far as one file can hold it.
+
+        Returns
+        -------
+        Page
+            `.save("RUN.html")` writes it.
+
+        Raises
+        ------
+        InputError
+            If the run has no rows, or no orientation.
+        StoreError
+            If it is not finished, or cannot be read.
+        """
+        from ..views.pages import Page
+
+        span = [None if t is None else finite(name, t) for name, t in (("start", start), ("until", until))]
+        with in_python():
+            return Page(self._page(*span))
+
+    def _page(self, start: float | None, until: float | None) -> str:
+        from ..views.run import page, refuse
+        from ..views.samples import needed
+
+        refuse(self.attributes, "the run")
+        rows = {name: self.trajectory[name].values for name in needed(self.attributes) if name in self.trajectory}
+        return page(iter([rows]), self._datasets, self.attributes, start, until)
+
     def certify(self, window: float | None = None) -> Record:
         """Repeats the run in this and in wider numbers, and compares the two.
 
@@ -346,6 +381,11 @@ class StoredRun(Run):
 
     def _for_figures(self) -> dict[str, Any]:
         return chunks.for_figures(self.path, self.attributes)
+
+    def _page(self, start: float | None, until: float | None) -> str:
+        from ..views.run import page_of_store
+
+        return page_of_store(self.path, self.attributes, start, until)
 
     def _lines(self) -> list[tuple[str, str]]:
         return lines(self.summary)

@@ -44,7 +44,7 @@ def run(
     output: Literal["times", "events", "steps", "keyframes"] | None = None,
     keyframe_steps: int | None = None,
     events: Iterable[str | Event] | str | Event | None = None,
-    columns: Iterable[Quantity] | Quantity | None = (),
+    columns: Iterable[str | Quantity] | str | Quantity | None = None,
     precision: Literal["double", "longdouble", "quad"] | None = None,
     tolerance: float | None = None,
     on_liftoff: Literal["stop", "continue", "fly"] | None = None,
@@ -97,8 +97,10 @@ def run(
         Names of the kinds that are logged, by default all; an empty list logs none. An Event is one of your own: it is
         added to the system and logged, beside the kinds that are named, and beside all kinds if none is named. Its
         name is letters, digits and _, and new.
-    columns : iterable of Quantity, optional
-        Columns of your own, functions of the scalars of a state, under new names.
+    columns : iterable of str or Quantity, optional
+        The columns that the rows have beside the time, by name: what is left out is neither stored nor, of the turn of
+        the body, integrated; by default all. Columns of your own are Quantity records, functions of the scalars of a
+        state, under new names; they are kept beside those that are named.
     precision : str, optional
         double, longdouble (80 bits) or quad (113 bits).
     tolerance : float, optional

@@ -32,13 +32,13 @@ def problem_of(
     contact: Mapping[str, Any] | None = None,
     stem: Mapping[str, Any] | None = None,
     events: Iterable[str | Event] | str | Event | None = None,
-    columns: Iterable[Quantity] | Quantity | None = (),
+    columns: Iterable[str | Quantity] | str | Quantity | None = None,
     until: Any = None,
     **run: Any,
 ) -> Problem:
     """The checked Problem of what `run` takes. Raises InputError."""
-    named, own = _events(None if events is None else given_events(events))
-    own_columns = given_columns(columns)
+    named, own = _named(None if events is None else given_events(events), Event)
+    named_columns, own_columns = _named(None if columns is None else given_columns(columns), Quantity)
     try:
         tables, record = _tables(source, system, friction)
         chosen = record or build.system_of(tables)
@@ -61,10 +61,11 @@ def problem_of(
             tables["form"] = form
         if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
             raise InputError([_needs_law(source)])
-        _options(tables, until, {**run, **({} if named is None else {"events": named})})
+        _options(tables, until, {**run, "events": named, "columns": named_columns})
         chosen = extended(chosen, own, own_columns)
-        if own and named is None and "events" in tables.get("run", {}):
-            tables["run"]["events"] = [*tables["run"]["events"], *(event.name for event in own)]
+        for key, more, names in (("events", own, named), ("columns", own_columns, named_columns)):
+            if more and names is None and key in tables.get("run", {}):
+                tables["run"][key] = [*tables["run"][key], *(record.name for record in more)]
         return starting.problem(tables, starting.folder_of(source), chosen)
     except InputError as error:
         raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
@@ -99,13 +100,13 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
     return tables, record
 
 
-def _events(given: list[str | Event] | None) -> tuple[list[str] | None, tuple[Event, ...]]:
-    """Names of the kinds to be logged, and events of one's own. None, all of them, where none is given and where only
-    own ones are; if any is named, the own ones are logged beside those."""
-    given, all_kinds = given or [], given is None
-    own = tuple(event for event in given if isinstance(event, Event))
-    names = [event.name if isinstance(event, Event) else event for event in given]
-    return (None if all_kinds or (own and len(own) == len(given)) else names), own
+def _named(given: list[Any] | None, record: type) -> tuple[list[str] | None, tuple[Any, ...]]:
+    """Names of the events to be logged, or columns to be kept, and records of one's own. No names, all of them, where
+    none is given and where only own ones are; if any is named, the own ones come beside those."""
+    given, everything = given or [], given is None
+    own = tuple(each for each in given if isinstance(each, record))
+    names = [each if isinstance(each, str) else each.name for each in given]
+    return (None if everything or (own and len(own) == len(given)) else names), own
 
 
 def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import finite, instance
+from ..columns import require
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.theory import main_equation, modes, regimes
@@ -230,6 +231,7 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
         raise InputError(["the run must be one whose contact stays what it is, but its contact may change its phase."])
     if len(system.momenta) != 2:
         raise InputError([f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."])
+    require(("theta", "modified_energy", *system.momenta), rows, "what theta is reconstructed from")
     log = run.events
     turning = (log["kind"].values == 0) & log["significant"].values.astype(bool)
     if period is None and not turning.any():

@@ -6,6 +6,7 @@ of a run is computed there, and a single run is the case n = 1.
 
 from .choice import AUTO, Choice, choice
 from .faults import key_faults, variation_faults
+from .kept import TURN, column_faults, column_names
 from .many import Problems
 from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
 
@@ -15,11 +16,14 @@ __all__ = [
     "KEYFRAME_STEPS",
     "PRECISIONS",
     "ROUNDING",
+    "TURN",
     "UNTIL",
     "Choice",
     "Problem",
     "Problems",
     "choice",
+    "column_faults",
+    "column_names",
     "key_faults",
     "variation_faults",
 ]

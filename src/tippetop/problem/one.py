@@ -18,6 +18,7 @@ from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
 from .choice import Choice, choice
 from .faults import given_names
+from .kept import column_names
 from .many import Problems, StartedFrom
 
 
@@ -46,6 +47,7 @@ class Problem:
     keyframe_steps: int = KEYFRAME_STEPS  # from one keyframe to the next
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
+    columns: tuple[str, ...] | None = None  # that rows have beside the time; None: all that there are
     contact: ContactLaw | None = None  # where the contact may change its phase: how it opens and closes
     origin: dict[str, Any] | None = None  # the end of another run, where it starts exactly; `initial` says it rounded
 
@@ -165,6 +167,13 @@ class Problem:
     def variables(self) -> Variables:
         """What is integrated."""
         return Variables(self.form, self.orientation)
+
+    @property
+    def kept_columns(self) -> tuple[str, ...]:
+        """The columns that the rows have beside the time; see `column_names`."""
+        if self.columns is not None:
+            return self.columns
+        return column_names(self.system, self.form, self.orientation, self.precision)
 
     def weights(self) -> list:
         """SI value of one internal unit of each integrated variable."""

@@ -57,7 +57,7 @@ def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]
     until = min(problem.until, window or problem.until)
     times = np.linspace(0.0, until, SAMPLES)
     plain = dataclasses.replace(problem, until=until, times=ListedTimes(times), output="times", stop_when="until")
-    plain = dataclasses.replace(plain, orientation=False)  # it is not compared, and has no effect on what is
+    plain = dataclasses.replace(plain, columns=None, orientation=False)  # not compared, and no effect on what is
     wide = dataclasses.replace(plain, precision=WIDER[problem.precision], tolerance=0.0)
     mine, witness = solve(plain), solve(wide)
     rows = min(len(mine.times), len(witness.times))

@@ -14,7 +14,17 @@ from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
-from ..problem import AUTO, KEYFRAME_STEPS, PRECISIONS, ROUNDING, Problem, choice
+from ..problem import (
+    AUTO,
+    KEYFRAME_STEPS,
+    PRECISIONS,
+    ROUNDING,
+    TURN,
+    Problem,
+    choice,
+    column_faults,
+    column_names,
+)
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, contact_tables, rules_of, system_with_contact
 from .reading import override, read
@@ -53,10 +63,13 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     run = scenario.run
     events = tuple(run.events) if run.events is not None else tuple(e.name for e in system.events)
     law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
+    form = choice(system).form if scenario.form == AUTO else system.forms[scenario.form]
+    known_columns = column_names(system, form, run.orientation is not False, run.precision)
+    asked = TURN if run.columns is None else run.columns
     values = scenario.friction.model_dump() if system.frictional else {}
     built = Problem(
         system=system,
-        form=choice(system).form if scenario.form == AUTO else system.forms[scenario.form],
+        form=form,
         parameters=parameters,
         friction=law.record(**{name: values[name] for name in law.parameters}),
         initial=initial,
@@ -69,7 +82,8 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         output=run.output,
         keyframe_steps=run.keyframe_steps or KEYFRAME_STEPS,
         stop_when=run.stop_when,
-        orientation=run.orientation,
+        columns=None if run.columns is None else tuple(name for name in known_columns if name in asked),
+        orientation=run.orientation if run.orientation is not None else any(name in TURN for name in asked),
         contact=rules_of(scenario, system),
         origin=origin,
     )
@@ -78,6 +92,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         *contact_faults(built),
         *_pole_faults(built),
         *_run_faults(system, run),
+        *column_faults(run.columns or [], known_columns, run.orientation),
     ] or built.start_faults()
     if faults:
         raise InputError(faults)
@@ -141,6 +156,7 @@ def resolved(problem: Problem) -> dict[str, Any]:
             "tolerance": problem.tolerance,
             "stop_when": problem.stop_when,
             "orientation": problem.orientation,
+            **({} if problem.columns is None else {"columns": list(problem.columns)}),
         },
     }
 

@@ -42,7 +42,8 @@ class RunTable(Table):
     on_liftoff: Literal["stop", "continue", "fly"] | None = None  # "fly" where the contact may change its phase
     precision: Literal["double", "longdouble", "quad"] = "double"
     tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    orientation: bool = True  # whether the turn of the body about its axis is integrated and stored too
+    columns: list[str] | None = None  # of the rows, beside the time; all
+    orientation: bool | None = None  # whether the turn of the body about its axis is integrated; if a column needs it
 
 
 class ContactTable(Table):

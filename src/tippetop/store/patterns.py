@@ -67,5 +67,6 @@ RUN: dict[str, Any] = {
     "output_times?": [NUMBER],
     "output?": str,
     "keyframe_steps?": int,
+    "columns?": [str],
     "orientation?": bool,
 }

@@ -1,0 +1,240 @@
+"""Derivatives of every column, and of the times and angles of events, along a run."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ...columns import Column
+from ...errors import InputError
+from ...mechanics.units import ONE, RADIAN, SECOND, Unit
+from ...problem import Problem
+from ..expressions import component
+from ..tangent import Tangents
+from .numbers import Numbers
+
+
+PARAMETER, OTHER = "parameter", "parameter_2"
+
+
+class Derivatives(NamedTuple):
+    """Columns of derivatives by name.
+
+    Parameters
+    ----------
+    trajectory
+        Along time and parameter.
+    events
+        Along event and parameter: of the time of an event, and of theta there.
+    second
+        Along time, parameter and a second parameter; none where they were not asked for.
+    """
+
+    trajectory: dict[str, Column]
+    events: dict[str, Column]
+    second: dict[str, Column]
+
+
+class _Read(NamedTuple):
+    """What a column is made of."""
+
+    parts: tuple[str, ...]  # of the tangents
+    unit: Unit
+    dims: tuple[str, ...]
+
+
+def _columns_of(problem: Problem) -> dict[str, _Read]:
+    """The columns of a run that have derivatives."""
+    system = problem.system
+    read = {name: _Read((name,), unit, ()) for name, unit in system.angles._asdict().items()}
+    for name, variables in system.vectors.items():
+        unit = getattr(system.forms["vector"].units, variables[0])
+        read[name] = _Read(tuple(component(v) for v in variables), unit, ("xyz",))
+    if problem.orientation and problem.form.orientation:
+        if problem.form.orientation.psi:
+            read["psi"] = _Read(("psi",), RADIAN, ())
+        axes = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
+        read["orientation"] = _Read(axes, ONE, ("wxyz",))
+    return read | {q.name: _Read((q.name,), q.unit, ()) for q in system.quantities if q.is_column and not q.meanings}
+
+
+class Passed(Protocol):
+    """The events of a run."""
+
+    @property
+    def time(self) -> np.ndarray:
+        """Their times [s], (n,)."""
+
+    @property
+    def kind(self) -> np.ndarray:
+        """Their kinds, by number, (n,)."""
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The names of the kinds."""
+
+
+def differentiate(
+    problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Passed, order: int = 1
+) -> Derivatives:
+    """The derivatives of the columns and events of a run by some of its numbers.
+
+    Parameters
+    ----------
+    problem
+        The run, in doubles.
+    wrt
+        Dotted names of numbers.
+    times
+        Of the rows [s], (n,), ascending, up to the end of the run.
+    events
+        Those that the run has.
+    order
+        1, or 2 for second derivatives of the columns too.
+
+    Returns
+    -------
+    Derivatives
+        SI units per SI unit.
+
+    Raises
+    ------
+    InputError
+        If the run has no derivatives, or a name is wrong.
+    """
+    if not wrt:
+        raise InputError(["`sensitivities` must name at least one number, such as friction.mu, but names none."])
+    return _Along(problem, Numbers(problem, wrt), tuple(wrt), order, times, events).derivatives()
+
+
+class _Along:
+    """Tangents along a direction for each parameter, and for sums of two where second derivatives are wanted."""
+
+    def __init__(
+        self, problem: Problem, numbers: Numbers, wrt: tuple[str, ...], order: int, times: np.ndarray, events: Passed
+    ):
+        self.problem, self.numbers, self.wrt, self.times, self.events = problem, numbers, wrt, times, events
+        self.order, self.second = order, float(problem.scales.of(SECOND))
+        ways = numbers.directions(wrt)
+        if order == 2:
+            pairs = [ways[:, i] + ways[:, j] for i in range(len(wrt)) for j in range(i)]
+            ways = np.stack([*ways.T, *pairs], axis=1)
+        self.ways = ways
+        self.sizes = np.array([numbers.scale(name) for name in wrt])
+        self.point = np.repeat(numbers.internal()[:, None], ways.shape[1], axis=1)
+        self.tangents = Tangents(numbers.kind(order), problem.tolerance)
+        self.kinds = [e.name for e in problem.system.events]
+
+    def derivatives(self) -> Derivatives:
+        times, events = self.times, self.events
+        every = np.unique(np.concatenate([[0.0], times, events.time]))
+        timed = ("theta", *(f"event {name}" for name in self.kinds))
+        states = self.tangents.states(self.point, self.ways, every / self.second)
+        values, rates = self.tangents.read(self.point, self.ways, states, None, timed)
+        rows, passages = np.searchsorted(every, times), np.searchsorted(every, events.time)
+        first, second = {}, {}
+        for name, read in _columns_of(self.problem).items():
+            scale = float(self.problem.scales.of(read.unit))
+            parts = [values[part] for part in read.parts]
+            if name == "orientation":
+                parts = _quaternions(np.array(parts))
+            whole = np.stack(parts, axis=-1)[:, rows] * scale  # (derivative, rows, lanes, parts)
+            whole = whole if read.dims else whole[..., 0]
+            about = {"units": f"{read.unit.symbol} per unit of the parameter", "long_name": f"derivative of {name}"}
+            first[name] = Column(("time", PARAMETER, *read.dims), self._per_unit(whole[1]), about)
+            if self.order == 2:
+                second[name] = Column(("time", PARAMETER, OTHER, *read.dims), self._mixed(whole[2]), about)
+        time = {"time": Column(("time",), times, {"units": "s", "long_name": "time"})}
+        return Derivatives(
+            time | first, self._of_events(values, rates, passages), time | second if self.order == 2 else {}
+        )
+
+    def _per_unit(self, rows: np.ndarray) -> np.ndarray:
+        """First derivatives, (rows, parameters, ...), by SI units of the parameters."""
+        first = rows[:, : len(self.wrt)]
+        return first / self.sizes.reshape(1, -1, *(1,) * (first.ndim - 2))
+
+    def _mixed(self, along: np.ndarray) -> np.ndarray:
+        """Second derivatives, (rows, parameters, parameters, ...), of those along directions and sums of two."""
+        n = len(self.wrt)
+        mixed = np.zeros((len(along), n, n, *along.shape[2:]))
+        pairs = iter(range(n, along.shape[1]))
+        for i in range(n):
+            mixed[:, i, i] = along[:, i]
+            for j in range(i):
+                mixed[:, i, j] = mixed[:, j, i] = (along[:, next(pairs)] - along[:, i] - along[:, j]) / 2
+        sizes = self.sizes[:, None] * self.sizes[None, :]
+        return mixed / sizes.reshape(1, n, n, *(1,) * (mixed.ndim - 3))
+
+    def _of_events(self, values: dict[str, Any], rates: dict[str, Any], where: np.ndarray) -> dict[str, Column]:
+        """Of times and angles of events: the event function stays zero (implicit function theorem)."""
+        table = self.events
+        by_time, by_theta = (np.full((len(where), len(self.wrt)), np.nan) for _ in range(2))
+        for name in self.kinds:
+            of = np.flatnonzero(table.kind == table.kinds.index(name))
+            rows, n = where[of], len(self.wrt)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                shift = -values[f"event {name}"][1][rows, :n] / rates[f"event {name}"][rows, :n]
+            by_time[of] = shift
+            by_theta[of] = values["theta"][1][rows, :n] + rates["theta"][rows, :n] * shift
+        about = "{} of the event, as the numbers change"
+        units = "{} per unit of the parameter"
+        return {
+            "kind": Column(("event",), table.kind, {"units": "1", "long_name": "kind of event",
+                           "flag_values": list(range(len(table.kinds))), "flag_meanings": " ".join(table.kinds)}),
+            "time": Column(("event", PARAMETER), by_time / self.sizes * self.second,
+                           {"units": units.format("s"), "long_name": about.format("derivative of the time")}),
+            "theta": Column(("event", PARAMETER), by_theta / self.sizes,
+                            {"units": units.format("rad"), "long_name": about.format("derivative of theta")}),
+        }  # fmt: skip
+
+
+def _quaternions(axes: np.ndarray) -> list[np.ndarray]:
+    """Unit quaternions with their derivatives along directions, four parts (derivatives, rows, lanes) each, of axes 1
+    and 3 of the body, (6, derivatives, rows, lanes)."""
+    from ..orientation import quaternion
+
+    orders, shape = axes.shape[1], axes.shape[2:]
+    flat = axes.reshape(6, orders, -1)
+    matrices = [_matrix(flat[:, 0])]
+    q = quaternion(flat[:3, 0], flat[3:, 0]).T
+    first, third = flat[:3], flat[3:]
+    jets = [q]
+    if orders > 1:
+        turned = np.stack([first[:, 1], _cross_rate(first, third, 1), third[:, 1]], axis=1)
+        jets.append(_half_turn(matrices[0], turned, q))
+    if orders > 2:  # q'' = (w' q + w q')/2, w the rotation vector of the change
+        turned2 = np.stack([first[:, 2], _cross_rate(first, third, 2), third[:, 2]], axis=1)
+        w = _rotation(matrices[0], turned)
+        rate = np.stack([first[:, 1], _cross_rate(first, third, 1), third[:, 1]], axis=1)
+        w_rate = (np.cross(matrices[0], turned2, axis=0) + np.cross(rate, turned, axis=0)).sum(axis=1) / 2
+        jets.append(0.5 * (_product(w_rate, q) + _product(w, jets[1])))
+    whole = np.array(jets)  # (orders, 4, rows x lanes)
+    return [whole[:, c].reshape(orders, *shape) for c in range(4)]
+
+
+def _matrix(axes: np.ndarray) -> np.ndarray:
+    """The axes of the body as columns, (3, axes, k)."""
+    first, third = axes[:3], axes[3:]
+    return np.stack([first, np.cross(third, first, axis=0), third], axis=1)
+
+
+def _cross_rate(first: np.ndarray, third: np.ndarray, order: int) -> np.ndarray:
+    """The first or second derivative of axis 2 = axis 3 x axis 1."""
+    ends = np.cross(third[:, order], first[:, 0], axis=0) + np.cross(third[:, 0], first[:, order], axis=0)
+    return ends if order == 1 else ends + 2 * np.cross(third[:, 1], first[:, 1], axis=0)
+
+
+def _rotation(matrix: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """The rotation vector w with axis' = w x axis, (3, k): half the sum of axis x axis'."""
+    return np.cross(matrix, rate, axis=0).sum(axis=1) / 2
+
+
+def _half_turn(matrix: np.ndarray, rate: np.ndarray, q: np.ndarray) -> np.ndarray:
+    return 0.5 * _product(_rotation(matrix, rate), q)
+
+
+def _product(w: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The quaternion (0, w) q, (4, k)."""
+    scalar, vector = q[0], q[1:]
+    return np.concatenate([-(w * vector).sum(axis=0)[None], scalar * w + np.cross(w, vector, axis=0)])

@@ -1,0 +1,99 @@
+"""The numbers of a problem that a derivative can be taken by: their names, values and units."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ...mechanics.friction import Contensou, SetValued
+from ...mechanics.system import Parameter
+from ...problem import Problem, key_faults
+from ..tangent import Kind
+
+
+class Numbers:
+    """All numbers of a problem, in the order in which tangents take them.
+
+    Parameters
+    ----------
+    problem
+        The run.
+    wrt
+        Dotted names; an initial number among them that is not given is 0.
+
+    Raises
+    ------
+    InputError
+        If a name is none of the problem's, or the run has no derivatives.
+    """
+
+    def __init__(self, problem: Problem, wrt: Iterable[str] = ()):
+        self.problem = problem
+        wrt = tuple(wrt)
+        refuse(problem, wrt)
+        asked = {name.partition(".")[2] for name in wrt if name.startswith("initial.")}
+        given = {name: value for name, value in problem.initial.items() if not isinstance(value, bool)}
+        self.initial = {**given, **{name: 0.0 for name in sorted(asked - given.keys())}}
+        self.flags = tuple(name for name, value in problem.initial.items() if value is True)
+        tables = {
+            "parameters": {name: problem.parameters[name] for name in problem.system.parameters},
+            "friction": problem.friction._asdict(),
+            "initial": self.initial,
+        }
+        self.values = {f"{table}.{name}": float(v) for table, of in tables.items() for name, v in of.items()}
+        self.names = tuple(self.values)
+
+    def rule(self, name: str) -> Parameter:
+        """Unit and interval of a number."""
+        return self.problem.rules[name]
+
+    def scale(self, name: str) -> float:
+        """SI units in one internal unit of a number."""
+        return float(self.problem.scales.of(self.rule(name).unit))
+
+    def internal(self, values: dict[str, Any] | None = None) -> np.ndarray:
+        """The numbers in internal units, (numbers, ...): those of the problem, some replaced by `values`."""
+        rows = [np.asarray((values or {}).get(name, value)) / self.scale(name) for name, value in self.values.items()]
+        return np.array(np.broadcast_arrays(*rows))
+
+    def directions(self, wrt: Sequence[str]) -> np.ndarray:
+        """One internal unit of each of these, (numbers, directions)."""
+        return np.array([[float(name == other) for other in wrt] for name in self.names])
+
+    def kind(self, order: int = 1, orientation: bool | None = None) -> Kind:
+        """What tangents of the problem are compiled for."""
+        problem = self.problem
+        turning = problem.orientation if orientation is None else orientation
+        names = tuple(self.initial)
+        return Kind(problem.system, problem.form.name, type(problem.friction), turning, names, self.flags, order)
+
+
+def refuse(problem: Problem, wrt: Sequence[str]) -> None:
+    """Raises InputError for a run that has no derivatives, or none that is computed; and for wrong names."""
+    if problem.contact is not None:
+        set_valued = isinstance(problem.friction, SetValued | Contensou)
+        why = "sticks and slips under a set-valued law" if set_valued else "may open and close"
+        raise InputError(
+            [f"the contact must never change for derivatives to exist along the run, but this one {why}: give a smooth "
+             'law (a Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.']
+        )  # fmt: skip
+    if problem.precision != "double":
+        raise InputError([f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".'])
+    if problem.origin is not None:
+        raise InputError(["`initial.from` must not be given for derivatives: the end of another run has none here."])
+    if faults := name_faults(problem, wrt):
+        raise InputError(faults)
+
+
+def name_faults(problem: Problem, wrt: Sequence[str]) -> list[str]:
+    """What is wrong with names that derivatives are asked by, in sentences."""
+    faults = []
+    for name in wrt:
+        if name.startswith(("run.", "contact.", "stem.")):
+            faults.append(f"`{name}` must be a number of the body, the friction law or the start, but is none.")
+    faults += [f"`{name}` must be named once, but is named twice." for name in set(wrt) if list(wrt).count(name) > 1]
+    faults += key_faults(problem, [name for name in wrt if not name.startswith(("run.", "contact.", "stem."))])
+    initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
+    given = [name for name, value in problem.initial.items() if value is not False]
+    return faults or problem.system.clashes([*given, *initial])

@@ -1,0 +1,121 @@
+"""The calls about how a motion answers to a change of its numbers."""
+
+import inspect
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..arguments import refuse_unknown, whole
+from ..columns import with_coordinates
+from ..errors import InputError
+from ..problem import Problem
+from .run import Run
+from .scenarios import problem_of
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+RUN = ("output_step", "output_times", "output", "precision", "tolerance", "on_liftoff", "stop_when", "orientation")
+"""Further arguments of `run` that a problem is made of."""
+
+
+class Sensitivities:
+    """Derivatives of a run by some of its numbers. `tippetop.sensitivities` makes it.
+
+    Attributes
+    ----------
+    run : Run
+        The run itself.
+    trajectory : xarray.Dataset
+        The derivative of every column along `time` and `parameter`, SI units per SI unit.
+    events : xarray.Dataset
+        Of each event along `event` and `parameter`: the derivative of its `time`, and of `theta` there.
+    second : xarray.Dataset
+        Second derivatives of the columns, along `time`, `parameter` and `parameter_2`; empty unless `order=2`.
+    """
+
+    def __init__(self, run: Run, trajectory: "xr.Dataset", events: "xr.Dataset", second: "xr.Dataset"):
+        self.run, self.trajectory, self.events, self.second = run, trajectory, events, second
+
+    def __repr__(self) -> str:
+        names = ", ".join(map(str, self.trajectory.parameter.values))
+        return f"<Sensitivities of {self.run.attributes['system']} by {names}: {self.trajectory.sizes['time']} rows>"
+
+
+def sensitivities(
+    source: Any, wrt: Sequence[str], friction: Any = None, *, order: int = 1, **arguments: Any
+) -> Sensitivities:
+    """Derivatives of every column of a run, and of its events, by numbers of the body, the law and the start.
+
+    Parameters
+    ----------
+    source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
+        As for `run`.
+    wrt : list of str
+        Dotted names: "parameters.alpha", "friction.mu", "initial.omega3", ...
+    friction : law, mapping or list of str, optional
+        As for `run`.
+    order : int
+        1, or 2 for second derivatives too.
+    **arguments
+        What else `run` takes: start, until, output_step, ...
+
+    Returns
+    -------
+    Sensitivities
+
+    Raises
+    ------
+    InputError
+        If a name is wrong, or the run has no derivatives: its contact changes, or its law is set-valued.
+
+    Notes
+    -----
+    By the variational equations, along one direction in each SIMD lane: exact to rounding, no differences are taken.
+    Units of mass, length and time are those of the run, and fixed. A column that is undefined at a pole is NaN there.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> s = tt.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
+    >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
+    """
+    import xarray as xr
+
+    from ..engine.derivatives.along_run import OTHER, PARAMETER, differentiate
+    from ..engine.derivatives.numbers import refuse
+    from ..runs.run import solve
+
+    refuse_unknown("sensitivities", arguments, ["order", *inspect.signature(problem_of).parameters, *RUN])
+    wrt = _names(wrt)
+    if whole("order", order) > 2:
+        raise InputError([f"`order` must be 1 or 2, but is {order!r:.60}."])
+    problem = source if isinstance(source, Problem) else problem_of(source, friction, **arguments)
+    if problem.output == "keyframes":
+        raise InputError(['`output` must keep rows for derivatives, but is "keyframes".'])
+    refuse(problem, wrt)
+    solution = solve(problem)
+    derived = differentiate(problem, wrt, solution.times, solution.events, order)
+    run = Run(solution)
+    tables = []
+    for columns in (derived.trajectory, derived.events, derived.second):
+        table = xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=run.attributes)
+        if "event" not in table.dims:
+            table = with_coordinates(table)
+        names = {name: (name, list(wrt)) for name in (PARAMETER, OTHER) if name in table.dims}
+        if columns and PARAMETER in names:
+            units = [problem.rules[name].unit.symbol for name in wrt]
+            names["unit"] = (PARAMETER, units)
+        tables.append(table.assign_coords(names))
+    return Sensitivities(run, *tables)
+
+
+def _names(wrt: Any) -> tuple[str, ...]:
+    """The names as a tuple of texts. Raises InputError."""
+    if isinstance(wrt, str):
+        return (wrt,)
+    if isinstance(wrt, Path) or not hasattr(wrt, "__iter__") or not all(isinstance(name, str) for name in wrt):
+        raise InputError([f"`wrt` must be names such as friction.mu, but is {wrt!r:.60}."])
+    return tuple(wrt)

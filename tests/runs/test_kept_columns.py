@@ -1,0 +1,163 @@
+"""`columns` of a run: what is kept has the bits that it has beside everything else; what is left out is said."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zarr
+from stores import assert_same
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.errors import InputError
+from tippetop.figures import catalogue
+from tippetop.problem import column_names
+from tippetop.runs import attributes, recording
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+
+
+SOME = {
+    "inverting": ("theta", "phi_dot", "axis", "friction_power"),
+    "rolling": ("phi", "energy"),
+    "heavy-top": ("orientation", "L"),
+    "gliding-cylinder": ("theta",),
+    "flying": ("gap", "phase", "nu_z"),
+}
+
+
+def asked(*names: str) -> str:
+    return f"run.columns={list(names)!r}"
+
+
+@pytest.mark.parametrize("preset", list(SOME))
+def test_what_is_kept_has_the_bits_that_it_has_beside_everything(preset: str) -> None:
+    """Columns, events, end and report; the turn of the body is integrated only where a column needs it."""
+    whole = solve(build.load(preset, until=1.0))
+    some = solve(build.load(preset, [asked(*SOME[preset])], until=1.0))
+    kept, every = some.columns(), whole.columns()
+    assert set(kept) == {"time", *SOME[preset]}
+    assert set(every) == {"time", *whole.problem.kept_columns}
+    for name, column in kept.items():
+        np.testing.assert_array_equal(column.values, every[name].values, strict=True)
+        assert column.attrs == every[name].attrs
+    for name, values in some.events.columns().items():
+        np.testing.assert_array_equal(values, whole.events.columns()[name])
+    assert some.report == whole.report
+    assert some.problem.orientation is ("orientation" in SOME[preset])
+
+
+@pytest.mark.parametrize("precision", ["longdouble", "quad"])
+def test_wider_columns_come_with_their_low_parts(precision: str) -> None:
+    sets = [f"run.precision={precision}", "run.output_times=[0.0]"]
+    base = build.load("rolling-cylinder", [*sets, "run.output_step="])
+    every = solve(base)
+    named = [name for name in every.columns() if name != "time" and not name.endswith("_lo")]
+    assert sorted(named) == sorted(base.kept_columns)
+    last = named[-1]
+    some = solve(build.load("rolling-cylinder", [*sets, "run.output_step=", asked(last)])).columns()
+    assert set(some) == {"time", last, f"{last}_lo"}
+    np.testing.assert_array_equal(some[f"{last}_lo"].values, every.columns()[f"{last}_lo"].values)
+
+
+def test_a_store_keeps_them_and_is_continued_with_them(tmp_path: Path) -> None:
+    """The store of a run in memory, of one that is recorded, and of one that is continued are the same files."""
+    names = ("phi_dot", "theta", "time")  # the time is there in any case
+    recording.record(build.load("inverting", [asked(*names)], until=2.0), tmp_path / "whole.zarr")
+    recording.record(build.load("inverting", [asked(*names)], until=0.7), tmp_path / "run.zarr")
+    assert sorted(zarr.open_group(tmp_path / "run.zarr/trajectory").array_keys()) == sorted(names)
+    tt.resume(tmp_path / "run.zarr", until=2.0)
+    assert_same(tmp_path / "run.zarr", tmp_path / "whole.zarr")
+    tt.run("inverting", until=2.0, columns=names).save(tmp_path / "saved.zarr")
+    assert_same(tmp_path / "saved.zarr", tmp_path / "whole.zarr")
+    assert tt.open(tmp_path / "whole.zarr").summary.run.columns == ["theta", "phi_dot"]
+    assert outcome(["export", str(tmp_path / "whole.zarr"), "--to", "csv", "--out", str(tmp_path / "run.csv")]) == 0
+    assert (tmp_path / "run.csv").read_text().splitlines()[0] == "time,phi_dot,theta"
+
+
+def test_a_replay_has_the_columns_of_its_run(tmp_path: Path) -> None:
+    source = build.load("inverting", [asked("theta"), "run.output_step=", "run.output=keyframes"], until=2.0)
+    recording.record(source, tmp_path / "run.zarr")
+    rows: Any = tt.open(tmp_path / "run.zarr")
+    rows = rows.replay(1.0, 1.5, 0.1)
+    assert list(rows.data_vars) == ["theta"]
+    whole = tt.run("inverting", until=2.0, output_times=rows.time.values)
+    np.testing.assert_array_equal(rows.theta, whole.trajectory.theta)
+
+
+def test_a_column_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["run", "inverting", "--columns", "theta, phi_dott"]) == 2
+    said = capsys.readouterr().err
+    assert "`run.columns` must be of theta, theta_dot" in said
+    assert "has 'phi_dott'. Did you mean `phi_dot`?" in said
+    assert outcome(["run", "inverting", "--set", asked("psi"), "--set", "run.orientation=false"]) == 2
+    assert "`run.orientation` must be true where `run.columns` has 'psi', but is false." in capsys.readouterr().err
+    with pytest.raises(InputError, match=r"`columns` must be of theta, theta_dot.* but has 'friction_power'"):
+        tt.run("heavy-top", columns=["friction_power"])
+
+
+def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
+    own = tt.Quantity("height", "h", tt.Unit(0, 1, 0, "m"), "height", lambda s, b: s.z)
+
+    def kept(columns: Any, tables: Any = "inverting") -> set[str]:
+        return set(tt.run(tables, until=0.01, columns=columns).trajectory.data_vars)
+
+    every = set(tt.run("inverting", until=0.01).trajectory.data_vars)
+    assert kept(None) == every
+    assert kept(own) == kept([own]) == every | {"height"}
+    assert kept(["theta", own]) == {"theta", "height"}
+    assert kept("theta") == {"theta"}
+    assert kept([]) == set()
+    narrow = {**build.resolved(build.load("inverting", [asked("theta")])), "form": "vector"}
+    assert kept(own, narrow) == {"theta", "height"}
+
+
+def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
+    run = tt.run("inverting", until=2.0, columns=["theta", "work"])
+    run.plot("theta")
+    for kind, name in (("drift", "energy"), ("energy", "modified_energy"), ("sphere", "axis"), ("band", "routh")):
+        with pytest.raises(InputError, match=f"what `{kind}` is drawn from must have .*`{name}`"):
+            run.plot(kind)
+    with pytest.raises(InputError, match="the band along a run must have `routh`, `jellett`, `modified_energy`, but"):
+        tt.band(run)
+    with pytest.raises(InputError, match="what theta is reconstructed from must have `modified_energy`"):
+        tt.reconstruct(run)
+    arguments = ["run", "inverting", "--columns", "work", "--figure", str(tmp_path / "theta.png")]
+    assert outcome(arguments) == 2
+    assert not (tmp_path / "theta.png").exists()
+    assert run.certify(0.1).theta < 1e-12  # it keeps theta for itself
+
+
+@pytest.mark.parametrize("preset", ["inverting", "flying"])
+def test_a_figure_needs_no_more_than_it_names(preset: str) -> None:
+    """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the whole run."""
+
+    def shown(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> list[Any]:
+        drawing = catalogue.figure_of(kind, groups, attrs)
+        lines = [np.asarray(line.get_data()) for axes in drawing.axes for line in axes.get_lines()]
+        marks = [np.ma.filled(some.get_offsets()) for axes in drawing.axes for some in axes.collections]
+        words = [text.get_text() for axes in drawing.axes for text in (*axes.texts, axes.title, axes.xaxis.label)]
+        labels = [label for axes in drawing.axes for label in axes.get_legend_handles_labels()[1]]
+        return [*lines, *marks, np.array(words), np.array(labels)]
+
+    problem = build.load(preset, until=0.3)
+    system = tt.SYSTEMS[problem.system.name]
+    groups = attributes.datasets(solve(problem))
+    attrs = groups["trajectory"].attrs
+    has = column_names(problem.system, problem.form, True, "double")
+    for kind, figure in catalogue.FIGURES.items():
+        if figure.needs not in groups["trajectory"]:
+            continue
+        uses = {*figure.uses, *(system.integrals if "integrals" in figure.uses else ())}
+        if "landscape" in uses and system.landscape is not None:
+            uses |= {*system.landscape.columns}
+        columns = [name for name in has if name in uses]
+        narrow = {**attrs, "run": {**attrs["run"], "columns": columns}}
+        some = {**groups, "trajectory": groups["trajectory"][columns].assign_attrs(attrs)}
+        try:
+            whole = shown(kind, groups, attrs)
+        except InputError:
+            continue  # of no such system
+        for mine, yours in zip(shown(kind, some, narrow), whole, strict=True):
+            np.testing.assert_array_equal(mine, yours, err_msg=kind)
