@@ -36,9 +36,9 @@ OPENING = 0.4  # of the plans of tippe tops: their contact may open
 ROUNDING, NUDGE = 1e-15, 1e-10  # relative: of a lane's rounding a step, and of the start whose effect is measured
 
 
-def prepare(folder: Path, count: int, _: int) -> dict[str, Any]:
+def prepare(folder: Path, count: int, first: int) -> dict[str, Any]:
     """Compiles the lanes of each system and law, two at a time, so that no case waits for that."""
-    pairs = PAIRS if count > 20 else PAIRS[3:4]
+    pairs = PAIRS if count > 20 or first else PAIRS[3:4]
     warm(pairs[0], folder)  # what the others share is compiled here, what is their own is found on the disk
     begun = [forked(partial(warm, pair, folder)) for pair in pairs[1:]]
     for pid, result in begun:
