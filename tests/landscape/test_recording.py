@@ -127,7 +127,9 @@ def test_surface_command(tmp_path, capsys):
     capsys.readouterr()
     assert outcome(["info", str(out), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["content"] == "surface"
-    assert outcome(["surface", "inverting", *words]) == 0
+    assert outcome(["surface", "inverting", *words]) == 5  # the picture is there
+    assert f"`{picture}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
+    assert outcome(["surface", "inverting", *words[:-2]]) == 0
     assert "is finished: nothing to do" in "".join(capsys.readouterr())
 
 

@@ -33,7 +33,10 @@ export class Chart {
     this.canvas = canvas;
     this.title = title;
     this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-    [this.left, this.right, this.top, this.bottom] = [0, 1, 0, 1];
+    this.left = 0;
+    this.right = 1;
+    this.top = 0;
+    this.bottom = 1;
     this.low = [0, 0];
     this.high = [1, 1];
   }
@@ -68,7 +71,8 @@ export class Chart {
     context.font = FONT;
     context.fillStyle = colours.quiet;
     context.textAlign = "right";
-    if (this.left + wide + 14 + context.measureText(caption).width < this.right) context.fillText(caption, this.right, 13);
+    if (this.left + wide + 14 + context.measureText(caption).width < this.right)
+      context.fillText(caption, this.right, 13);
   }
 
   /** @param {number} value */

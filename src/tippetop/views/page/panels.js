@@ -233,7 +233,15 @@ export class WellPanel {
     chart.begin(range, [low, low + 1.12 * this.height], colours, caption);
     const ys = ticks(1e3 * low, 1e3 * (low + 1.12 * this.height), 4);
     /** @type {[number, string][]} */
-    const xs = wound ? [[-PI, "−π"], [-PI / 2, "−π/2"], [0, "0"], [PI / 2, "π/2"], [PI, "π = θ"]] : ANGLES;
+    const xs = wound
+      ? [
+          [-PI, "−π"],
+          [-PI / 2, "−π/2"],
+          [0, "0"],
+          [PI / 2, "π/2"],
+          [PI, "π = θ"],
+        ]
+      : ANGLES;
     chart.axes(
       colours,
       xs.map(([x, text]) => [x, text === "π" ? "π = θ" : text]),
@@ -430,4 +438,3 @@ export class TimeLine {
     chart.dot(chart.x(t), 16, colours.alarm, colours.paper, 6);
   }
 }
-
