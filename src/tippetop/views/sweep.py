@@ -74,7 +74,7 @@ def _formulas(base: Problem) -> str:
 
 
 def _base(base: Problem) -> dict[str, Any]:
-    """The top that varies: what is not varied of it."""
+    """The numbers that all tops have in common, and those that others stand for."""
     about = given(base)
     about["parameters"] |= about.pop("friction")
     return about | {"until": base.until}
