@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from zarr.core.sync import sync
 
 from ..columns import Column
 from ..errors import StoreError
@@ -101,7 +102,7 @@ class Appender:
             if array.shape[0] < rows:
                 raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
         for array in self.arrays.values():
-            array.resize((rows, *array.shape[1:]))
+            _shrink(array, rows)
 
     def digest(self) -> str:
         """A digest of all rows that were appended: of full chunks the checksums in their files, and those that wait.
@@ -118,6 +119,17 @@ class Appender:
         for name, array in self.arrays.items():
             self.buffers[name][: self.waiting] = array[self.written : rows]
         self.unflushed = True
+
+
+def _shrink(array: Any, rows: int) -> None:
+    """Cuts an array, its metadata first: a writer that is killed on the way leaves chunks too many, which the next cut
+    removes, and never too few, which would be damage."""
+    store, needed = array.store_path.store, -(-rows // array.chunks[0])
+    sync(array.async_array.resize((rows, *array.shape[1:]), delete_outside_chunks=False))
+    folder = store.root / array.store_path.path / "c"
+    for entry in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if entry.name.isdigit() and int(entry.name) >= needed:
+            store.delete_sync(f"{array.store_path.path}/c/{entry.name}")
 
 
 def digest_of_rows(arrays: dict[str, Any], rows: int) -> str:
