@@ -34,7 +34,7 @@ def test_a_ball_is_a_disc_and_its_shadow_lies_beside_it() -> None:
     assert (seen[..., 3] > 0.5).mean() == pytest.approx(np.pi / 12, rel=0.01)  # a disc of radius 1 in 4 by 3
     shadow = (seen[..., 3] > 0.1) & (seen[..., 3] < 0.9)
     assert np.nonzero(shadow)[1].mean() > np.nonzero(opaque)[1].mean()  # the lamp is at the left
-    assert not seen[..., 3][:60, -20:].any()  # nothing in the air
+    assert seen[..., 3][:60, -20:].max() < 1e-9  # nothing in the air
 
 
 def test_the_light_half_is_above_until_the_top_is_inverted() -> None:
