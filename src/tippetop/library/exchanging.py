@@ -28,14 +28,15 @@ class Comparison(Verdict):
         What the reference is.
     """
 
-    def plot(self, path: str | Path | None = None) -> "Figure":
-        """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given."""
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
+        """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given, over a
+        file that is there if it may be overwritten."""
         from ..figures import catalogue
 
         figure = catalogue.comparison(self.motions, self.title)
         if path is not None:
             catalogue.check_format(path_of("path", path))
-            catalogue.write(figure, path_of("path", path))
+            catalogue.write(figure, path_of("path", path), overwrite=overwrite)
         return figure
 
 

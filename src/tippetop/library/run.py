@@ -22,10 +22,13 @@ from ..store import chunks, root
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from ..mechanics.system import System
     from ..views.pages import Page
+    from .plots import Plots
+
+
+Window = tuple[float | None, float | None]
 
 
 class Run:
@@ -188,39 +191,15 @@ class Run:
             saving.save(self.solution, self.attributes, place, overwrite=overwrite)
         return place
 
-    def plot(self, kind: str = "theta", path: str | Path | None = None) -> "Figure":
-        """Draws the run.
+    @property
+    def plot(self) -> "Plots":
+        """The figures of the run: `run.plot("theta")` is a Figure, `run.plot.theta(ax=ax)` draws into Axes."""
+        from .plots import Plots
 
-        Parameters
-        ----------
-        kind : str
-            theta, normal-force, drift, growth, sphere, energy, phase, band, surface, potential or inversion.
-        path : path-like, optional
-            A file to write as well; its ending (.png, .svg, .pdf) names the format.
+        return Plots(self)
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If there is no such figure, or the run has not what it shows.
-        StoreError
-            If the file cannot be written.
-        """
-        from ..figures import catalogue
-
-        catalogue.check_kind(kind)
-        file = None if path is None else path_of("path", path)
-        if file is not None:
-            catalogue.check_format(file)
-        figure = catalogue.figure_of(kind, self._for_figures(), self.attributes)
-        if file is not None:
-            catalogue.write(figure, file)
-        return figure
-
-    def _for_figures(self) -> dict[str, Any]:
+    def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
+        """The tables that figures are made of; of a store the rows of this window [s], and the first."""
         return self._datasets
 
     def view(self, start: float | None = None, until: float | None = None) -> "Page":
@@ -379,8 +358,8 @@ class StoredRun(Run):
     def _system(self) -> "System | None":
         return find(self.attributes["system"])
 
-    def _for_figures(self) -> dict[str, Any]:
-        return chunks.for_figures(self.path, self.attributes)
+    def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
+        return chunks.for_figures(self.path, self.attributes, window)
 
     def _page(self, start: float | None, until: float | None) -> str:
         from ..views.run import page_of_store
