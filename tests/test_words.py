@@ -11,8 +11,6 @@ ENDINGS = (".py", ".pyi", ".toml", ".md")
 
 RETIRED = {  # a pattern of a retired word -> the word to use
     r"books?\b": "tally, tallies",
-    r"pages?\b": "tally, figure",
-    r"open_page\b": "new_tallies",
     r"ledgers?\b": "observer",
     r"doors?\b": "validation, scenario",
     r"reliefs?\b": "coefficients",
@@ -50,14 +48,10 @@ RETIRED = {  # a pattern of a retired word -> the word to use
 }
 
 ALLOWED = {  # (file or folder, what stands in the line) -> why
-    ("README.md", "page"): "pages of documentation",
-    ("CONTRIBUTING.md", "page"): "pages of documentation",
-    ("CHANGELOG.md", "page"): "pages of documentation",
     ("CHANGELOG.md", "ScenarioError"): "says what the name was",
     ("README.md", "## "): "titles in plain English",
     ("bench/", "## "): "titles in plain English",
     ("docs/", "Measured"): "plain English",
-    ("src/tippetop/cli/memory.py", "page by page"): "pages of memory",
     ("src/tippetop/ensembles/outcomes.py", '"what became of the top"'): "an attribute of stores, whose bytes stay",
     (
         "src/tippetop/runs/integration.py",
@@ -85,7 +79,7 @@ def test_retired_words_are_gone() -> None:
     assert not found, "\n" + "\n".join(f"{name}:{number}: {word}: {line}" for name, number, word, line in found)
 
 
-PARTICIPLES = {"found", "made", "said", "told", "shown", "drawn", "worded", "book", "page", "course", "door", "house"}
+PARTICIPLES = {"found", "made", "said", "told", "shown", "drawn", "worded", "book", "course", "door", "house"}
 
 
 def test_no_name_is_a_participle_or_a_metaphor() -> None:

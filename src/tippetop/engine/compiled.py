@@ -18,6 +18,7 @@ from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .expressions import equations_of_motion
+from .opt_level import opt_level
 from .tallies import EventRows, event_rows
 
 
@@ -45,6 +46,7 @@ class Compiled(NamedTuple):
     places: threading.local
 
 
+HUGE = 100_000  # terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
 
@@ -98,7 +100,8 @@ def compiled(
         if not source:
             equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
-    options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact}
+    level = opt_level() if sum(len(hy.expression(0.0) + rate) for _, rate in equations) < HUGE else 0
+    options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact, "opt_level": level}
     if lanes:
         integrator = hy.taylor_adaptive_batch(equations, np.zeros((len(equations), lanes)), tol=tolerance, **options)
     else:

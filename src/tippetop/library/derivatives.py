@@ -84,8 +84,8 @@ def sensitivities(
     """
     import xarray as xr
 
-    from ..derivatives.along_run import OTHER, PARAMETER, differentiate
-    from ..derivatives.numbers import refuse
+    from ..engine.derivatives.along_run import OTHER, PARAMETER, differentiate
+    from ..engine.derivatives.numbers import refuse
     from ..runs.run import solve
 
     refuse_unknown("sensitivities", arguments, ["order", *inspect.signature(problem_of).parameters, *RUN])

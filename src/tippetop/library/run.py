@@ -22,9 +22,13 @@ from ..store import chunks, root
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from ..mechanics.system import System
+    from ..views.pages import Page
+    from .plots import Plots
+
+
+Window = tuple[float | None, float | None]
 
 
 class Run:
@@ -187,40 +191,50 @@ class Run:
             saving.save(self.solution, self.attributes, place, overwrite=overwrite)
         return place
 
-    def plot(self, kind: str = "theta", path: str | Path | None = None) -> "Figure":
-        """Draws the run.
+    @property
+    def plot(self) -> "Plots":
+        """The figures of the run: `run.plot("theta")` is a Figure, `run.plot.theta(ax=ax)` draws into Axes."""
+        from .plots import Plots
+
+        return Plots(self)
+
+    def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
+        """The tables that figures are made of; of a store the rows of this window [s], and the first."""
+        return self._datasets
+
+    def view(self, start: float | None = None, until: float | None = None) -> "Page":
+        """The run in motion: an HTML file that needs no network, which a notebook shows.
 
         Parameters
         ----------
-        kind : str
-            theta, normal-force, drift, growth, sphere, energy, phase, band, surface, potential or inversion.
-        path : path-like, optional
-            A file to write as well; its ending (.png, .svg, .pdf) names the format.
+        start, until : float, optional
+            The part that is shown [s]; by default all of it, as far as one file can hold it.
 
         Returns
         -------
-        matplotlib.figure.Figure
+        Page
+            `.save("RUN.html")` writes it.
 
         Raises
         ------
         InputError
-            If there is no such figure, or the run has not what it shows.
+            If the run has no rows, or no orientation.
         StoreError
-            If the file cannot be written.
+            If it is not finished, or cannot be read.
         """
-        from ..figures import catalogue
+        from ..views.pages import Page
 
-        catalogue.check_kind(kind)
-        file = None if path is None else path_of("path", path)
-        if file is not None:
-            catalogue.check_format(file)
-        figure = catalogue.figure_of(kind, self._for_figures(), self.attributes)
-        if file is not None:
-            catalogue.write(figure, file)
-        return figure
+        span = [None if t is None else finite(name, t) for name, t in (("start", start), ("until", until))]
+        with in_python():
+            return Page(self._page(*span))
 
-    def _for_figures(self) -> dict[str, Any]:
-        return self._datasets
+    def _page(self, start: float | None, until: float | None) -> str:
+        from ..views.run import page, refuse
+        from ..views.samples import needed
+
+        refuse(self.attributes, "the run")
+        rows = {name: self.trajectory[name].values for name in needed(self.attributes) if name in self.trajectory}
+        return page(iter([rows]), self._datasets, self.attributes, start, until)
 
     def certify(self, window: float | None = None) -> Record:
         """Repeats the run in this and in wider numbers, and compares the two.
@@ -344,8 +358,13 @@ class StoredRun(Run):
     def _system(self) -> "System | None":
         return find(self.attributes["system"])
 
-    def _for_figures(self) -> dict[str, Any]:
-        return chunks.for_figures(self.path, self.attributes)
+    def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
+        return chunks.for_figures(self.path, self.attributes, window)
+
+    def _page(self, start: float | None, until: float | None) -> str:
+        from ..views.run import page_of_store
+
+        return page_of_store(self.path, self.attributes, start, until)
 
     def _lines(self) -> list[tuple[str, str]]:
         return lines(self.summary)

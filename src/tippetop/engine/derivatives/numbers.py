@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.tangent import Kind
-from ..errors import InputError
-from ..mechanics.friction import Contensou, SetValued
-from ..mechanics.system import Parameter
-from ..problem import Problem, key_faults
+from ...errors import InputError
+from ...mechanics.friction import Contensou, SetValued
+from ...mechanics.system import Parameter
+from ...problem import Problem, key_faults
+from ..tangent import Kind
 
 
 class Numbers:

@@ -5,12 +5,12 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..columns import Column
-from ..engine.expressions import component
-from ..engine.tangent import Tangents
-from ..errors import InputError
-from ..mechanics.units import ONE, RADIAN, SECOND, Unit
-from ..problem import Problem
+from ...columns import Column
+from ...errors import InputError
+from ...mechanics.units import ONE, RADIAN, SECOND, Unit
+from ...problem import Problem
+from ..expressions import component
+from ..tangent import Tangents
 from .numbers import Numbers
 
 
@@ -192,7 +192,7 @@ class _Along:
 def _quaternions(axes: np.ndarray) -> list[np.ndarray]:
     """Unit quaternions with their derivatives along directions, four parts (derivatives, rows, lanes) each, of axes 1
     and 3 of the body, (6, derivatives, rows, lanes)."""
-    from ..engine.orientation import quaternion
+    from ..orientation import quaternion
 
     orders, shape = axes.shape[1], axes.shape[2:]
     flat = axes.reshape(6, orders, -1)

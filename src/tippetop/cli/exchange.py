@@ -1,0 +1,99 @@
+"""`tippetop compare, fit`: what others measured or computed, beside the exact motion."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+
+Json = Annotated[bool, Parameter(name="--json", negative=())]
+
+
+def compare(
+    *files: str,
+    set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    quaternion: str | None = None,
+    up: str = "z",
+    figure: Path | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Json = False,
+) -> int:
+    """Hold another program's motion against the exact one: tippetop compare OTHER.csv ... REFERENCE.
+
+    Parameters
+    ----------
+    files
+        CSV or Parquet files of the other program, then the reference: a scenario, a preset, or the store of a run.
+        Headers name columns and units: t [s], theta [deg], axis_x, axis_y, axis_z, q_w, q_x, q_y, q_z (body to space),
+        x [m], vx [m/s], omega_x [rad/s] (space frame), omega_body_x [rad/s]. A name such as dt=1e-3.csv says the time
+        step: of several steps the order of convergence is given.
+    set_
+        Change a value of the reference: table.key=value. May be repeated.
+    quaternion
+        The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
+    up
+        The letter of the vertical in the other's frames, and of the body's axis of symmetry: z or y.
+    figure
+        Draw both motions, the differences and the drifts to this PNG, SVG or PDF.
+    overwrite
+        Replace an existing picture.
+    as_json
+        Print the result as one JSON object.
+    """
+    from ..errors import InputError
+    from ..exchange.motion import Convention
+    from ..exchange.verdict import Verdict, judged
+    from ..store.root import finite
+    from .plot import check_picture
+
+    if len(files) < 2:
+        raise InputError(["a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."])
+    if figure is not None:
+        check_picture(figure, "--figure", overwrite)
+    problem = _problem(files[-1], set_)
+    result = Verdict(*judged(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up)))
+    if figure is not None:
+        from ..figures import catalogue
+
+        catalogue.write(catalogue.comparison(result.motions, result.title), figure, overwrite=overwrite)
+    _print(result, finite(result.to_dict()), as_json)
+    return 0
+
+
+def _problem(source: str, assignments: list[str] | None) -> Any:
+    """The problem of a scenario or of the store of a run. Raises InputError."""
+    from ..errors import InputError
+    from ..runs import starting
+    from ..scenario import build, reading
+    from ..store import root
+
+    if not Path(source).is_dir():
+        return starting.load(source, assignments)
+    attrs = root.attributes(source)
+    if "content" in attrs:
+        raise InputError([f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}."])
+    if not assignments:
+        return build.stored(attrs)
+    return build.problem(reading.override(build.tables_of(attrs), assignments))
+
+
+def _print(result: Any, content: dict[str, Any], as_json: bool) -> None:
+    print(json.dumps(content, allow_nan=False) if as_json else str(result))
+
+
+def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int:
+    """Writes the body of a scenario, its start and friction for a simulator."""
+    from ..exchange.simulators import text_of
+    from ..store import files
+
+    text = text_of(_problem(source, None), to)
+    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    print(f"file  {out}")
+    return 0
+
+
+COMMANDS: list[Any] = [compare]

@@ -1,0 +1,65 @@
+"""`tippetop view`: a store becomes one HTML file in which its body moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+
+def view(
+    store: Path | None = None,
+    *,
+    playground: Annotated[bool, Parameter(negative=())] = False,
+    out: Path | None = None,
+    from_: Annotated[float | None, Parameter(name="--from")] = None,
+    until: float | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Write one HTML file that shows a run in motion, in any browser, without a network.
+
+    Parameters
+    ----------
+    store
+        A store that `run` or `replay` wrote, finished, with rows and their orientation.
+    playground
+        Instead of a store: a tippe top whose numbers are changed in the page, which integrates it.
+    out
+        The file to write; by default the name of the store, or playground, with the ending .html.
+    from_
+        Show the run from this time on [s].
+    until
+        Show it up to this time [s].
+    overwrite
+        Replace an existing file.
+    """
+    from ..awaiting import awaited
+    from ..errors import InputError
+    from ..views import pages
+
+    if (store is None) != playground:
+        raise InputError(["one thing must be shown: give a store, or --playground."])
+    place = out if out is not None else Path(f"{store.resolve().stem if store else 'playground'}.html")
+    pages.check(place, overwrite=overwrite)
+    text = awaited(lambda: _text(store, from_, until), "the page is being made")
+    pages.write(text, place, overwrite=overwrite)
+    print(f"{place}: {len(text.encode()) / 1e6:.1f} MB, for any browser")
+    return 0
+
+
+def _text(store: Path | None, start: float | None, until: float | None) -> str:
+    """The page of a store, or the playground."""
+    if store is None:
+        from ..views.playground import playground
+
+        return playground()
+    from ..store import root
+    from ..views.run import page_of_store
+
+    attrs = root.attributes(store)
+    root.refuse_other_rows(store, attrs)
+    return page_of_store(store, attrs, start, until)
+
+
+COMMANDS = [view]

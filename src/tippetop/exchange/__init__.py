@@ -1,0 +1,1 @@
+"""Motions and bodies of others: tables of what was measured or computed elsewhere, and files for other programs."""

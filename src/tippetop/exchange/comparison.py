@@ -1,0 +1,261 @@
+"""Another program's motion beside ours: the exact reference at its own times, how far it is off, and from when on."""
+
+import dataclasses
+import itertools
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..mechanics.contact import body as contact
+from ..mechanics.contact.gliding.vector import VectorState, vector_scalars
+from ..mechanics.friction import Frictionless
+from ..problem import Problem
+from ..runs.run import Solution, solve
+from ..sampling import ListedTimes
+from .motion import Convention, Motion, angle_between, motion
+from .table import read
+
+
+LEVELS = (1e-3, 1e-2, 1e-1)
+STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
+ROUNDING = 1e-13  # a smaller difference says nothing of an order
+TOUCH = 1e-6  # of the radius: a gap that is smaller is none
+
+
+class Compared(NamedTuple):
+    """One motion beside its reference.
+
+    Parameters
+    ----------
+    path
+        Where it was read.
+    step
+        Its time step [s], of its name; None where that says none.
+    t
+        Times that were compared [s], (rows,).
+    curves
+        Differences, and what is conserved, by name, (rows,) each.
+    theta, reference
+        theta of both [rad], (rows,); of the other NaN where it has none.
+    numbers
+        What is printed: plain data.
+    """
+
+    path: Path
+    step: float | None
+    t: np.ndarray
+    curves: dict[str, np.ndarray]
+    theta: np.ndarray
+    reference: np.ndarray
+    numbers: dict[str, Any]
+
+
+def compare(problem: Problem, path: str | Path, convention: Convention = Convention()) -> Compared:  # noqa: B008
+    """One table beside the exact motion of a problem.
+
+    Parameters
+    ----------
+    problem
+        The reference.
+    path
+        A table, as `table.read` takes it.
+    convention
+        How its frames are to be read.
+
+    Returns
+    -------
+    Compared
+
+    Raises
+    ------
+    InputError
+        If the table is wrong, or says nothing that can be compared.
+    """
+    table = read(path)
+    given = motion(table, convention)
+    t = given.t
+    if t[0] < 0 or t[-1] <= 0:
+        raise InputError(
+            [f"`{path}`: times must begin at 0, the start of the reference, or later, but begin at {t[0]:g} s."]
+        )
+    run = reference(problem, t)
+    rows = len(run.times)
+    if rows < 2:
+        raise InputError([f"the reference must reach the times of `{path}`, but ends before: {run.reason}."])
+    columns = {name: column.values for name, column in run.columns().items()}
+    there = given._replace(**{k: part[:rows] for k, part in given._asdict().items() if part is not None})
+    curves = differences(there, columns)
+    if not curves:
+        raise InputError([f"`{path}` must have theta, an axis, a quaternion or a place to be compared, but has none."])
+    kept = conserved(there, problem)
+    numbers: dict[str, Any] = {"file": str(path), "rows": rows, "from": float(t[0]), "until": float(run.times[-1])}
+    numbers |= {name: _size(run.times, curve) for name, curve in curves.items()}
+    for name, curve in kept.items():
+        numbers[f"{name}_drift"] = float(np.nanmax(np.abs(curve)))
+    numbers |= _contact(there, problem)
+    if rows < len(t):
+        numbers["reference_ended"] = run.reason
+    theta = np.full(rows, np.nan) if there.theta is None else there.theta
+    if faults := _start_faults(numbers, curves, convention):
+        numbers["suspicion"] = faults
+    match = STEP.search(Path(path).name.removesuffix(Path(path).suffix))
+    step = float(match[1]) if match else None
+    return Compared(Path(path), step, run.times, curves | kept, theta, columns["theta"], numbers)
+
+
+def reference(problem: Problem, times: np.ndarray) -> Solution:
+    """The motion of a problem at given times [s], ascending, as far as it goes."""
+    until = float(times[-1])
+    return solve(dataclasses.replace(problem, times=ListedTimes(times), until=until, output="times", stop_when="until"))
+
+
+def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """How far a motion is off, by what is compared, (rows,) each; NaN in gaps."""
+    result: dict[str, np.ndarray] = {}
+    if there.theta is not None:
+        result["theta"] = np.abs(there.theta - columns["theta"])
+    if there.axis is not None and "axis" in columns:
+        apart = np.linalg.norm(there.axis - columns["axis"], axis=1)
+        result["axis"] = 2 * np.arcsin(np.clip(apart / 2, 0, 1))
+    if there.orientation is not None and "orientation" in columns:
+        result["attitude"] = angle_between(there.orientation, columns["orientation"])
+    if there.place is not None and "x" in columns:
+        flat = ["x", "y"] if "y" in columns else ["x"]
+        ours = np.stack([columns[name] for name in flat], axis=1)
+        result["place"] = _norm(there.place[:, : len(flat)] - ours)
+    if there.omega3 is not None and "omega3" in columns:
+        result["omega3"] = np.abs(there.omega3 - columns["omega3"])
+    return {name: curve for name, curve in result.items() if np.isfinite(curve).any()}
+
+
+def _norm(rows: np.ndarray) -> np.ndarray:
+    """Lengths of rows; components that are never given do not count."""
+    given = np.isfinite(rows).any(axis=0)
+    return np.sqrt((rows[:, given] ** 2).sum(axis=1)) if given.any() else np.full(len(rows), np.nan)
+
+
+def conserved(there: Motion, problem: Problem) -> dict[str, np.ndarray]:
+    """Energy and Jellett's integral of the other program's own motion, relative to their first values, less 1."""
+    body = problem.system.body_of(problem.parameters, Frictionless())
+    if not isinstance(body, contact.Body) or there.axis is None or there.omega is None:
+        return {}
+    u, w = there.axis, there.omega
+    w3 = (w * u).sum(axis=1)
+    L = body.I1 * w + (body.I3 - body.I1) * w3[:, None] * u
+    v = there.velocity if there.velocity is not None else np.full_like(u, np.nan)
+    state = VectorState._make((*u.T, *L.T, body.I3 * w3, v[:, 0], v[:, 1]))
+    scalars = vector_scalars(state, body)
+    values = {}
+    if problem.system.name.endswith("tippe-top"):
+        values["jellett"] = contact.jellett(scalars, body)
+    if there.velocity is not None and there.place is not None:
+        height, rise = there.place[:, 2], v[:, 2]
+        speeds = scalars.speed2 + rise**2
+        values["energy"] = body.m * speeds / 2 + contact.rotation_energy(scalars, body) + body.m * body.g * height
+    relative = {}
+    for name, value in values.items():
+        given = np.flatnonzero(np.isfinite(value))
+        if len(given):
+            relative[name] = value / value[given[0]] - 1
+    return relative
+
+
+def _contact(there: Motion, problem: Problem) -> dict[str, Any]:
+    """How deep the other's body is in the floor, and when it leaves it."""
+    body = problem.system.body_of(problem.parameters, Frictionless())
+    if not isinstance(body, contact.Body) or there.place is None or there.axis is None:
+        return {}
+    if problem.system.name == "heavy-top" or not np.isfinite(there.place[:, 2]).any():
+        return {}
+    gap = there.place[:, 2] - (body.R - body.c * there.axis[:, 2])
+    size = body.R or abs(body.c)
+    off = gap > TOUCH * size
+    leaves = there.t[1:][off[1:] & ~off[:-1]]
+    return {
+        "contact": {
+            "penetration": float(max(0.0, -np.nanmin(gap))),
+            "gap": float(max(0.0, np.nanmax(gap))),
+            "leaves": [float(t) for t in leaves[:100]],
+            "times_off": len(leaves),
+        }
+    }
+
+
+def _size(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
+    """The largest and the root mean square difference, and when it first exceeds each level."""
+    given = np.isfinite(curve)
+    t, curve = t[given], curve[given]
+    beyond = {f"{level:g}": np.flatnonzero(curve > level) for level in LEVELS}
+    return {
+        "max": float(curve.max()),
+        "rms": float(np.sqrt(np.mean(curve**2))),
+        "leaves": {level: float(t[rows[0]]) if len(rows) else None for level, rows in beyond.items()},
+    }
+
+
+def _start_faults(numbers: dict[str, Any], curves: dict[str, np.ndarray], convention: Convention) -> str:
+    """A sentence where the first row is not the reference's start: a convention may be wrong."""
+    for name in ("attitude", "axis", "theta"):
+        if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:
+            other = "y" if convention.up == "z" else "z"
+            return (
+                f"the first row must be the start of the reference, but its {name} differs by {curves[name][0]:.3g} "
+                f"rad: is the start another, the vertical {other} (--up {other}), or the order of the quaternion?"
+            )
+    return ""
+
+
+def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
+    """The order of convergence between motions of different steps: d log(error)/d log(step), by what is compared.
+
+    Over the time in which the coarsest of them is within 0.1 rad: beyond that errors are as large as can be."""
+    stepped = sorted((c for c in compared if c.step), key=lambda c: -(c.step or 0))
+    result = []
+    for coarse, fine in itertools.pairwise(stepped):
+        pair: dict[str, Any] = {"steps": [coarse.step, fine.step]}
+        for name in ("theta", "attitude", "axis", "place"):
+            if name not in coarse.curves or name not in fine.curves or coarse.step == fine.step:
+                continue
+            over = np.flatnonzero(coarse.curves[name] > LEVELS[-1])
+            end = coarse.t[over[0]] if len(over) else coarse.t[-1]
+            errors = [np.sqrt(np.nanmean(c.curves[name][c.t <= end] ** 2)) for c in (coarse, fine)]
+            if min(errors) > ROUNDING:
+                pair[name] = math.log(errors[0] / errors[1]) / math.log((coarse.step or 1) / (fine.step or 1))
+        result.append(pair)
+    return result
+
+
+def verdict(compared: Compared) -> list[str]:
+    """What a comparison says, in sentences."""
+    numbers, sentences = compared.numbers, []
+    name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in numbers)
+    unit = {"place": "m", "omega3": "rad/s"}.get(name, "rad")
+    leaves = [(level, t) for level, t in numbers[name]["leaves"].items() if t is not None]
+    until = f"to t = {numbers['until']:.6g} s"
+    if leaves:
+        text = ", ".join(f"{level} {unit} at t = {t:.6g} s" for level, t in leaves)
+        sentences.append(
+            f"its {name} leaves the reference by {text}; at most {numbers[name]['max']:.3g} {unit} {until}."
+        )
+    else:
+        sentences.append(f"its {name} stays within {numbers[name]['max']:.2g} {unit} of the reference {until}.")
+    for key in ("energy", "jellett"):
+        if f"{key}_drift" in numbers:
+            what = (
+                "its energy changes"
+                if key == "energy"
+                else "its Jellett's integral, which no contact force changes, drifts"
+            )
+            sentences.append(f"{what} by up to {numbers[f'{key}_drift']:.2g} of its first value.")
+    if "contact" in numbers:
+        c = numbers["contact"]
+        off = f"leaves it {c['times_off']} times, by up to {c['gap']:.2g} m" if c["times_off"] else "never leaves it"
+        sentences.append(f"it is up to {c['penetration']:.2g} m in the floor, and {off}.")
+    if "reference_ended" in numbers:
+        sentences.append(f"the reference ended before: {numbers['reference_ended']}.")
+    return sentences

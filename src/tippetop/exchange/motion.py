@@ -1,0 +1,152 @@
+"""What a table says of a motion, in our conventions: z up, body axis 3 along the axis of symmetry, quaternions wxyz."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from .table import Table
+
+
+ORDERS = {"wxyz": (0, 1, 2, 3), "xyzw": (3, 0, 1, 2)}
+UPS = ("z", "y")
+UNIT = 0.02  # by which the length of a quaternion or an axis may differ from 1
+
+
+class Convention(NamedTuple):
+    """How a table's frames are to be read.
+
+    Parameters
+    ----------
+    quaternion
+        The order of columns q_0 ... q_3: "wxyz" or "xyzw"; None where they are named by letters.
+    up
+        The letter of the vertical, and of the body's axis of symmetry: "z" or "y".
+    """
+
+    quaternion: str | None = None
+    up: str = "z"
+
+
+class Motion(NamedTuple):
+    """A motion in our conventions; None for what the table does not say. SI.
+
+    Parameters
+    ----------
+    t, theta
+        (rows,).
+    axis
+        The unit vector 3hat along the axis of the body, space frame, (rows, 3).
+    orientation
+        Unit quaternion wxyz, body to space, (rows, 4).
+    place, velocity
+        Of the centre of mass, space frame, (rows, 3), NaN where a component is not given.
+    omega
+        Angular velocity, space frame, (rows, 3).
+    omega3
+        About the axis, (rows,).
+    """
+
+    t: np.ndarray
+    theta: np.ndarray | None
+    axis: np.ndarray | None
+    orientation: np.ndarray | None
+    place: np.ndarray | None
+    velocity: np.ndarray | None
+    omega: np.ndarray | None
+    omega3: np.ndarray | None
+
+
+def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
+    """The motion of a table. Raises InputError where its conventions are not named, or what it has is no rotation."""
+    if convention.up not in UPS:
+        raise InputError([f"the vertical must be z or y, but is {convention.up!r:.20} (--up)."])
+    turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
+    q = _quaternion(table, convention, turn)
+    axis = _axis(table, turn)
+    if q is not None:
+        axis = rotated(q, np.array([0.0, 0.0, 1.0]))
+    theta = table.columns.get("theta")
+    if theta is None and axis is not None:
+        theta = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
+    if axis is None and theta is not None and table.has("phi"):
+        phi = table.columns["phi"]
+        axis = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
+    omega = _vector(table, "omega_{}", turn)
+    own = _vector(table, "omega_body_{}", turn)
+    if omega is None and own is not None and q is not None:
+        omega = rotated(q, own)
+    omega3 = table.columns.get("omega3")
+    if omega3 is None and own is not None:
+        omega3 = own[:, 2]
+    if omega3 is None and omega is not None and axis is not None:
+        omega3 = (omega * axis).sum(axis=1)
+    return Motion(table.t, theta, axis, q, _vector(table, "{}", turn), _vector(table, "v{}", turn), omega, omega3)
+
+
+def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
+    """Unit quaternions wxyz, (rows, 4); NaN in gaps."""
+    numbered, lettered = [f"q_{i}" for i in range(4)], [f"q_{c}" for c in "wxyz"]
+    if any(table.has(name) for name in numbered):
+        if not table.has(*numbered):
+            raise InputError(
+                [f"`{table.path}`: a quaternion must have the columns {', '.join(numbered)}, all of them."]
+            )
+        if convention.quaternion not in ORDERS:
+            raise InputError(
+                [f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named (--quaternion wxyz or xyzw)."]
+            )
+        q = table.stacked(*numbered)[:, ORDERS[convention.quaternion]]
+    elif any(table.has(name) for name in lettered):
+        if not table.has(*lettered):
+            raise InputError(
+                [f"`{table.path}`: a quaternion must have the columns {', '.join(lettered)}, all of them."]
+            )
+        if convention.quaternion is not None:
+            raise InputError(["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."])
+        q = table.stacked(*lettered)
+    else:
+        return None
+    q = np.concatenate([q[:, :1], q[:, 1:][:, turn]], axis=1)
+    return _unit(table, q, "quaternion")
+
+
+def _axis(table: Table, turn: tuple[int, ...]) -> np.ndarray | None:
+    axis = _vector(table, "axis_{}", turn)
+    if axis is None:
+        return None
+    if np.isnan(axis).all(axis=0).any():
+        raise InputError([f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all of them."])
+    return _unit(table, axis, "axis")
+
+
+def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
+    size = np.sqrt((rows**2).sum(axis=1))
+    off = np.nanmax(np.abs(size - 1), initial=0.0)
+    if off > UNIT:
+        raise InputError([f"`{table.path}`: the length of the {what} must be 1, but differs by {off:.2g} somewhere."])
+    return rows / size[:, None]
+
+
+def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | None:
+    """Components in our frame, (rows, 3), NaN for one that is not given; None if there are none."""
+    names = [pattern.format(c) for c in "xyz"]
+    if not any(table.has(name) for name in names):
+        return None
+    none = np.full(len(table.t), np.nan)
+    rows = np.stack([table.columns.get(name, none) for name in names], axis=1)
+    return rows[:, turn]
+
+
+def rotated(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Vectors v, (3,) or (n, 3), turned by unit quaternions (n, 4)."""
+    w, u = q[:, :1], q[:, 1:]
+    v = np.broadcast_to(v, u.shape)
+    twice = 2 * np.cross(u, v)
+    return v + w * twice + np.cross(u, twice)
+
+
+def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """The angle of the rotation from one orientation to the other [rad], (n,), in 0 to pi."""
+    near = np.minimum(np.linalg.norm(q - p, axis=1), np.linalg.norm(q + p, axis=1))
+    return 4 * np.arcsin(np.clip(near / 2, 0, 1))

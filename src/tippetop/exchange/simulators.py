@@ -1,0 +1,189 @@
+"""A body with its start and friction as a file for a simulator; what the format cannot express is in the file."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..engine.observables import Observables
+from ..errors import InputError, a_system
+from ..mechanics.contact import body as contact
+from ..mechanics.contact.gliding.vector import angular_velocity
+from ..mechanics.friction import Coulomb, SetValued, is_frictionless
+from ..mechanics.operand import Vector
+from ..problem import Problem
+from .motion import rotated
+
+
+FORMATS = ("mjcf", "urdf")
+TIP = 1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
+RESULT = "tippetop compare OTHER.csv"
+
+
+class Start(NamedTuple):
+    """The state at t = 0, SI: of the centre of mass, quaternion wxyz, angular velocity in body axes."""
+
+    place: np.ndarray
+    quaternion: np.ndarray
+    velocity: np.ndarray
+    omega: np.ndarray
+
+
+def start_of(problem: Problem) -> Start:
+    """The start of a body on the plane, whatever the form in which it is integrated."""
+    columns = {k: c.values[0] for k, c in Observables(problem).columns(np.zeros(1), problem.start()[None, :]).items()}
+    body = problem.body()
+    u, L = np.asarray(columns["axis"]), np.asarray(columns["L"])
+    fixed = problem.system.name == "heavy-top"
+    inertia = contact.tip_inertia(body) if fixed else body.I1
+    w = np.array(angular_velocity(Vector(*u), Vector(*L), float(L @ u), body._replace(I1=inertia)))
+    offset, radius = body.c, body.R
+    if problem.contact is not None and columns["ball"]:  # it starts on its stem
+        offset, radius = body.c + problem.contact.h, problem.contact.r
+    arm = offset * u - np.array([0.0, 0.0, radius])
+    slip = np.zeros(3)
+    if "nu_x" in columns:
+        phi = float(np.nan_to_num(columns["phi"]))
+        e, t = np.array([math.cos(phi), math.sin(phi), 0.0]), np.array([-math.sin(phi), math.cos(phi), 0.0])
+        slip = np.nan_to_num(columns["nu_x"]) * e + np.nan_to_num(columns["nu_y"]) * t
+        slip[2] = columns.get("nu_z", 0.0)
+    velocity = slip - np.cross(w, arm)
+    height = columns.get("z", body.R - body.c * u[2])
+    place = np.array([float(columns.get("x", 0.0)), float(columns.get("y", 0.0)), float(height)])
+    if fixed:
+        place = -arm
+    q = np.asarray(columns["orientation"])
+    back = q * np.array([1, -1, -1, -1])
+    return Start(place, q, velocity, rotated(back[None, :], w[None, :])[0])
+
+
+def text_of(problem: Problem, to: str) -> str:
+    """The file. Raises InputError for a body that is none of three dimensions, or another format."""
+    if to not in FORMATS:
+        raise InputError([f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`."])
+    if not isinstance(problem.body(), contact.Body) or "axis" not in problem.system.vectors:
+        raise InputError([f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."])
+    if not problem.orientation:
+        raise InputError(["`run.orientation` must be true for a simulator, but is false."])
+    return (_mjcf if to == "mjcf" else _urdf)(problem)
+
+
+def _numbers(*values: Any) -> str:
+    return " ".join(f"{float(v):.17g}" for part in values for v in np.ravel(part))
+
+
+def _balls(problem: Problem) -> list[tuple[str, float, float]]:
+    """Name, offset along the axis from the centre of mass and radius of each ball that touches the plane."""
+    body = problem.body()
+    if body.R == 0:
+        return [("tip", body.c, TIP * abs(body.c))]
+    balls = [("sphere", body.c, body.R)]
+    if problem.contact is not None and problem.contact.stem:
+        balls.append(("stem", body.c + problem.contact.h, problem.contact.r))
+    return balls
+
+
+def _cannot(problem: Problem) -> tuple[float, list[str]]:
+    """The friction coefficient, and sentences on what is not the same in a simulator."""
+    law, sentences = (
+        problem.friction,
+        ["contacts in simulators are soft, or solved once a step: refine step and stiffness"],
+    )
+    mu = float(getattr(law, "mu", 0.0))
+    if problem.system.name.startswith("rolling"):
+        mu = 10.0
+        sentences.append("pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips")
+    elif problem.system.frictional and is_frictionless(law):
+        mu = 0.0
+    elif isinstance(law, SetValued):
+        pass
+    elif isinstance(law, Coulomb):
+        sentences.append(f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own")
+    elif problem.system.frictional:
+        long_name = problem.law.long_name
+        sentences.append(
+            f"the friction law {long_name}: here Coulomb friction with the number mu = {mu:g}, another law"
+        )
+    body = problem.body()
+    if body.R == 0 and problem.system.name != "heavy-top":
+        sentences.append(f"a tip that is a point: here a ball of radius {TIP * abs(body.c):.3g} m")
+    if problem.contact is None:
+        sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
+    return mu, sentences
+
+
+def _comment(problem: Problem, sentences: list[str]) -> str:
+    lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
+    return (
+        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up; the body's frame is at its centre of mass,\n"
+        f"  z along its axis of symmetry. Compare what comes out with: {RESULT}\n"
+        f"  What is not the same as in tippetop:\n{lines}\n-->\n"
+    )
+
+
+def _mjcf(problem: Problem) -> str:
+    body, start = problem.body(), start_of(problem)
+    mu, sentences = _cannot(problem)
+    fixed = problem.system.name == "heavy-top"
+    inertia = f'<inertial pos="0 0 0" mass="{_numbers(body.m)}" diaginertia="{_numbers(body.I1, body.I1, body.I3)}"/>'
+    condim = 3 if mu > 0 else 1
+    geoms = "\n".join(
+        f'      <geom name="{name}" type="sphere" size="{_numbers(radius)}" pos="0 0 {_numbers(offset)}" '
+        f'condim="{condim}" friction="{_numbers(mu)} 0 0"/>'
+        for name, offset, radius in _balls(problem)
+    )
+    floor = f'<geom name="floor" type="plane" size="1 1 0.1" condim="{condim}" friction="{_numbers(mu)} 0 0"/>'
+    if fixed:
+        joint, geoms, floor = f'<joint name="tip" type="ball" pos="0 0 {_numbers(body.c)}" damping="0"/>', "", ""
+        qpos, qvel = _numbers(start.quaternion), _numbers(start.omega)
+    else:
+        joint = "<freejoint/>"
+        qpos, qvel = _numbers(start.place, start.quaternion), _numbers(start.velocity, start.omega)
+    place = _numbers(0, 0, -body.c) if fixed else "0 0 0"
+    if fixed:
+        sentences.append("the tip is held by a ball joint at the origin: there is no plane")
+    return f"""{_comment(problem, sentences)}<mujoco model="{problem.system.name}">
+  <option timestep="0.001" gravity="0 0 {_numbers(-body.g)}" cone="elliptic" integrator="implicit" impratio="10"
+          density="0" viscosity="0"/>
+  <worldbody>
+    {floor}
+    <body name="top" pos="{place}">
+      {joint}
+      {inertia}
+{geoms}
+    </body>
+  </worldbody>
+  <keyframe>
+    <key name="start" qpos="{qpos}" qvel="{qvel}"/>
+  </keyframe>
+</mujoco>
+"""
+
+
+def _urdf(problem: Problem) -> str:
+    body, start = problem.body(), start_of(problem)
+    mu, sentences = _cannot(problem)
+    sentences.append("URDF has no start, gravity or friction: set them in the simulator, as follows")
+    state = (
+        f"gravity 0 0 {_numbers(-body.g)}; friction {_numbers(mu)}; restitution 0",
+        f"place of the centre of mass {_numbers(start.place)}; quaternion w x y z {_numbers(start.quaternion)}",
+        f"velocity {_numbers(start.velocity)}; angular velocity in body axes {_numbers(start.omega)}",
+    )
+    balls = "\n".join(
+        f'    <collision name="{name}">\n      <origin xyz="0 0 {_numbers(offset)}"/>\n'
+        f'      <geometry><sphere radius="{_numbers(radius)}"/></geometry>\n    </collision>'
+        for name, offset, radius in _balls(problem)
+    )
+    inertia = f'ixx="{_numbers(body.I1)}" iyy="{_numbers(body.I1)}" izz="{_numbers(body.I3)}" ixy="0" ixz="0" iyz="0"'
+    return f"""<?xml version="1.0"?>
+{_comment(problem, [*sentences, *state])}<robot name="{problem.system.name}">
+  <link name="top">
+    <inertial>
+      <origin xyz="0 0 0"/>
+      <mass value="{_numbers(body.m)}"/>
+      <inertia {inertia}/>
+    </inertial>
+{balls}
+  </link>
+</robot>
+"""

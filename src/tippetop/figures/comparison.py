@@ -1,0 +1,68 @@
+"""Another program's motion beside the reference: theta of both, differences, and what must be conserved."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .style import LOWER, QUIET, RUN, UPPER, figure
+
+
+COLORS = (UPPER, LOWER, "#6d28d9", "#0369a1", "#a16207", "#be185d")
+LEVELS = (1e-3, 1e-2, 1e-1)
+FLOOR = 1e-17  # below it a difference is not drawn
+
+
+def comparison(motions: Sequence[Any], title: str) -> Figure:
+    """Three panels over time: theta [rad], differences [rad] with their levels, relative drift.
+
+    Parameters
+    ----------
+    motions
+        Each with `path`, `t`, `theta`, `reference` and `curves`, as `exchange.comparison.Compared`.
+    title
+        What the reference is.
+    """
+    drifts = any(name in m.curves for m in motions for name in ("energy", "jellett"))
+    fig = figure(9.0, 8.5 if drifts else 6.5)
+    panels: Any = fig.subplots(3 if drifts else 2, 1, sharex=True)
+    longest = max(motions, key=lambda m: m.t[-1])
+    panels[0].plot(longest.t, longest.reference, color=RUN, lw=2.2, alpha=0.55, label="reference")
+    for m, color in zip(motions, _colors(len(motions)), strict=True):
+        if np.isfinite(m.theta).any():
+            panels[0].plot(m.t, m.theta, color=color, lw=0.9, label=m.path.stem)
+        name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in m.curves)
+        panels[1].semilogy(m.t, np.maximum(m.curves[name], FLOOR), color=color)
+        if name != "theta" and "theta" in m.curves:
+            panels[1].semilogy(m.t, np.maximum(m.curves["theta"], FLOOR), color=color, lw=0.6, ls=":")
+        for kept, style in (("jellett", "-"), ("energy", "--")):
+            if kept in m.curves:
+                drift = np.maximum(np.abs(m.curves[kept]), FLOOR)
+                panels[2].semilogy(m.t, drift, style, color=color)
+    for level in LEVELS:
+        panels[1].axhline(level, color=QUIET, lw=0.7, ls="--")
+    panels[0].set(ylabel="θ [rad]", title=title)
+    panels[1].set(ylabel="difference [rad]", title=f"how far it is off: {name} (dotted: θ alone)")
+    if drifts:
+        panels[2].set(
+            ylabel="relative change",
+            title="change of its own Jellett's integral (solid), which nothing may change, and energy (dashed)",
+        )
+    panels[-1].set_xlabel("t [s]")
+    for axes in panels[1:]:
+        _cut(axes)
+    panels[0].legend(fontsize=8, loc="upper left")
+    return fig
+
+
+def _cut(axes: Any) -> None:
+    """Leaves out what is below nearly all of the curves: the first row of each is often exact."""
+    values = np.concatenate([line.get_ydata()[1:] for line in axes.lines if len(line.get_xdata()) > 2])
+    values = values[np.isfinite(values)]
+    if len(values):
+        axes.set_ylim(bottom=max(FLOOR, 0.1 * float(np.quantile(values, 0.01))))
+
+
+def _colors(n: int) -> list[str]:
+    return [COLORS[i % len(COLORS)] for i in range(n)]

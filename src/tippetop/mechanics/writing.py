@@ -1,0 +1,168 @@
+"""Formulas written down as a program in another language: an operand that notes what is done with it.
+
+Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once: so the C++ of the
+benchmarks and the JavaScript of the pages are the formulas of this package, and no second copy.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+
+class Language(NamedTuple):
+    """How a program is written: the start of a line, a number, and the functions by the names that numpy has."""
+
+    begin: str
+    number: Callable[[float], str]
+    functions: dict[str, str]
+
+
+NAMES = ("sqrt", "sin", "cos", "exp")
+CPP = Language(
+    "const double ",
+    lambda x: x.hex(),
+    {**{name: f"std::{name}" for name in NAMES}, "arctan2": "std::atan2", "maximum": "std::fmax"},
+)
+JAVASCRIPT = Language(
+    "const ",
+    lambda x: repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN",
+    {**{name: f"Math.{name}" for name in NAMES}, "arctan2": "Math.atan2", "maximum": "Math.max"},
+)
+SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "true_divide": "/"}
+
+
+@dataclass
+class Program:
+    """A program without branches: lines in order, each sub-expression once."""
+
+    language: Language
+    names: dict[str, str] = field(default_factory=dict)  # text -> name
+    needs: dict[str, tuple[str, ...]] = field(default_factory=dict)  # name -> names that its line reads
+
+    def new(self, text: str, needs: Iterable[str] = ()) -> "Symbol":
+        """The name of an expression that reads other names."""
+        name = self.names.setdefault(text, f"v{len(self.names)}")
+        self.needs.setdefault(name, tuple(needs))
+        return Symbol(self, name)
+
+    def of(self, value: Any) -> "Symbol":
+        """A number or a symbol, as a symbol."""
+        if isinstance(value, Symbol):
+            return value
+        return Symbol(self, self.language.number(float(value)), float(value))
+
+    def lines(self, results: Sequence[Any]) -> list[str]:
+        """The lines that the results need, in order; each ends with a semicolon."""
+        wanted = [self.of(result).name for result in results]
+        alive: set[str] = set()
+        while wanted:
+            name = wanted.pop()
+            if name in self.needs and name not in alive:
+                alive.add(name)
+                wanted += self.needs[name]
+        return [f"{self.language.begin}{name} = {text};" for text, name in self.names.items() if name in alive]
+
+
+@dataclass(frozen=True, eq=False)
+class Symbol:
+    """An operand that writes down what is done with it. 0 and 1 fold."""
+
+    program: Program
+    name: str
+    number: float | None = None  # its value, if it is a number
+
+    def __repr__(self) -> str:
+        return self.name
+
+    def _with(self, sign: str, other: Any, swapped: bool = False) -> "Symbol":
+        a, b = self, self.program.of(other)
+        if swapped:
+            a, b = b, a
+        x, y = a.number, b.number
+        if x is not None and y is not None and not (sign == "/" and y == 0):
+            return self.program.of({"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[sign])
+        if (sign == "+" and x == 0) or (sign == "*" and x == 1):
+            return b
+        if (sign in "+-" and y == 0) or (sign in "*/" and y == 1):
+            return a
+        if (sign in "*/" and x == 0) or (sign == "*" and y == 0):
+            return self.program.of(0.0)
+        if sign in "+*" and b.name < a.name:
+            a, b = b, a
+        right = f"({b.name})" if b.name.startswith("-") else b.name
+        return self.program.new(f"{a.name} {sign} {right}", (a.name, b.name))
+
+    def __add__(self, other: Any) -> "Symbol":
+        return self._with("+", other)
+
+    def __radd__(self, other: Any) -> "Symbol":
+        return self._with("+", other)
+
+    def __sub__(self, other: Any) -> "Symbol":
+        return self._with("-", other)
+
+    def __rsub__(self, other: Any) -> "Symbol":
+        return self._with("-", other, swapped=True)
+
+    def __mul__(self, other: Any) -> "Symbol":
+        return self._with("*", other)
+
+    def __rmul__(self, other: Any) -> "Symbol":
+        return self._with("*", other)
+
+    def __truediv__(self, other: Any) -> "Symbol":
+        return self._with("/", other)
+
+    def __rtruediv__(self, other: Any) -> "Symbol":
+        return self._with("/", other, swapped=True)
+
+    def __neg__(self) -> "Symbol":
+        if self.number is not None:
+            return self.program.of(-self.number)
+        return self.program.new(f"-{self.name}", (self.name,))
+
+    def __pow__(self, power: float) -> "Symbol":
+        if power == 0.5:
+            return self._called("sqrt")
+        assert power == int(power) > 0, "the formulas' powers are whole"
+        return math.prod([self] * int(power), start=self.program.of(1.0))
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        """What numpy does with it: the functions of a language, and arithmetic with numbers of numpy on the left."""
+        name = ufunc.__name__
+        if method == "__call__" and not options and name in SIGNS:
+            return self.program.of(inputs[0])._with(SIGNS[name], inputs[1])
+        if method == "__call__" and not options and name in self.program.language.functions:
+            first, *others = (self.program.of(value) for value in inputs)
+            return first._called(name, *others)
+        return NotImplemented
+
+    def _called(self, name: str, *others: "Symbol") -> "Symbol":
+        names = [self.name, *(other.name for other in others)]
+        return self.program.new(f"{self.program.language.functions[name]}({', '.join(names)})", names)
+
+
+def function(
+    language: Language, inputs: Sequence[str], formula: Callable[[list[Symbol]], Sequence[Any]]
+) -> tuple[list[str], list[str]]:
+    """The lines and the results of a formula.
+
+    Parameters
+    ----------
+    language
+        Of the program.
+    inputs
+        The expressions that the program has for its inputs.
+    formula
+        formula(symbols) -> results; a symbol for each input.
+
+    Returns
+    -------
+    lines : list of str
+    results : list of str
+        The expression of each result.
+    """
+    program = Program(language)
+    results = [program.of(value) for value in formula([program.new(text) for text in inputs])]
+    return program.lines(results), [result.name for result in results]

@@ -1,0 +1,166 @@
+/**
+ * A motion between its samples. The axis is a cubic through its samples with their velocities; the turn about the axis
+ * is one too, with omega_3 as its slope, so that it may be many times around between two samples.
+ */
+import { after, axes, cross, dot, inverse, mix, plus, swing, times, turn, unit } from "./vector.js";
+
+/** @typedef {import("./vector.js").Vector} Vector */
+/** @typedef {import("./vector.js").Quaternion} Quaternion */
+
+/**
+ * Where the numbers of a sample stand; the Python side writes them in this order.
+ * @type {Record<string, [number, number]>}
+ */
+export const CHANNELS = {
+  orientation: [0, 4],
+  omega: [4, 3],
+  position: [7, 3],
+  force: [10, 3],
+  slip: [13, 3],
+  momentum: [16, 3],
+  theta: [19, 1],
+  well: [20, 3], // first and second argument of the potential, and the level
+};
+export const STRIDE = 23;
+
+/**
+ * @typedef {object} Pose
+ * @property {number} time
+ * @property {Quaternion} orientation
+ * @property {Vector} omega angular velocity [rad/s]
+ * @property {Vector} position of the centre of mass [m]
+ * @property {Vector} force of the plane [N]
+ * @property {Vector} slip velocity of the contact point [m/s]
+ * @property {Vector} momentum L [kg m^2/s]
+ * @property {number} theta [rad]
+ * @property {Vector} well
+ */
+
+/** @type {(a: number, da: number, b: number, db: number, s: number) => number} */
+function cubic(a, da, b, db, s) {
+  const r = 1 - s;
+  return r * r * (a * (1 + 2 * s) + da * s) + s * s * (b * (3 - 2 * s) - db * r);
+}
+
+/**
+ * The attitude at the fraction s of an interval of length h between two attitudes with their angular velocities.
+ * @type {(p: Quaternion, wp: Vector, q: Quaternion, wq: Vector, h: number, s: number) => Quaternion}
+ */
+export function between(p, wp, q, wq, h, s) {
+  const u = axes(p)[2];
+  const v = axes(q)[2];
+  const du = times(h, cross(wp, u));
+  const dv = times(h, cross(wq, v));
+  const rest = after(q, inverse(after(swing(u, v), p)));
+  const some = 2 * Math.atan2(dot([rest[1], rest[2], rest[3]], v), rest[0]);
+  const [first, last] = [h * dot(wp, u), h * dot(wq, v)];
+  const whole = some + 2 * Math.PI * Math.round(((first + last) / 2 - some) / (2 * Math.PI));
+  const part = (/** @type {number} */ i) => cubic(u[i], du[i], v[i], dv[i], s);
+  const axis = unit([part(0), part(1), part(2)]);
+  return after(turn(axis, cubic(0, first, whole, last, s)), after(swing(u, axis), p));
+}
+
+export class Motion {
+  /**
+   * @param {Float64Array} times ascending [s]
+   * @param {Float32Array} samples STRIDE numbers each, see CHANNELS
+   * @param {boolean} wound whether theta counts turns, about y, and is not bound to [0, pi]
+   */
+  constructor(times, samples, wound) {
+    this.wound = wound;
+    this.times = times;
+    this.samples = samples;
+  }
+
+  get start() {
+    return this.times[0];
+  }
+
+  get end() {
+    return this.times[this.times.length - 1];
+  }
+
+  /**
+   * The last sample that is not later.
+   * @param {number} t
+   */
+  index(t) {
+    let low = 0;
+    let high = this.times.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.times[middle] <= t) low = middle;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /**
+   * Some numbers of a sample.
+   * @param {number} i
+   * @param {string} name
+   * @returns {any}
+   */
+  at(i, name) {
+    const [first, count] = CHANNELS[name];
+    return Array.from(this.samples.subarray(i * STRIDE + first, i * STRIDE + first + count));
+  }
+
+  /**
+   * The inclination of an attitude; where it counts turns, the one next to `about`.
+   * @param {Quaternion} q
+   * @param {number} about
+   */
+  theta(q, about) {
+    const [x, y, z] = axes(q)[2];
+    if (!this.wound) return Math.atan2(Math.hypot(x, y), z);
+    const angle = Math.atan2(x, z);
+    return angle + 2 * Math.PI * Math.round((about - angle) / (2 * Math.PI));
+  }
+
+  /**
+   * What the body does at a time.
+   * @param {number} t
+   * @returns {Pose}
+   */
+  pose(t) {
+    const time = Math.min(Math.max(t, this.start), this.end);
+    const i = this.index(time);
+    const j = Math.min(i + 1, this.times.length - 1);
+    const h = this.times[j] - this.times[i];
+    const s = h > 0 ? (time - this.times[i]) / h : 0;
+    /** @type {(name: string) => Vector} */
+    const linear = (name) => mix(this.at(i, name), this.at(j, name), s);
+    const turned = between(
+      this.at(i, "orientation"),
+      this.at(i, "omega"),
+      this.at(j, "orientation"),
+      this.at(j, "omega"),
+      h,
+      s,
+    );
+    const orientation = h > 0 ? turned : this.at(i, "orientation");
+    return {
+      time,
+      orientation,
+      omega: linear("omega"),
+      position: linear("position"),
+      force: linear("force"),
+      slip: linear("slip"),
+      momentum: linear("momentum"),
+      theta: this.theta(orientation, (1 - s) * this.at(i, "theta")[0] + s * this.at(j, "theta")[0]),
+      well: linear("well"),
+    };
+  }
+}
+
+/**
+ * Where a ball of the body touches the plane, seen from the axes of the body, from its centre of mass.
+ * @param {Quaternion} q
+ * @param {{offset: number, radius: number}} ball
+ * @returns {Vector}
+ */
+export function touching(q, ball) {
+  const [a, b, c] = axes(q);
+  return plus([0, 0, ball.offset], times(-ball.radius, [a[2], b[2], c[2]]));
+}

@@ -1,0 +1,298 @@
+/** The picture: body, floor, shadow, arrows and traces, drawn by WebGL2 for a pose. */
+import { Camera, LENS } from "./camera.js";
+import { Program, Ribbon } from "./graphics.js";
+import { touching } from "./motion.js";
+import { ARROWS, rgb } from "./palette.js";
+import { INK, RAYS, RIBBON, SCREEN } from "./shaders.js";
+import { axes, dot, length, plus, times } from "./vector.js";
+
+/** @typedef {import("./vector.js").Vector} Vector */
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./motion.js").Pose} Pose */
+/** @typedef {import("./palette.js").Palette} Palette */
+
+/**
+ * @typedef {object} Body
+ * @property {"ball" | "heavy" | "cylinder"} kind
+ * @property {number} unit the length that is 1 in the picture [m]
+ * @property {{offset: number, radius: number}[]} balls what may touch the plane, from the centre of mass [m]
+ * @property {[number, number]} ellipsoid half axes across and along, of a heavy top [m]
+ * @property {number} weight [N]
+ * @property {boolean} fixed whether its tip is fixed
+ */
+
+const KINDS = { ball: 0, heavy: 1, cylinder: 2 };
+const [NEAR, FAR] = [0.5, 60];
+/** Longest arrows, in units; a force of the weight has length 1. */
+const LONGEST = /** @type {Record<string, number>} */ ({ momentum: 2.1, omega: 2.5, slip: 1.3 });
+const ON_BALL = 1.5; // seconds that the trace on the ball stays
+
+export class Scene {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   */
+  constructor(canvas) {
+    this.canvas = canvas;
+    const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true, alpha: false });
+    if (!gl) throw new Error("this page draws with WebGL2, which this browser does not offer");
+    this.gl = gl;
+    /** @type {Map<string, Program>} */
+    this.programs = new Map();
+    this.ribbons = new Program(gl, RIBBON, INK);
+    this.screen = gl.createVertexArray();
+    gl.bindVertexArray(this.screen);
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
+    gl.bindVertexArray(null);
+    this.camera = new Camera();
+    /** What is shown besides the body. */
+    this.shown = /** @type {Record<string, boolean>} */ ({
+      momentum: true,
+      omega: true,
+      force: true,
+      slip: true,
+      trace: true,
+      mass: false,
+    });
+    /** How carefully a picture is drawn: rays along the side of a pixel, and pixels for one of the page. */
+    this.quality = { side: 1, pixels: 1 };
+    /** @type {Body | undefined} */
+    this.body = undefined;
+    /** @type {Motion | undefined} */
+    this.motion = undefined;
+    /** @type {Record<string, number>} units of the picture for one unit of the arrow */
+    this.scales = {};
+    /** @type {Ribbon | undefined} */
+    this.floor = undefined;
+    /** @type {Ribbon | undefined} */
+    this.skin = undefined;
+    /** @type {(t: number) => number} */
+    this.ballAt = () => 0;
+    this.width = 0;
+    this.height = 0;
+  }
+
+  /**
+   * Takes a body and its motion.
+   * @param {Body} body
+   * @param {Motion} motion
+   * @param {(t: number) => number} ballAt which ball touches the plane, or did last
+   * @param {boolean} keep whether the camera stays where it is
+   */
+  take(body, motion, ballAt, keep = false) {
+    this.body = body;
+    this.motion = motion;
+    this.ballAt = ballAt;
+    const n = motion.times.length;
+    this.scales = { force: 1 / body.weight };
+    for (const name of ["momentum", "omega", "slip"]) {
+      let most = 0;
+      for (let i = 0; i < n; i++) most = Math.max(most, length(motion.at(i, name)));
+      this.scales[name] = most > 0 ? LONGEST[name] / most : 0;
+    }
+    const floor = new Float32Array(3 * n);
+    const skin = new Float32Array(3 * n);
+    const k = 1 / body.unit;
+    const middle = /** @type {Vector} */ ([0, 0, 0]);
+    for (let i = 0; i < n; i++) {
+      const q = motion.at(i, "orientation");
+      const r = motion.at(i, "position");
+      const ball = body.balls[ballAt(motion.times[i])];
+      const p = touching(q, ball);
+      const [a, b, c] = axes(q);
+      const at = plus(r, plus(plus(times(p[0], a), times(p[1], b)), times(p[2], c)));
+      floor.set([at[0] * k, at[1] * k, 0.004], 3 * i);
+      const out = plus([0, 0, ball.offset], times(1.006, plus(p, [0, 0, -ball.offset])));
+      skin.set(times(k, out), 3 * i);
+      middle[0] += (at[0] * k) / n;
+      middle[1] += (at[1] * k) / n;
+    }
+    this.floor?.remove();
+    this.skin?.remove();
+    const moves = body.kind !== "heavy" || !body.fixed;
+    this.floor = moves ? new Ribbon(this.gl, this.ribbons, floor, motion.times) : undefined;
+    this.skin = body.kind === "ball" ? new Ribbon(this.gl, this.ribbons, skin, motion.times) : undefined;
+    if (!keep) {
+      const height = body.kind === "heavy" ? 0.85 : 0.95;
+      this.camera.home = [middle[0], middle[1], height];
+      let wide = 0;
+      for (let i = 0; i < n; i++) {
+        wide = Math.max(wide, Math.hypot(floor[3 * i] - middle[0], floor[3 * i + 1] - middle[1]));
+      }
+      this.camera.distance = Math.min(13, Math.max(body.kind === "heavy" ? 9 : 7.5, 7 + 1.3 * wide));
+      if (wide > 3) this.camera.mode = "follow";
+    }
+  }
+
+  /**
+   * The program that casts the rays, made when it is first wanted.
+   * @param {number} kind
+   */
+  rays(kind) {
+    const key = [kind, this.quality.side, this.shown.mass ? 1 : 0];
+    const known = this.programs.get(key.join());
+    if (known) return known;
+    const made = new Program(this.gl, SCREEN, RAYS(key[0], key[1], key[2]));
+    this.programs.set(key.join(), made);
+    return made;
+  }
+
+  /**
+   * Seconds that a function takes until the graphics card has drawn what it asked for.
+   * @param {() => void} work
+   */
+  timed(work) {
+    const { gl } = this;
+    const began = performance.now();
+    work();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    return (performance.now() - began) / 1e3;
+  }
+
+  /** Fits the canvas to its place on the page. */
+  resize() {
+    const ratio = Math.min(window.devicePixelRatio || 1, 2) * this.quality.pixels;
+    const { clientWidth, clientHeight } = this.canvas;
+    const [w, h] = [Math.max(1, Math.round(clientWidth * ratio)), Math.max(1, Math.round(clientHeight * ratio))];
+    if (w !== this.canvas.width || h !== this.canvas.height) [this.canvas.width, this.canvas.height] = [w, h];
+    [this.width, this.height] = [w, h];
+  }
+
+  /**
+   * The arrows of a pose: where each starts and what it is in the picture, and its size in its own unit.
+   * @param {Pose} pose
+   */
+  arrows(pose) {
+    const body = /** @type {Body} */ (this.body);
+    const k = 1 / body.unit;
+    const third = axes(pose.orientation)[2];
+    const ball = body.balls[this.ballAt(pose.time)];
+    const centre = times(k, pose.position);
+    const contact = plus(centre, plus(times(ball.offset * k, third), [0, 0, -ball.radius * k]));
+    return ARROWS.map(([name]) => {
+      const vector = /** @type {Vector} */ (pose[/** @type {"omega"} */ (name)]);
+      const drawn = times(this.shown[name] ? this.scales[name] : 0, vector);
+      const start = name === "force" || name === "slip" ? contact : centre;
+      return { name, start: name === "slip" ? plus(start, [0, 0, 0.03]) : start, drawn, size: length(vector) };
+    });
+  }
+
+  /**
+   * Draws a pose.
+   * @param {Pose} pose
+   * @param {Palette} colours
+   * @param {{dark: boolean, turned: number, jump: boolean}} how `turned`: angle of the spin during one picture [rad]
+   */
+  draw(pose, colours, how) {
+    const { gl, body, motion } = this;
+    if (!body || !motion) return;
+    const rays = this.rays(KINDS[body.kind]);
+    this.resize();
+    const k = 1 / body.unit;
+    const turned = axes(pose.orientation);
+    const centre = times(k, pose.position);
+    const above = times(k * (body.kind === "ball" ? body.balls[0].offset : 0), turned[2]);
+    const looked = plus(centre, above);
+    this.camera.follow([looked[0], looked[1], this.camera.home[2]], how.jump);
+    const view = this.camera.frame();
+    const lens = LENS * Math.max(1, 0.8 * (this.height / this.width));
+    const size = [this.width, this.height];
+    const arrows = this.arrows(pose);
+    const [ball, stem] = body.balls;
+    const light = how.dark ? [0.5, 0.3, 0.82] : [0.42, 0.3, 0.86];
+    gl.viewport(0, 0, this.width, this.height);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.ALWAYS);
+    gl.disable(gl.BLEND);
+    rays.set({
+      size,
+      ...view,
+      lens,
+      near: NEAR,
+      far: FAR,
+      centre,
+      middle: [this.camera.target[0], this.camera.target[1], 0],
+      body: turned,
+      radius: ball.radius * k,
+      offset: (body.kind === "heavy" ? 0 : ball.offset) * k,
+      stemRadius: stem ? stem.radius * k : 0,
+      stemHeight: stem ? (stem.offset - ball.offset) * k : 0,
+      tip: body.kind === "heavy" ? -ball.offset * k : 1,
+      ellipsoid: body.ellipsoid.map((a) => a * k),
+      spinBlur: Math.max(how.turned, 1e-3),
+      grid: 0.01 * k > 0.2 ? 0.01 * k : 0.1 * k,
+      dark: how.dark ? 1 : 0,
+      lightDirection: times(1 / Math.hypot(...light), /** @type {Vector} */ (light)),
+      arrowStart: arrows.map((a) => a.start),
+      arrowVector: arrows.map((a) => a.drawn),
+      arrowColour: ARROWS.map(([, colour]) => rgb(colour)),
+      skyColour: rgb(colours.sky),
+      floorColour: rgb(colours.floor),
+      lineColour: rgb(colours.grid),
+      heavyColour: rgb("#27527f"),
+      lightColour: rgb("#efe6d2"),
+      markColour: rgb("#e4572e"),
+      stemColour: rgb("#3a424d"),
+    });
+    gl.bindVertexArray(this.screen);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    if (this.shown.trace) this.traces(pose, { view, lens, size, turned, centre, dark: how.dark });
+  }
+
+  /**
+   * Draws the traces of the contact point.
+   * @param {Pose} pose
+   * @param {any} how
+   */
+  traces(pose, how) {
+    const { gl, motion } = this;
+    if (!motion) return;
+    gl.depthFunc(gl.LEQUAL);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    const to = motion.index(pose.time) + 1;
+    const common = { size: how.size, ...how.view, lens: how.lens, near: NEAR, far: FAR, now: pose.time };
+    this.ribbons.set({
+      ...common,
+      turn: [
+        [1, 0, 0],
+        [0, 1, 0],
+        [0, 0, 1],
+      ],
+      shift: [0, 0, 0],
+      width: 0.0042 * this.height,
+      memory: motion.end - motion.start || 1,
+      faint: 0.3,
+      towards: 0.0006,
+      ink: how.dark ? [0.5, 0.76, 1] : [0.1, 0.32, 0.6],
+    });
+    this.floor?.draw(0, to);
+    this.ribbons.set({
+      turn: how.turned,
+      shift: how.centre,
+      memory: ON_BALL,
+      faint: 0,
+      towards: 0.0004,
+      ink: [0.95, 0.62, 0.1],
+    });
+    this.skin?.draw(motion.index(pose.time - ON_BALL), to);
+  }
+
+  /**
+   * Where a point of the picture is on the canvas, in its pixels; undefined behind the eye.
+   * @param {Vector} p
+   * @returns {[number, number] | undefined}
+   */
+  project(p) {
+    const { eye, right, up, ahead } = this.camera.frame();
+    /** @type {Vector} */
+    const q = [p[0] - eye[0], p[1] - eye[1], p[2] - eye[2]];
+    const z = dot(q, ahead);
+    if (z <= 0) return undefined;
+    const lens = LENS * Math.max(1, 0.8 * (this.height / this.width));
+    const k = this.height / (2 * lens * z);
+    return [this.width / 2 + k * dot(q, right), this.height / 2 - k * dot(q, up)];
+  }
+}

@@ -1,0 +1,387 @@
+/** A motion on the page: picture, plots, controls and keyboard, all at one time. */
+import { Clock, SPEEDS, speedText } from "./clock.js";
+import { AxisPanel, ForcePanel, ThetaPanel, TimeLine, WellPanel } from "./panels.js";
+import { ARROWS, palette } from "./palette.js";
+import { Recorder } from "./recorder.js";
+import { Scene } from "./scene.js";
+import { dot, axes } from "./vector.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./log.js").Log} Log */
+/** @typedef {import("./scene.js").Body} Body */
+
+/**
+ * @typedef {object} Shown
+ * @property {Body} body
+ * @property {Motion} motion
+ * @property {Log} log
+ * @property {((z: number, first: number, second: number) => number) | undefined} potential
+ * @property {boolean} wound
+ */
+
+const NEAR = 8; // seconds of watching that the plots show at low speeds
+/** How pictures are drawn in motion, from the most beautiful to the fastest. */
+const QUALITIES = [
+  { side: 2, pixels: 1 },
+  { side: 1, pixels: 1 },
+  { side: 1, pixels: 0.6 },
+  { side: 1, pixels: 0.35 },
+];
+const SLOW = [0.006, 0.03, 0.09]; // seconds of a picture with one ray for a pixel, above which the next one is taken
+const PATIENCE = 0.6; // seconds that a picture of a motion that rests may take
+
+/** @type {(name: string) => any} */
+export const part = (name) => {
+  const found = document.querySelector(`[data-part="${name}"]`);
+  if (!found) throw new Error(`the page has no part ${name}`);
+  return found;
+};
+
+export class Stage {
+  /** @param {string} name of a recorded film */
+  constructor(name) {
+    this.clock = new Clock();
+    this.scene = new Scene(part("scene"));
+    this.theta = new ThetaPanel(part("theta"));
+    this.force = new ForcePanel(part("force"));
+    this.axis = new AxisPanel(part("axis"));
+    this.line = new TimeLine(part("line"));
+    this.recorder = new Recorder(part("scene"), name);
+    /** @type {WellPanel | undefined} */
+    this.well = undefined;
+    /** @type {Shown | undefined} */
+    this.shown = undefined;
+    this.near = false;
+    this.calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.dirty = true;
+    this.frames = { count: 0, seconds: 0, one: 0 };
+    this.quality = 1;
+    this.rested = 0;
+    this.controls();
+    this.keyboard();
+    this.pointer();
+    const again = () => (this.dirty = true);
+    new ResizeObserver(again).observe(document.body);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  get dark() {
+    const chosen = document.documentElement.dataset.theme;
+    return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  }
+
+  /**
+   * Shows a motion.
+   * @param {Shown} shown
+   * @param {boolean} keep whether the camera stays
+   */
+  take(shown, keep = false) {
+    this.shown = shown;
+    const { body, motion, log } = shown;
+    this.clock.take(motion.start, motion.end);
+    this.scene.take(body, motion, (t) => (body.balls[1] && log.phase(t)?.ball === "stem" ? 1 : 0), keep);
+    if (!keep) part("camera").value = this.scene.camera.mode;
+    const { potential } = shown;
+    part("well-figure").hidden = !potential;
+    part("force-figure").hidden = !isFinite(log.forces[0]);
+    if (potential) {
+      this.well = new WellPanel(part("well"), potential, "Potential V(θ), mJ");
+      this.well.take(motion);
+    } else this.well = undefined;
+    part("scrub").min = String(motion.start);
+    part("scrub").max = String(motion.end);
+    part("scrub").step = String((motion.end - motion.start) / 1e6 || 1e-9);
+    if (!this.frames.one) this.measure();
+    this.dirty = true;
+  }
+
+  /** Finds out how fast this computer draws. */
+  measure() {
+    this.scene.quality = QUALITIES[1];
+    this.scene.timed(() => this.draw(0)); // compiles
+    this.frames.one = this.scene.timed(() => this.draw(0));
+    this.quality = SLOW.filter((limit) => this.frames.one > limit).length;
+  }
+
+  /** @param {number} time */
+  set(time) {
+    this.clock.set(time);
+    this.dirty = true;
+  }
+
+  /** @param {boolean} playing */
+  play(playing) {
+    this.clock.play(playing);
+    this.dirty = true;
+  }
+
+  /** @param {number} speed */
+  pace(speed) {
+    this.clock.speed = speed;
+    part("speed").value = String(speed);
+    this.near = speed < 0.15;
+    part("near").setAttribute("aria-pressed", String(this.near));
+    this.dirty = true;
+  }
+
+  /**
+   * To the next event, or back to the last.
+   * @param {boolean} forwards
+   * @param {boolean} all
+   */
+  step(forwards, all) {
+    const found = this.shown?.log.next(this.clock.time, forwards, all);
+    this.play(false);
+    if (!found) return;
+    this.set(found.time);
+    part("said").textContent = found.text;
+  }
+
+  controls() {
+    for (const speed of SPEEDS) part("speed").add(new Option(speedText(speed), String(speed)));
+    /** @type {Record<string, () => void>} */
+    const buttons = {
+      play: () => this.play(!this.clock.playing),
+      back: () => this.step(false, true),
+      forward: () => this.step(true, true),
+      near: () => {
+        this.near = !this.near;
+        part("near").setAttribute("aria-pressed", String(this.near));
+        this.dirty = true;
+      },
+      theme: () => {
+        document.documentElement.dataset.theme = this.dark ? "light" : "dark";
+        this.dirty = true;
+      },
+      record: () => this.record(),
+    };
+    for (const [name, action] of Object.entries(buttons)) part(name).addEventListener("click", action);
+    part("record").hidden = !this.recorder.possible;
+    part("speed").addEventListener("change", () => this.pace(Number(part("speed").value)));
+    part("scrub").addEventListener("input", () => this.set(Number(part("scrub").value)));
+    part("camera").addEventListener("change", () => this.look(part("camera").value));
+    for (const [name, colour, letter, words] of ARROWS) this.toggle(name, `${letter} ${words}`, colour, letter);
+    this.toggle("trace", "trace of the contact point", "#5b7ea4", "trace");
+    this.toggle("mass", "see through: centre of mass", "#e4572e", "inside");
+    this.pace(this.calm ? 0.1 : 1);
+  }
+
+  /**
+   * A button that shows or hides something in the picture.
+   * @param {string} name
+   * @param {string} words
+   * @param {string} colour
+   * @param {string} text
+   */
+  toggle(name, words, colour, text) {
+    const button = document.createElement("button");
+    button.className = "toggle";
+    button.dataset.part = `show-${name}`;
+    button.title = words;
+    button.setAttribute("aria-label", `show ${words}`);
+    button.style.setProperty("--colour", colour);
+    button.textContent = text;
+    const press = () => button.setAttribute("aria-pressed", String(this.scene.shown[name]));
+    button.addEventListener("click", () => {
+      this.scene.shown[name] = !this.scene.shown[name];
+      press();
+      this.dirty = true;
+    });
+    press();
+    part("toggles").append(button);
+  }
+
+  /** @param {string} mode */
+  look(mode) {
+    this.scene.camera.mode = mode;
+    part("camera").value = mode;
+    this.clock.jumped = true;
+    this.dirty = true;
+  }
+
+  record() {
+    if (this.recorder.recording) this.recorder.stop();
+    else {
+      this.recorder.start();
+      this.play(true);
+    }
+    part("record").setAttribute("aria-pressed", String(this.recorder.recording));
+    part("record").textContent = this.recorder.recording ? "■ save" : "● film";
+  }
+
+  keyboard() {
+    /** @type {Record<string, (event: KeyboardEvent) => void>} */
+    const keys = {
+      " ": () => this.play(!this.clock.playing),
+      ArrowRight: (event) => this.nudge(event.shiftKey ? 10 : 1),
+      ArrowLeft: (event) => this.nudge(event.shiftKey ? -10 : -1),
+      ".": () => this.step(true, true),
+      ",": () => this.step(false, true),
+      ">": () => this.step(true, false),
+      "<": () => this.step(false, false),
+      "+": () => this.hasten(1),
+      "-": () => this.hasten(-1),
+      Home: () => this.set(this.clock.start),
+      End: () => this.set(this.clock.end),
+      o: () => this.look("orbit"),
+      f: () => this.look("follow"),
+      a: () => this.look("above"),
+      m: () => part("show-mass").click(),
+      z: () => part("near").click(),
+      d: () => part("theme").click(),
+      "?": () => part("help").toggleAttribute("open"),
+    };
+    document.addEventListener("keydown", (event) => {
+      const target = /** @type {HTMLElement} */ (event.target);
+      const typing = ["INPUT", "SELECT", "BUTTON", "SUMMARY"].includes(target.tagName);
+      if (
+        event.ctrlKey ||
+        event.metaKey ||
+        event.altKey ||
+        (typing && (event.key === " " || event.key.startsWith("Arrow")))
+      )
+        return;
+      if (target.tagName === "SELECT") return;
+      const action = keys[event.key];
+      if (!action) return;
+      event.preventDefault();
+      action(event);
+    });
+  }
+
+  /** @param {number} steps */
+  hasten(steps) {
+    this.clock.faster(steps);
+    this.pace(this.clock.speed);
+  }
+
+  /** @param {number} steps of a sixtieth of a second of watching */
+  nudge(steps) {
+    this.play(false);
+    this.set(this.clock.time + (steps * this.clock.speed) / 60);
+  }
+
+  pointer() {
+    const canvas = part("scene");
+    /** @type {Map<number, PointerEvent>} */
+    const down = new Map();
+    canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
+      down.set(event.pointerId, event);
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
+      const last = down.get(event.pointerId);
+      if (!last) return;
+      if (down.size === 1) this.scene.camera.drag(event.clientX - last.clientX, event.clientY - last.clientY);
+      else {
+        const other = [...down.values()].find((e) => e.pointerId !== event.pointerId);
+        if (other) {
+          const apart = (/** @type {PointerEvent} */ e) =>
+            Math.hypot(e.clientX - other.clientX, e.clientY - other.clientY);
+          this.scene.camera.zoom((apart(last) + 1) / (apart(event) + 1));
+        }
+      }
+      down.set(event.pointerId, event);
+      part("camera").value = this.scene.camera.mode;
+      this.dirty = true;
+    });
+    for (const end of ["pointerup", "pointercancel"]) {
+      canvas.addEventListener(end, (/** @type {PointerEvent} */ event) => down.delete(event.pointerId));
+    }
+    canvas.addEventListener(
+      "wheel",
+      (/** @type {WheelEvent} */ event) => {
+        event.preventDefault();
+        this.scene.camera.zoom(Math.exp(0.0012 * event.deltaY));
+        this.dirty = true;
+      },
+      { passive: false },
+    );
+    for (const chart of [this.theta.chart, this.force.chart, this.line.chart]) {
+      const place = (/** @type {PointerEvent} */ event) => {
+        if (event.buttons !== 1) return;
+        this.play(false);
+        this.set(chart.value(event.clientX - chart.canvas.getBoundingClientRect().left));
+      };
+      chart.canvas.addEventListener("pointerdown", place);
+      chart.canvas.addEventListener("pointermove", place);
+    }
+  }
+
+  /** The stretch of time that the plots show. @returns {[number, number]} */
+  window() {
+    const { start, end, time, speed } = this.clock;
+    const wide = NEAR * Math.min(speed, 1);
+    if (!this.near || wide >= end - start) return [start, end > start ? end : start + 1e-3];
+    const first = Math.min(Math.max(time - wide / 2, start), end - wide);
+    return [first, first + wide];
+  }
+
+  /** @param {number} now */
+  frame(now) {
+    const step = this.clock.tick(now);
+    const moves = this.clock.playing || step > 0 || this.dirty;
+    this.rested = moves ? 0 : this.rested + 1;
+    if (moves) this.scene.quality = QUALITIES[this.quality];
+    if (moves) this.draw(step);
+    else if (this.rested === 12 && this.quality) this.rest();
+    requestAnimationFrame((later) => this.frame(later));
+  }
+
+  /** Draws a motion that rests once more, as carefully as this computer can in a moment. */
+  rest() {
+    const cost = this.frames.one;
+    this.scene.quality = QUALITIES[4 * cost < PATIENCE ? 0 : cost < PATIENCE ? 1 : Math.min(this.quality, 2)];
+    this.draw(0);
+  }
+
+  /**
+   * Draws everything.
+   * @param {number} step how far the motion went since the last picture [s]
+   */
+  draw(step) {
+    if (!this.shown) return;
+    const began = performance.now();
+    const { body, motion, log, wound } = this.shown;
+    const colours = palette(this.dark);
+    const time = this.clock.time;
+    const pose = motion.pose(time);
+    const spin = Math.abs(dot(pose.omega, axes(pose.orientation)[body.kind === "cylinder" ? 1 : 2]));
+    this.dirty = false;
+    this.scene.draw(pose, colours, { dark: this.dark, turned: Math.min(spin * step, 6.2), jump: this.clock.jumped });
+    this.clock.jumped = false;
+    const span = this.window();
+    this.theta.draw(motion, log, pose, span, colours);
+    if (isFinite(log.forces[0])) this.force.draw(motion, log, pose, span, colours, body.weight);
+    const phase = log.phase(time);
+    const valid = isFinite(pose.well[2]) && (!phase || (phase.ball === "body" && phase.phase !== "flight"));
+    this.well?.draw(pose, colours, wound, valid);
+    if (body.kind !== "cylinder") {
+      this.axis.draw(motion, pose, this.scene.camera.frame(), colours, Math.max(2, (motion.end - motion.start) / 4));
+    }
+    this.line.draw(log, time, [motion.start, motion.end], span, colours);
+    this.say(time, log, spin);
+    this.frames.count += 1;
+    this.frames.seconds += (performance.now() - began) / 1e3;
+  }
+
+  /**
+   * Writes the numbers.
+   * @param {number} time
+   * @param {Log} log
+   * @param {number} spin
+   */
+  say(time, log, spin) {
+    part("time").textContent = `${time.toFixed(4)} s`;
+    part("spin").textContent = `${spin.toFixed(1)} rad/s`;
+    const phase = log.changes ? log.phase(time) : undefined;
+    part("phase").textContent = phase ? (phase.ball === "stem" ? `stem: ${phase.phase}` : phase.phase) : "";
+    const scrub = part("scrub");
+    if (document.activeElement !== scrub || this.clock.playing) scrub.value = String(time);
+    scrub.setAttribute("aria-valuetext", `${time.toFixed(3)} seconds`);
+    const play = part("play");
+    play.textContent = this.clock.playing ? "❚❚" : "▶";
+    play.setAttribute("aria-label", this.clock.playing ? "pause" : "play");
+  }
+}

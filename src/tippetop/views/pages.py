@@ -1,0 +1,168 @@
+"""An HTML file: its style, its modules as one script, its data. Nothing is fetched when it is opened."""
+
+import html
+import json
+import re
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ..arguments import path_of
+from ..errors import StoreError
+from ..store.files import replacing, writing
+
+
+IMPORT = re.compile(r'^import\s+\{([^}]*)\}\s+from\s+"\./([\w.]+)";\n', re.MULTILINE)
+EXPORT = re.compile(r"^export\s+(?=(?:async\s+)?(?:const|let|function|class)\s+(\w+))", re.MULTILINE)
+
+
+@cache
+def source(name: str) -> str:
+    """A file of the page that the package holds."""
+    return files(__package__).joinpath("page", name).read_text(encoding="utf-8")
+
+
+def script(entry: str, written: Mapping[str, str]) -> str:
+    """A module of the page and all that it imports, as one script.
+
+    Parameters
+    ----------
+    entry
+        The name of a file.
+    written
+        Modules that are no files: name -> text.
+
+    Returns
+    -------
+    str
+        Every module is a function that gives what it exports; each stands after those that it imports.
+    """
+    parts: dict[str, str] = {}
+
+    def take(name: str) -> None:
+        text = written[name] if name in written else source(name)
+        imports = IMPORT.findall(text)
+        for _, other in imports:
+            if other not in parts:
+                take(other)
+        lines = [f"const {{{_renamed(names)}}} = {_module(other)};" for names, other in imports]
+        exported = ", ".join(EXPORT.findall(text))
+        body = EXPORT.sub("", IMPORT.sub("", text))
+        parts[name] = (
+            f"const {_module(name)} = (() => {{\n{chr(10).join(lines)}\n{body}\nreturn {{{exported}}};\n}})();\n"
+        )
+
+    take(entry)
+    text = '"use strict";\n' + "".join(parts.values())
+    return re.sub(r"^\s*(?:/\*\*.*?\*/\s*?\n|//[^\n]*\n)", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def _module(name: str) -> str:
+    return f"module_{name.partition('.')[0]}"
+
+
+def _renamed(names: str) -> str:
+    """Imported names as a destructuring pattern takes them: `a as b` is a: b."""
+    return re.sub(r"(\w+)\s+as\s+(\w+)", r"\1: \2", " ".join(names.split()))
+
+
+def page(title: str, entry: str, data: Any, written: Mapping[str, str], *, aside: str = "", about: str = "") -> str:
+    """A page.
+
+    Parameters
+    ----------
+    title
+        Of the window.
+    entry
+        The module that begins it.
+    data
+        What the module finds in the page, as JSON.
+    written
+        Modules that are written down for this page: name -> text.
+    aside
+        A fragment of HTML before the picture.
+    about
+        The line below the title.
+
+    Returns
+    -------
+    str
+        The text of the HTML file.
+    """
+    text = json.dumps(data, allow_nan=False, ensure_ascii=False).replace("<", "\\u003c")
+    parts = {
+        "title": html.escape(title),
+        "style": source("page.css"),
+        "aside": aside,
+        "about": html.escape(about),
+        "data": text,
+        "script": script(entry, written).replace("</script", "<\\/script"),
+    }
+    return re.sub(r"\{\{(\w+)\}\}", lambda field: parts[field[1]], source("page.html"))
+
+
+def check(path: Path, *, overwrite: bool) -> None:
+    """Raises StoreError if a page may not be written there: something is there already."""
+    if path.is_dir():
+        raise StoreError(f"`{path}` must be a file that ends with .html, but is a folder.")
+    if path.exists() and not overwrite:
+        raise StoreError(f"`{path}` must not exist yet, but does: remove it, or say --overwrite.")
+
+
+class Page:
+    """An HTML file that needs no network, not written yet; a notebook shows it.
+
+    Attributes
+    ----------
+    text : str
+        All of it.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> tt.run("inverting", until=8.0).view().save("inverting.html")
+    """
+
+    def __init__(self, text: str):
+        self.text = text
+
+    def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Writes it to a file.
+
+        Parameters
+        ----------
+        path : path-like
+            Usually it ends with `.html`.
+        overwrite : bool
+            Whether a file that is there is replaced.
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        StoreError
+            If something is there already, or cannot be written.
+        """
+        place = path_of("path", path)
+        write(self.text, place, overwrite=overwrite)
+        return place
+
+    def __repr__(self) -> str:
+        return f"<Page of {len(self.text) / 1e6:.1f} MB>"
+
+    def _repr_html_(self) -> str:
+        """The page in a frame, for notebooks."""
+        style = "width:100%;height:720px;border:0"
+        return f'<iframe srcdoc="{html.escape(self.text)}" style="{style}" title="tippetop"></iframe>'
+
+
+def write(text: str, path: Path, *, overwrite: bool) -> None:
+    """Writes a page whole or not at all. Raises StoreError: it exists and may not be overwritten; the disk."""
+    check(path, overwrite=overwrite)
+    with writing(path), replacing(path, overwrite=overwrite) as scratch:
+        scratch.write_text(text, encoding="utf-8")

@@ -1,0 +1,145 @@
+"""Rows of a run become samples of its motion: attitude, angular velocity, place, force, sliding, momentum, well."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..mechanics.contact.body import Body, tip_inertia
+from ..mechanics.contact.gliding.vector import angular_velocity
+from ..mechanics.friction import SLIP, slip_coefficient
+from ..mechanics.operand import Vector, cross
+from ..mechanics.system import System
+from ..mechanics.systems import find
+from .shape import body_of, is_fixed, is_planar
+
+
+Columns = Mapping[str, np.ndarray]
+STRIDE = 23  # numbers of a sample, as motion.js reads them
+ORIENTATION, OMEGA, WELL = slice(0, 4), slice(4, 7), slice(20, 23)
+PLACES = ("x", "y", "z")
+
+
+def needed(attrs: dict[str, Any]) -> list[str]:
+    """The columns of a trajectory that samples may be made of."""
+    well = well_columns(attrs)
+    names = ["time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y", *PLACES]
+    return [*names, "normal_force", "phase", "ball", *well]
+
+
+def well_columns(attrs: dict[str, Any]) -> list[str]:
+    """The columns that the potential takes, in its order, and the energy that is its level; none if there is none."""
+    return well_quantities(plain(attrs))
+
+
+def well_quantities(system: System) -> list[str]:
+    """The same of a system."""
+    if system.potential is None:
+        return []
+    return [*system.momenta, system.landscape.energy if system.landscape else "modified_energy"]
+
+
+def plain(attrs: dict[str, Any]) -> Any:
+    """The system of a store, without the phases of its contact."""
+    system = find(attrs["system"])
+    assert system is not None  # `shape.body_of` has refused what is not known
+    return system
+
+
+def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
+    """Samples (n, STRIDE) of rows given as columns by name, SI.
+
+    Parameters
+    ----------
+    columns
+        `needed`, as far as the run has them.
+    attrs
+        The root attributes of its store.
+    """
+    b, planar = body_of(attrs), is_planar(attrs)
+    n = len(columns["time"])
+    out = np.zeros((n, STRIDE))
+    out[:, ORIENTATION] = columns["orientation"]
+    third = _third(columns["orientation"])
+    if planar:
+        omega = Vector(np.zeros(n), columns["theta_dot"], np.zeros(n))
+        momentum = Vector(np.zeros(n), b.I1 * columns["theta_dot"], np.zeros(n))
+    else:
+        momentum = Vector(*columns["L"].T)
+        inert = b._replace(I1=tip_inertia(b)) if is_fixed(attrs) else b  # L is about the tip then
+        L3 = b.I3 * columns["omega3"]
+        omega = angular_velocity(Vector(*columns["axis"].T), momentum, L3, inert)
+    offset, radius = _ball(columns, attrs, b)
+    arm = Vector(offset * third[0], offset * third[1], offset * third[2] - radius)
+    slip = _slip(columns, n)
+    turning = cross(omega, arm)
+    velocity = np.stack([slip[0] - turning.x, slip[1] - turning.y])
+    out[:, OMEGA] = np.stack(omega, axis=1)
+    out[:, 7:10] = _place(columns, third, offset, radius, is_fixed(attrs))
+    out[:, 10:13] = _force(columns, velocity, slip, third[2], b)
+    out[:, 13:15] = slip.T
+    out[:, 16:19] = np.stack(momentum, axis=1)
+    out[:, 19] = columns["theta"]
+    *momenta, level = well_columns(attrs) or [""]
+    for i, name in enumerate(momenta):
+        out[:, 20 + i] = columns[name]
+    out[:, 22] = columns.get(level, np.nan)
+    return out
+
+
+def _third(q: np.ndarray) -> np.ndarray:
+    """3hat of quaternions (n, 4), (3, n)."""
+    w, x, y, z = q.T
+    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+def _ball(columns: Columns, attrs: dict[str, Any], b: Body) -> tuple[Any, Any]:
+    """Offset and radius of the ball that touches the plane, or did last; numbers or (n,)."""
+    if "ball" not in columns or "stem" not in attrs:
+        return b.c, b.R
+    stem = columns["ball"] == 1
+    return np.where(stem, b.c + attrs["stem"]["h"], b.c), np.where(stem, attrs["stem"]["r"], b.R)
+
+
+def _slip(columns: Columns, n: int) -> np.ndarray:
+    """Horizontal velocity of the contact point, (2, n); zero where nothing slides, and at a pole, where it has no
+    components, that of the row beside."""
+    if "nu_x" not in columns:
+        return np.zeros((2, n))
+    along = columns["nu_x"]
+    if "nu_y" not in columns:
+        return np.stack([along, np.zeros(n)])
+    across, ex, ey = columns["nu_y"], np.cos(columns["phi"]), np.sin(columns["phi"])
+    v = np.stack([along * ex - across * ey, along * ey + across * ex])
+    known = np.isfinite(v).all(axis=0)
+    if known.any() and not known.all():
+        rows = np.arange(n)
+        v = np.stack([np.interp(rows, rows[known], part[known]) for part in v])
+    return np.nan_to_num(v)
+
+
+def _place(columns: Columns, third: np.ndarray, offset: Any, radius: Any, fixed: bool) -> np.ndarray:
+    """The centre of mass, (n, 3)."""
+    if fixed:
+        return -offset * third.T
+    n = third.shape[1]
+    height = columns["z"] if "z" in columns else radius - offset * third[2]
+    return np.stack([columns["x"], columns.get("y", np.zeros(n)), height], axis=1)
+
+
+def _force(columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Body) -> np.ndarray:
+    """The force of the plane, (n, 3): friction by its law where the contact slides by a law of one phase, and else as
+    the horizontal part of m r'', from row to row."""
+    n = velocity.shape[1]
+    normal = columns.get("normal_force", np.full(n, np.nan))
+    if "nu_x" in columns and "phase" not in columns and type(b.friction) in SLIP:
+        k = slip_coefficient(np.maximum((slip**2).sum(axis=0), 1e-300), z, b.friction)
+        return np.stack([-k * normal * slip[0], -k * normal * slip[1], normal], axis=1)
+    if n < 2:
+        return np.stack([np.zeros(n), np.zeros(n), normal], axis=1)
+    push = b.m * np.gradient(velocity, columns["time"], axis=1)
+    if "phase" in columns:
+        change = np.flatnonzero(np.diff(columns["phase"]) | np.diff(columns["ball"]))
+        push[:, np.unique(np.clip([change, change + 1], 0, n - 1))] = 0.0
+        push[:, normal == 0] = 0.0
+    return np.stack([push[0], push[1], normal], axis=1)

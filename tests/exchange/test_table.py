@@ -1,0 +1,87 @@
+"""Tables of others: headers name columns and units; what is wrong with one is a sentence."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tippetop.errors import InputError
+from tippetop.exchange import table
+from tippetop.exchange.motion import Convention, motion, rotated
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "other.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_units_become_si_and_gaps_stay(tmp_path: Path) -> None:
+    text = "# filmed\nt [ms], theta [deg], x [mm], omega3 [rpm]\n0,90,1,60\n\n10,,2,60\n20,45,nan,60\n"
+    read = table.read(written(tmp_path, text))
+    np.testing.assert_allclose(read.t, [0, 0.01, 0.02])
+    np.testing.assert_allclose(read.columns["theta"], [np.pi / 2, np.nan, np.pi / 4])
+    np.testing.assert_allclose(read.columns["x"], [1e-3, 2e-3, np.nan])
+    np.testing.assert_allclose(read.columns["omega3"], 2 * np.pi)
+
+
+def test_a_parquet_file_is_read_as_csv_is(tmp_path: Path) -> None:
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "other.parquet"
+    pq.write_table(pa.table({"t [s]": [0.0, 1.0], "theta [deg]": [10.0, None]}), path)
+    np.testing.assert_allclose(table.read(path).columns["theta"], [np.pi / 18])  # a row without anything goes
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("t, theta\n0,1\n1,1\n", r"`t` must have a unit, \[s\]"),
+        ("t [s], theta\n0,1\n1,1\n", r"`theta` must have a unit, \[rad\] or \[deg\]"),
+        ("t [s], tetha [deg]\n0,1\n1,1\n", "Did you mean `theta`"),
+        ("0,1\n1,1\n", "begin with a header"),
+        ("", "begin with a header"),
+        ("t [s], theta [rad]\n0,1\n0.2,1\n0.1,1\n", r"times must ascend, but that of row 3, 0\.1 s, follows 0\.2 s"),
+        ("t [s], theta [rad]\n0,1\nnan,1\n", "every row must have a time, but row 2 has none"),
+        ("t [s], theta [rad]\n0,1\n", "at least two rows must be there, but one is"),
+        ("t [s], theta [rad]\n0,nan\n1,nan\n", "must have a number somewhere"),
+        ("t [s], theta [rad]\n0,10\n1,170\n", r"in 0 to pi, but is 170 rad somewhere: is it in degrees\?"),
+        ("t [s], theta [rad], theta [deg]\n0,1,1\n1,1,1\n", "`theta` must stand once"),
+        ("t [s], theta [rad]\n0,1\n1\n", "row 2 must have 2 cells"),
+        ("t [s], theta [rad]\n0,1\n1,much\n", "row 2 must have numbers, but has 'much'"),
+        ("t [s]\n0\n1\n", "a column beside `t`"),
+    ],
+)
+def test_what_is_wrong_is_a_sentence(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        table.read(written(tmp_path, text))
+
+
+def test_too_many_rows_are_refused_before_they_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table, "MOST_ROWS", 10)
+    path = written(tmp_path, "t [s], theta [rad]\n" + "".join(f"{i},1\n" for i in range(2000)))
+    with pytest.raises(InputError, match="at most 10 rows, but has 2,001"):
+        table.read(path)
+
+
+def test_the_order_of_a_numbered_quaternion_is_named_never_guessed(tmp_path: Path) -> None:
+    text = "t [s],q_0,q_1,q_2,q_3\n0,0,0,0.6,0.8\n1,0,0,0.6,0.8\n"
+    read = table.read(written(tmp_path, text))
+    with pytest.raises(InputError, match="--quaternion wxyz or xyzw"):
+        motion(read)
+    np.testing.assert_allclose(motion(read, Convention("xyzw")).orientation[0], [0.8, 0, 0, 0.6])
+    np.testing.assert_allclose(motion(read, Convention("wxyz")).orientation[0], [0, 0, 0.6, 0.8])
+
+
+def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
+    """Turned about the other's z by 0.3: its axis y tilts towards -x."""
+    c, s = np.cos(0.15), np.sin(0.15)
+    text = f"t [s],q_w,q_x,q_y,q_z,x [m],y [m],z [m]\n0,{c},0,0,{s},1,2,3\n1,{c},0,0,{s},1,2,3\n"
+    seen = motion(table.read(written(tmp_path, text)), Convention(up="y"))
+    np.testing.assert_allclose(seen.theta, 0.3)
+    np.testing.assert_allclose(seen.place[0], [3, 1, 2])
+    np.testing.assert_allclose(seen.axis[0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
+
+
+def test_rotated() -> None:
+    q = np.array([[np.cos(0.5), 0, 0, np.sin(0.5)]])
+    np.testing.assert_allclose(rotated(q, np.array([1.0, 0, 0])), [[np.cos(1), np.sin(1), 0]])

@@ -1,0 +1,99 @@
+"""Pages in a real browser: they show the run, and follow buttons, keys and scrubbing."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.views import samples, thinning
+
+
+@pytest.fixture(scope="module")
+def inverting() -> tt.Run:
+    return tt.run("inverting", until=6.5)
+
+
+@pytest.fixture(scope="module")
+def tab(inverting: tt.Run, open_page: Any) -> Any:
+    """The page of the inversion, open."""
+    return open_page(inverting.view().text)
+
+
+def test_a_page_shows_the_poses_of_its_run(inverting: tt.Run, tab: Any) -> None:
+    """At moments between rows, within 0.2 degrees; force and scale of its arrow too."""
+    at = np.sort(np.random.default_rng(2).uniform(0, 6.5, 200))
+    exact = tt.run("inverting", until=6.5, output_times=at).trajectory.isel(time=slice(len(at)))
+    poses = tab.evaluate("times => times.map(t => tippetop.pose(t))", at.tolist())
+    drawn = np.array([pose["orientation"] for pose in poses])
+    assert np.degrees(thinning.apart(drawn, exact.orientation.values)).max() < 0.02
+    np.testing.assert_allclose([pose["theta"] for pose in poses], exact.theta.values, atol=2e-5)
+    np.testing.assert_allclose([pose["position"][0] for pose in poses], exact.x.values, atol=1e-6)
+    row = 5900
+    table = {str(name): column.values for name, column in inverting.trajectory.variables.items()}
+    force = samples.samples(table, inverting.attributes)[row, 10:13]
+    tab.evaluate("t => tippetop.set(t)", float(inverting.trajectory.time[row]))
+    arrow = next(a for a in tab.evaluate("tippetop.arrows()") if a["name"] == "force")
+    assert arrow["size"] == pytest.approx(np.linalg.norm(force), rel=1e-5)
+    assert np.linalg.norm(arrow["drawn"]) == pytest.approx(np.linalg.norm(force) / 0.1964, rel=1e-5)
+    assert force[2] == pytest.approx(float(inverting.trajectory.normal_force[row]))
+
+
+def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: Any) -> None:
+    tab.evaluate("tippetop.set(0)")
+    assert tab.evaluate("tippetop.speed") == 0.1, "whoever wants less motion gets it slowly"
+    tab.get_by_role("button", name="play").click()
+    tab.wait_for_function("tippetop.time > 0.001")
+    assert tab.evaluate("tippetop.playing")
+    tab.keyboard.press("Escape")
+    tab.get_by_role("button", name="pause").click()
+    assert not tab.evaluate("tippetop.playing")
+    tab.evaluate("tippetop.set(0)")
+    tab.get_by_role("button", name="next event").click()
+    first = float(inverting.events.time[0])
+    assert tab.evaluate("tippetop.time") == pytest.approx(first)
+    assert f"{first:.4f} s" in tab.locator("[data-part=said]").inner_text()
+    tab.locator("[data-part=scrub]").evaluate("e => { e.value = 3.25; e.dispatchEvent(new Event('input')); }")
+    assert tab.evaluate("tippetop.time") == pytest.approx(3.25, abs=1e-5)
+    tab.locator("body").press(">")
+    equator = inverting.events.time.values[inverting.events.kind.values == 2][0]
+    assert tab.evaluate("tippetop.time") == pytest.approx(equator)
+    tab.locator("body").press("End")
+    assert tab.evaluate("tippetop.time") == 6.5
+    tab.locator("body").press("+")
+    assert tab.evaluate("tippetop.speed") == 0.2
+    width = tab.locator("[data-part=theta]").bounding_box()["width"]
+    tab.locator("[data-part=theta]").click(position={"x": 46 + (width - 58) / 2, "y": 60})
+    assert tab.evaluate("tippetop.time") == pytest.approx(3.25, abs=0.05)
+    tab.get_by_role("button", name="show F").click()
+    assert [a["drawn"] for a in tab.evaluate("tippetop.arrows()") if a["name"] == "force"] == [[0, 0, 0]]
+
+    tab.set_viewport_size({"width": 1000, "height": 600})
+    assert tab.evaluate(
+        "document.documentElement.scrollWidth <= innerWidth && document.body.scrollHeight <= innerHeight"
+    )
+    assert tab.faults == []
+
+
+@pytest.mark.parametrize(
+    ("preset", "theme"), [("heavy-top", "dark"), ("gliding-cylinder", "light"), ("leine-glocker-stem", "dark")]
+)
+def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) -> None:
+    tab = open_page(tt.run(preset, until=0.1).view().text, color_scheme=theme)
+    tab.evaluate("tippetop.set(0.05)")
+    colours = tab.evaluate(COLOURS)
+    assert len(colours) > 100
+    assert (np.mean(colours) > 120) == (theme == "light")
+    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert tab.faults == []
+
+
+COLOURS = """() => {
+  tippetop.draw();
+  const { gl, width, height } = tippetop.stage.scene;
+  const pixels = new Uint8Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  const colours = new Set();
+  for (let i = 0; i < pixels.length; i += 4 * 7) colours.add(pixels[i] + 256 * pixels[i + 1]);
+  return [...colours].map((c) => c % 256);
+}"""

@@ -1,0 +1,130 @@
+"""What a page keeps of a run: poses between which the attitude is the run's, forces and places as rows say them."""
+
+import base64
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.views import samples, thinning
+from tippetop.views.run import gathered
+
+
+TENTH, FIFTH = np.radians(0.1), np.radians(0.2)
+
+
+def rows(run: tt.Run) -> dict[str, np.ndarray]:
+    return {str(name): column.values for name, column in run.trajectory.variables.items()}
+
+
+@pytest.fixture(scope="module")
+def inverting() -> tt.Run:
+    return tt.run("inverting", until=6.5)
+
+
+def attitudes(times: np.ndarray, kept: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The attitudes that a page shows at times `at`."""
+    i = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
+    h = times[i + 1] - times[i]
+    ends = (kept[i, :4], kept[i, 4:7], kept[i + 1, :4], kept[i + 1, 4:7])
+    return thinning.attitude(*ends, h, (at - times[i]) / h)
+
+
+def test_between_samples_the_attitude_is_that_of_the_run(inverting: tt.Run) -> None:
+    """Also where only a few hundred are kept, and the top turns several times around between two of them."""
+    table, at = rows(inverting), np.sort(np.random.default_rng(1).uniform(0, 6.5, 400))
+    exact = tt.run("inverting", until=6.5, output_times=at).trajectory.orientation.values[: len(at)]
+    whole = samples.samples(table, inverting.attributes)
+    assert thinning.apart(attitudes(table["time"], whole, at), exact).max() < np.radians(0.01)
+    keep = thinning.kept(table["time"], whole, 300)
+    assert 300 < len(keep) < 1200
+    assert thinning.apart(attitudes(table["time"][keep], whole[keep], at), exact).max() < FIFTH
+
+
+def test_few_samples_are_kept_only_where_few_suffice(inverting: tt.Run) -> None:
+    table = rows(inverting)
+    whole = samples.samples(table, inverting.attributes)
+    keep = thinning.kept(table["time"], whole, 50)
+    assert thinning.missed(table["time"], whole, keep).max() <= TENTH
+    coarse = np.arange(0, len(whole), 100)
+    assert thinning.missed(table["time"], whole, np.append(coarse, len(whole) - 1)).max() > 10 * TENTH
+
+
+def test_rows_that_are_too_far_apart_are_named() -> None:
+    page = tt.run("inverting", until=2.0, output_step=0.05).view()
+    assert "rows are far apart" in page.text
+    assert "rows are far apart" not in tt.run("inverting", until=2.0, output_step=0.002).view().text
+
+
+@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"])
+def test_the_horizontal_force_moves_the_centre_of_mass(preset: str) -> None:
+    """m r'' = F, place and force being independent columns; L' = a x F would say the same."""
+    run = tt.run(preset, until=0.2, output_step=1e-4)
+    table, m = rows(run), run.attributes["parameters"]["m"]
+    s = samples.samples(table, run.attributes)
+    t, place, force = table["time"], s[:, 7:9], s[:, 10:12]
+    inner = slice(5, -5)
+    pull = m * np.gradient(np.gradient(place, t, axis=0), t, axis=0)[inner]
+    scale = np.abs(pull).max()
+    assert scale > 0
+    np.testing.assert_allclose(force[inner], pull, atol=2e-3 * scale)
+    lifted = m * (np.gradient(np.gradient(s[:, 9], t), t)[inner] + run.attributes["parameters"]["g"])
+    np.testing.assert_allclose(s[inner, 12], lifted, rtol=2e-3)
+
+
+def test_the_angular_velocity_turns_the_attitude() -> None:
+    """Of a top on its stem too: q' = omega q/2."""
+    run = tt.run("leine-glocker-stem", friction=dict(law="viscous", mu=3.93), until=0.8, output_step=2e-4)
+    table = rows(run)
+    assert set(np.unique(table["ball"])) == {0, 1}
+    s = samples.samples(table, run.attributes)
+    turned = thinning.apart(s[1:, :4], s[:-1, :4]) / np.diff(table["time"])
+    rate = np.linalg.norm(s[1:, 4:7] + s[:-1, 4:7], axis=1) / 2
+    usual = np.abs(np.diff(s[:, 4:7], axis=0)).max(axis=1) < 2  # not across the impact
+    assert usual.mean() > 0.99
+    np.testing.assert_allclose(turned[usual], rate[usual], rtol=2e-4)
+    touching = s[:, 9] - np.where(table["ball"] == 1, 0.005, 0.015)
+    offset = np.where(table["ball"] == 1, 0.016, 0.003)
+    third = samples._third(s[:, :4])[2]
+    np.testing.assert_allclose(touching, -offset * third, atol=1e-12)
+
+
+def test_a_part_of_a_run_is_shown_alone(inverting: tt.Run) -> None:
+    data = content(inverting.view(2.0, 3.0).text)
+    times = np.frombuffer(base64.b64decode(data["times"]), "<f8")
+    assert (times[0], times[-1]) == (2.0, 3.0)
+    assert all(2.0 <= event["time"] <= 3.0 for event in data["events"])
+    with pytest.raises(tt.InputError, match="rows between 7 and inf"):
+        inverting.view(7.0)
+
+
+def test_many_rows_are_read_until_a_page_is_full(inverting: tt.Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tippetop.views.run.MOST", 800)
+    monkeypatch.setattr(thinning, "FEW", 500)
+    table = rows(inverting)
+    halves = [
+        {k: v[part] for k, v in table.items() if np.ndim(v) and len(v) == 6501}
+        for part in (slice(0, 3000), slice(3000, 6501))
+    ]
+    times, _, _, notes = gathered(iter([*halves, *halves]), inverting.attributes, None, None)
+    assert len(times) > 800
+    assert times[-1] == 6.5
+    assert "up to 6.5 s" in notes[0]
+
+
+def content(text: str) -> Any:
+    """The data of a page."""
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)
+    assert found is not None
+    return json.loads(found[1])
+
+
+def test_what_cannot_be_shown_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(tt.InputError, match="orientation"):
+        tt.run("inverting", until=0.01, orientation=False).view()
+    with pytest.raises(tt.InputError, match="keeps none"):
+        tt.run("inverting", until=0.01, output="keyframes", out=tmp_path / "k.zarr").view()

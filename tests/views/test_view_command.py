@@ -1,0 +1,106 @@
+"""`tippetop view`: one file without links, or one sentence and an exit code."""
+
+import re
+import threading
+from pathlib import Path
+
+import pytest
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.views import pages
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("viewed") / "RUN.zarr"
+    tt.run("inverting", until=0.2, out=path)
+    return path
+
+
+def test_a_store_becomes_one_file(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert outcome(["view", str(store)]) == 0
+    assert capsys.readouterr().out.startswith("RUN.html: 0.1 MB")
+    text = Path("RUN.html").read_text(encoding="utf-8")
+    assert [path.name for path in tmp_path.iterdir()] == ["RUN.html"]
+    assert not re.search(r"https?://|<link|<img|\bsrc=|\bfetch\(|^import |^export |\{\{", text, re.MULTILINE)
+    assert text.count("<script") == 2
+    data = re.search(r'id="data">(.*?)</script>', text, re.DOTALL)
+    assert data is not None
+    assert len(text) - len(data[1]) < 100_000, "the page without its data is tens of kilobytes"
+
+
+def test_a_run_in_memory_and_its_store_have_the_same_page(store: Path) -> None:
+    stored = tt.open(store)
+    assert isinstance(stored, tt.StoredRun)
+    assert stored.view().text == tt.run("inverting", until=0.2).view().text
+    assert "srcdoc" in stored.view()._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "sentence"),
+    [
+        (["{out}"], 5, "must not exist yet"),
+        (["{folder}"], 5, "is a folder"),
+        (["new.html", "--from", "3"], 2, "rows between 3 and inf s"),
+    ],
+)
+def test_what_is_wrong_is_a_sentence(
+    arguments: list[str],
+    code: int,
+    sentence: str,
+    store: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.html").write_text("precious", encoding="utf-8")
+    given = [a.format(out="there.html", folder=tmp_path) for a in arguments]
+    assert outcome(["view", str(store), "--out", *given]) == code
+    assert sentence in capsys.readouterr().err
+    assert (tmp_path / "there.html").read_text(encoding="utf-8") == "precious"
+    assert not (tmp_path / "new.html").exists()
+
+
+def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    class Soon(threading.Event):
+        looks = 0
+
+        def is_set(self) -> bool:
+            self.looks += (tmp_path / "part.zarr").exists()
+            return self.looks > 3
+
+    stop = Soon()
+    with pytest.raises(tt.Interrupted):
+        tt.run("rolling", until=900.0, output_step=1.0, out=tmp_path / "part.zarr", stop=stop)
+    assert outcome(["view", str(tmp_path / "part.zarr"), "--out", str(tmp_path / "x.html")]) == 5
+    assert "must be finished to be viewed" in capsys.readouterr().err
+    assert not (tmp_path / "x.html").exists()
+
+
+def test_data_cannot_end_the_script_that_holds_it() -> None:
+    text = pages.page(
+        "</title><b>", "page_run.js", {"title": "</script><b>"}, {"formulas.js": "export const potential = null;\n"}
+    )
+    assert "</script><b>" not in text
+    assert "</title><b>" not in text
+
+
+def test_no_name_of_a_module_is_lost_when_modules_become_one_script() -> None:
+    """Each import is a name that the other module exports."""
+    text = pages.script("page_run.js", {"formulas.js": "export const potential = null;\n"})
+    exported = dict(
+        re.findall(r"const (module_\w+) = \(\(\) => \{.*?\nreturn \{([^}]*)\};\n\}\)\(\);", text, re.DOTALL)
+    )
+    taken = re.findall(r"^const \{([^}]*)\} = (module_\w+);$", text, re.MULTILINE)
+    assert len(exported) > 12
+    assert len(taken) > 20
+    for names, module in taken:
+        missing = {n.partition(":")[0].strip() for n in names.split(",") if n.strip()} - set(
+            exported[module].split(", ")
+        )
+        assert not missing, (module, missing)
