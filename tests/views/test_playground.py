@@ -8,7 +8,8 @@ import pytest
 
 import tippetop as tt
 from tippetop.cli import outcome
-from tippetop.views.playground import given, playground
+from tippetop.views.given import given
+from tippetop.views.playground import playground
 
 
 pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")

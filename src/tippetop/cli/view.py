@@ -17,18 +17,18 @@ def view(
     until: float | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Write one HTML file that shows a run in motion, in any browser, without a network.
+    """Write one HTML file that shows a run in motion, or the map of a sweep, in any browser, without a network.
 
     Parameters
     ----------
     store
-        A store that `run` or `replay` wrote, finished, with rows and their orientation.
+        A store that `run` or `replay` wrote, finished, with rows and their orientation; or one of `sweep`.
     playground
         Instead of a store: a tippe top whose numbers are changed in the page, which integrates it.
     out
         The file to write; by default the name of the store, or playground, with the ending .html.
     from_
-        Show the run from this time on [s].
+        Show a run from this time on [s].
     until
         Show it up to this time [s].
     overwrite
@@ -50,6 +50,8 @@ def view(
 
 def _text(store: Path | None, start: float | None, until: float | None) -> str:
     """The page of a store, or the playground."""
+    from ..errors import InputError
+
     if store is None:
         from ..views.playground import playground
 
@@ -58,6 +60,12 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
     from ..views.run import page_of_store
 
     attrs = root.attributes(store)
+    if attrs.get("content") == "sweep":
+        from ..views.sweep import page_of_sweep
+
+        return page_of_sweep(store)
+    if "content" in attrs:
+        raise InputError([f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}."])
     root.refuse_other_rows(store, attrs)
     return page_of_store(store, attrs, start, until)
 

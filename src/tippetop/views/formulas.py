@@ -20,6 +20,7 @@ from .samples import well_quantities
 
 
 NO_POTENTIAL = "export const potential = null;\n"
+NOTHING = f"export const facts = {{}};\nexport const formulas = {{}};\n{NO_POTENTIAL}"
 
 
 def potential(system: System, b: Body) -> str:

@@ -1,15 +1,14 @@
 """The playground: a page that integrates the tippe top of whoever opens it, by the formulas of this package."""
 
-import math
 from typing import Any
 
 from ..errors import InputError
 from ..mechanics.friction import LAWS
 from ..mechanics.systems import SYSTEMS
-from ..problem import Problem
 from ..scenario import build
 from ..scenario.reading import presets
 from . import formulas, pages
+from .given import given
 
 
 TITLE = "Tippe top playground"
@@ -36,19 +35,3 @@ def _preset(name: str) -> dict[str, Any] | None:
     if problem.system is not SYSTEMS["tippe-top"]:
         return None
     return {"name": name, "words": problem.system.title, **given(problem), "until": min(problem.until, 30.0)}
-
-
-def given(problem: Problem) -> dict[str, Any]:
-    """What a page needs to integrate a problem: parameters, law, initial numbers other than 0."""
-    data, at_rest = dict(problem.initial), bool(problem.initial.get("centre_at_rest"))
-    theta = data.get("theta", 0.0)
-    angles = problem.system.start(data, math.sin(theta), math.cos(theta), problem.body())
-    names = [n for n in formulas.initial_names(problem.system) if not (at_rest and n in ("nu_x", "nu_y"))]
-    initial = {name: float(getattr(angles, name, data.get(name, 0.0))) for name in names}
-    return {
-        "parameters": dict(problem.parameters),
-        "law": problem.law_name,
-        "friction": problem.friction._asdict(),
-        "atRest": at_rest,
-        "initial": {name: value for name, value in initial.items() if value},
-    }

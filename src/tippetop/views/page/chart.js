@@ -99,8 +99,9 @@ export class Chart {
    * @param {Palette} colours
    * @param {[number, string][]} xs
    * @param {[number, string][]} ys
+   * @param {boolean} grid whether there are lines across
    */
-  axes(colours, xs, ys) {
+  axes(colours, xs, ys, grid = true) {
     const { context } = this;
     context.strokeStyle = colours.line;
     context.lineWidth = 1;
@@ -110,7 +111,7 @@ export class Chart {
     for (const [value, text] of ys) {
       const y = Math.round(this.y(value)) + 0.5;
       if (y < this.top - 1 || y > this.bottom + 1) continue;
-      this.stroke(this.left, y, this.right, y);
+      if (grid) this.stroke(this.left, y, this.right, y);
       context.fillText(text, this.left - 6, y);
     }
     context.textAlign = "center";

@@ -232,7 +232,7 @@ export class Scene {
       floorColour: rgb(colours.floor),
       lineColour: rgb(colours.grid),
       heavyColour: rgb("#27527f"),
-      lightColour: rgb("#efe6d2"),
+      lightColour: rgb("#eadfca"),
       markColour: rgb("#e4572e"),
       stemColour: rgb("#3a424d"),
     });

@@ -86,7 +86,7 @@ export class Stage {
     part("well-figure").hidden = !potential;
     part("force-figure").hidden = !isFinite(log.forces[0]);
     if (potential) {
-      this.well = new WellPanel(part("well"), potential, "Potential V(θ), mJ");
+      this.well = new WellPanel(part("well"), potential);
       this.well.take(motion);
     } else this.well = undefined;
     part("scrub").min = String(motion.start);
