@@ -172,6 +172,15 @@ def comparison(motions: Any, title: str) -> Any:
         return comparison(motions, title)
 
 
+def fit(*arguments: Any) -> Any:
+    """The figure of a fit, as `figures.fit` takes it."""
+    from .fit import fit
+    from .style import styled
+
+    with styled():
+        return fit(*arguments)
+
+
 def draw_sweep(kind: str, store: Path, path: Path) -> None:
     """Draws one kind of figure of a sweep to a file. Raises InputError, StoreError."""
     from ..sweeps import maps
