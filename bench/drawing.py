@@ -39,11 +39,11 @@ def draw(results: dict[str, Any], folder: Path) -> None:
     with style.styled():
         for name, result in results.items():
             if "contestants" in result:
-                style.save(precision(result), folder / f"{name}.png")
+                style.save(precision(result), folder / f"{name}.png", overwrite=True)
         if "scaling" in results:
-            style.save(scaling(results["scaling"]), folder / "scaling.png")
+            style.save(scaling(results["scaling"]), folder / "scaling.png", overwrite=True)
         if "startup" in results:
-            style.save(startup(results["startup"]), folder / "startup.png")
+            style.save(startup(results["startup"]), folder / "startup.png", overwrite=True)
 
 
 def precision(result: dict[str, Any]) -> Figure:

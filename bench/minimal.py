@@ -3,7 +3,6 @@ formulas, fed what each peer computes with.
 """
 
 import ctypes
-import math
 import shutil
 import subprocess
 import tempfile
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine.observables import Observables
+from tippetop.mechanics.writing import CPP, function
 from tippetop.problem import Problem
 
 
@@ -68,10 +68,8 @@ class Minimal:
     @cached_property
     def source(self) -> str:
         """`slope(y, d)` in C++: each sub-expression once."""
-        lines = Lines()
-        ends = [lines.of(rate).name for rate in self.rates([lines.new(f"y[{i}]") for i in range(len(self.names))])]
-        body = [f"const double {name} = {text};" for text, name in lines.made.items()]
-        body += [f"d[{i}] = {end};" for i, end in enumerate(ends)]
+        lines, ends = function(CPP, [f"y[{i}]" for i in range(len(self.names))], self.rates)
+        body = [*lines, *(f"d[{i}] = {end};" for i, end in enumerate(ends))]
         text = "\n  ".join(body)
         return f"static inline void slope(const double* __restrict y, double* __restrict d) {{\n  {text}\n}}\n"
 
@@ -130,83 +128,3 @@ def apart(theta: np.ndarray, exact: np.ndarray) -> np.ndarray:
     difference = theta - exact
     turn = 2 * np.longdouble(np.pi)
     return np.abs(difference - turn * np.round(difference / turn)).astype(float)
-
-
-class Lines:
-    """Assignments of a straight-line program, each written once."""
-
-    def __init__(self) -> None:
-        self.made: dict[str, str] = {}
-
-    def new(self, text: str) -> "Symbol":
-        """The name of an expression."""
-        return Symbol(self, self.made.setdefault(text, f"v{len(self.made)}"))
-
-    def of(self, value: Any) -> "Symbol":
-        """A number or a symbol, as a symbol."""
-        return value if isinstance(value, Symbol) else Symbol(self, float(value).hex())
-
-
-@dataclass(frozen=True)
-class Symbol:
-    """An operand that writes down what is done with it. 0 and 1 fold."""
-
-    lines: Lines
-    name: str
-
-    @property
-    def number(self) -> float | None:
-        """Its value, if it is a number."""
-        return None if self.name.startswith("v") else float.fromhex(self.name)
-
-    def _with(self, sign: str, other: Any, swapped: bool = False) -> "Symbol":
-        a, b = self, self.lines.of(other)
-        if swapped:
-            a, b = b, a
-        x, y = a.number, b.number
-        if x is not None and y is not None:
-            return self.lines.of(eval(f"x {sign} y"))
-        if (sign == "+" and x == 0) or (sign == "*" and x == 1):
-            return b
-        if (sign in "+-" and y == 0) or (sign in "*/" and y == 1):
-            return a
-        if (sign in "*/" and x == 0) or (sign == "*" and y == 0):
-            return self.lines.of(0.0)
-        if sign in "+*" and b.name < a.name:
-            a, b = b, a
-        return self.lines.new(f"{a.name} {sign} {b.name}")
-
-    def __add__(self, other: Any) -> "Symbol":
-        return self._with("+", other)
-
-    def __radd__(self, other: Any) -> "Symbol":
-        return self._with("+", other)
-
-    def __sub__(self, other: Any) -> "Symbol":
-        return self._with("-", other)
-
-    def __rsub__(self, other: Any) -> "Symbol":
-        return self._with("-", other, swapped=True)
-
-    def __mul__(self, other: Any) -> "Symbol":
-        return self._with("*", other)
-
-    def __rmul__(self, other: Any) -> "Symbol":
-        return self._with("*", other)
-
-    def __truediv__(self, other: Any) -> "Symbol":
-        return self._with("/", other)
-
-    def __rtruediv__(self, other: Any) -> "Symbol":
-        return self._with("/", other, swapped=True)
-
-    def __neg__(self) -> "Symbol":
-        return self.lines.new(f"-{self.name}")
-
-    def __pow__(self, power: int) -> "Symbol":
-        assert power == int(power) > 0, "the formulas' powers are whole"
-        return math.prod([self] * int(power))
-
-    def sqrt(self) -> "Symbol":
-        """numpy asks its operands for it."""
-        return self.lines.new(f"std::sqrt({self.name})")

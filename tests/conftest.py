@@ -10,6 +10,7 @@ import pytest
 from plans import PLAN
 
 
+os.environ.setdefault("TIPPETOP_OPT_LEVEL", "0")  # ten times faster to compile; .ci/nightly runs all with 3
 MANY = 300  # tests of a session, of which some are bound to need each kernel
 PATIENCE = 180.0  # [s] that a worker waits for the others
 

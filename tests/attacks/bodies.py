@@ -1,11 +1,14 @@
-"""Tops that can be: random systems, bodies, friction laws and starts, as the tables of a scenario."""
+"""Tops that can be: random systems, bodies, friction laws, contacts and starts, as the tables of a scenario."""
 
 from typing import Any
 
 import numpy as np
 
 
-ENDS = {"theta": (0.0, np.pi), "mu": (1e-3, 1.0), "eps": (1e-4, 0.1), "alpha": (0.02, 0.95)}
+ENDS = {
+    **{"theta": (0.0, np.pi), "mu": (1e-3, 1.0), "eps": (1e-4, 0.1), "alpha": (0.02, 0.95)},
+    **{"patch": (1e-5, 2e-3), "mu_r": (1e-7, 1e-4)},
+}
 SMALL = {"nu_x", "nu_y", "x", "y"}
 
 
@@ -65,3 +68,32 @@ def scenario(
     if system.frictional:
         tables["friction"] = friction(system, rng, pair[1])
     return tables
+
+
+def opening(tables: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    """The tables of a scenario with a contact that sticks, opens and closes: by an exact or a drilling law, [contact],
+    [stem], or on_liftoff, one at least; in its default form. As they are where the system has no such contact."""
+    from tippetop.mechanics.friction import CONTENSOU, SET_VALUED
+    from tippetop.mechanics.systems.with_contact import BODIES
+
+    if tables["system"] not in BODIES:
+        return tables
+    round_body = tables["system"] == "tippe-top"
+    opened = {key: value for key, value in tables.items() if key != "form"} | {"initial": dict(tables["initial"])}
+    ways = rng.random(6)
+    for law, there, share in (("contensou", round_body, 0.2), ("coulomb", True, 0.5)):
+        if there and ways[0] < share:
+            numbers = {"contensou": CONTENSOU, "coulomb": SET_VALUED}[law].parameters
+            opened["friction"] = {"law": law} | {name: spread(rng, *ENDS[name]) for name in numbers}
+            break
+    if "mu_r" in opened["friction"] and ways[1] < 0.5:
+        opened["friction"]["mu_r"] = 0.0
+    if ways[2] < 0.7:
+        restitution = str(rng.choice(["energetic", "poisson", "newton"]))
+        opened["contact"] = {"restitution": restitution, "e_n": float(rng.choice([0.0, 1.0, rng.uniform(0.0, 0.95)]))}
+    if round_body and ways[3] < 0.4:
+        R = opened["parameters"]["R"]
+        opened["stem"] = {"r": (r := R * float(rng.uniform(0.1, 0.9))), "h": R - r + R * float(rng.uniform(0.01, 1.0))}
+    if ways[4] < 0.3:
+        opened["initial"] |= {"gap": spread(rng, 1e-7, 1e-2), "nu_z": float(rng.normal(0.0, 0.2))}
+    return opened

@@ -35,14 +35,14 @@ PAIRS = (
 CHEAP = (("rolling-cylinder", ""), ("gliding-cylinder", "viscous"))
 
 
-def prepare(_: Path, count: int, __: int) -> dict[str, Any]:
+def prepare(_: Path, count: int, first: int) -> dict[str, Any]:
     """What is drawn from; a few tries draw from what compiles in seconds. Loops are compiled here: no case waits."""
     from tippetop.runs.run import solve
     from tippetop.scenario import build
 
     for precision in ("double", "longdouble"):
         solve(build.load("rolling-cylinder", [f"run.precision={precision}"], 0.01), keep=False)
-    return {"pairs": PAIRS if count > 20 else CHEAP}
+    return {"pairs": PAIRS if count > 20 or first else CHEAP}
 
 
 def tables_of(rng: np.random.Generator, pair: tuple[str, str]) -> dict[str, Any]:

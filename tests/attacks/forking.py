@@ -105,6 +105,19 @@ def _processor_time(pid: int) -> float:
     return sum(map(int, numbers[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
+def _waited(session: int) -> float:
+    """Seconds for which the processes of a session could have computed, but others had the machine."""
+    nanoseconds = 0
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            if os.getsid(int(folder.name)) == session:
+                threads = (folder / "task").glob("*/schedstat")
+                nanoseconds += sum(int(thread.read_text().split()[1]) for thread in threads)
+        except (OSError, IndexError):  # it has ended, or this kernel does not tell
+            continue
+    return nanoseconds * 1e-9
+
+
 class _Worker:
     """A fork that judges one case after the other."""
 
@@ -146,6 +159,7 @@ class _Worker:
     def begin(self, number: int) -> None:
         """Gives it a case."""
         self.number, self.clock, self.spent = number, time.monotonic(), _processor_time(self.pid)
+        self.waited = _waited(self.pid)
         self.pipe.send(number)
 
     def result(self) -> Verdict | None:
@@ -166,10 +180,11 @@ class _Worker:
         return verdict
 
     def _hangs(self) -> bool:
-        """Whether it takes longer than the limit; on a machine that others use too, what computes has it for itself."""
-        if time.monotonic() - self.clock <= LIMIT:
+        """Whether it takes longer than the limit; time for which others had the machine does not count."""
+        seconds, computed = time.monotonic() - self.clock, _processor_time(self.pid) - self.spent
+        if seconds <= LIMIT or LIMIT / 10 < computed <= LIMIT:
             return False
-        return not LIMIT / 10 < _processor_time(self.pid) - self.spent <= LIMIT
+        return computed > LIMIT or seconds - max(0.0, _waited(self.pid) - self.waited) > LIMIT
 
     def _said(self) -> str:
         return self.log.read_text(errors="replace")[-4000:]

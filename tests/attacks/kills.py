@@ -4,7 +4,8 @@ A process (a fork that has everything compiled; now and then a fresh interpreter
 its life, or right at one of its file operations: before the n-th file that is opened to be written, renamed, linked,
 removed or synced, or some microseconds after. Up to three kills in a row fall on one store; then the command is left
 alone, and every file is compared with that of an undisturbed one. What was acknowledged before a kill must be there
-after it, and nothing may be left beside the result. Attacked are run, resume, run --overwrite, sweep (the main process,
+after it, and nothing may be left beside the result. Attacked are run, resume, run --overwrite, a run whose contact
+changes its phase (the phase of its last checkpoint is noted), sweep (the main process,
 alone and with workers, and its workers), surface, potential, export to all three formats, and plot.
 
 What it cannot see: power failures (a killed process leaves what it wrote to the kernel; fsync is trusted), disks and
@@ -93,6 +94,23 @@ def _overwrite(folder: Path, stores: Path) -> list[object]:
     return [*_run(folder, stores), "--overwrite"] if old else _resume(folder, stores)
 
 
+def _touching(kind: str) -> Callable[[Path, Path], list[object]]:
+    def words(folder: Path, _: Path) -> list[object]:
+        if (folder / "R.zarr").exists():
+            return ["resume", folder / "R.zarr"]
+        return [*undisturbed.touching(kind), "--out", folder / "R.zarr"]
+
+    return words
+
+
+def _phase(folder: Path) -> str:
+    """The phase in which the checkpoint of a run left it; empty if there is none, or the contact has no phases."""
+    with contextlib.suppress(OSError, KeyError):
+        last = json.loads((folder / "R.zarr" / "checkpoint.json").read_text())["report"]["contact_phases"]["last"]
+        return f"{last['phase']} of the {last['ball']}" if last else "the first"
+    return ""
+
+
 def _until(folder: Path) -> float:
     return json.loads((folder / "R.zarr" / "zarr.json").read_text())["attributes"]["run"]["until"]
 
@@ -127,6 +145,7 @@ TARGETS = {
     "plot": Target(_plot("theta")),
     "run --overwrite": Target(_overwrite, _overwrite, setup=_copy("R.zarr", "short")),
     "export netcdf": Target(_export("netcdf")),
+    **{f"run, {kind}": Target(_touching(kind), None, _rows) for kind in undisturbed.TOUCHING},
     "sweep": Target(_sweep(1), None, _chunks),
     "surface": Target(_surface, None, _blocks),
     "sweep, again": Target(_sweep(1), None, _chunks, _copy("S.zarr", "half_a_sweep")),
@@ -187,13 +206,14 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
     target.setup(folder, stores)
     if target.workers:
         return _with_workers(name, target, rng, folder, stores, whole)
-    kills, moments = 0, []
+    kills, moments, phases = 0, [], []
     for _ in range(int(rng.integers(1, 4))):
         before = target.acknowledged(folder)
         words = (target.again or target.begin)(folder, stores) if kills else target.begin(folder, stores)
         moments.append(moment(rng, count, 1.1 * seconds))
         done = victim(words, moments[-1])
-        repeat = {"target": name, "moments": moments}
+        phases.append(_phase(folder))
+        repeat = {"target": name, "moments": moments, "phases": [phase for phase in phases if phase]}
         if done is not None:
             if fault := _ended_early(done):
                 fault.repeat, fault.tries = repeat, kills

@@ -18,6 +18,7 @@ import pytest
 from tippetop.engine.compiled import compiled
 from tippetop.engine.expressions import equations_of_motion
 from tippetop.engine.one_run import CompiledDriver
+from tippetop.engine.opt_level import opt_level
 from tippetop.engine.slices import Driver, signs_of
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import reset
@@ -68,7 +69,9 @@ def oracle(system: Any, form: str, law: Any, tolerance: float, orientation: bool
 
     hooks = [hy.nt_event(EVENT_SCALE * event.formula(scalars, body), note(e)) for e, event in enumerate(system.events)]
     start = np.zeros(len(made.integrator.state))
-    return hy.taylor_adaptive(made.integrator.sys, start, tol=tolerance, high_accuracy=True, nt_events=hooks), seen
+    return hy.taylor_adaptive(
+        made.integrator.sys, start, tol=tolerance, high_accuracy=True, nt_events=hooks, opt_level=opt_level()
+    ), seen
 
 
 def compare(made: Problem) -> int:

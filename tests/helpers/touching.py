@@ -19,6 +19,17 @@ BOUNCE: dict[str, Any] = {
 }
 """A top that falls, bounces, slips and rolls."""
 
+STANDING: dict[str, Any] = {
+    "system": "tippe-top",
+    "parameters": {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81},
+    "friction": {"law": "viscous", "mu": 2.0},
+    "stem": {"r": 0.005, "h": 0.013},
+    "contact": {"e_n": 0.02},
+    "initial": {"theta": 2.447, "phi_dot": -20.0, "omega3": 60.0},
+    "run": {"until": 0.05},
+}
+"""A top that strikes the plane with its stem, hops from one ball to the other, and stands on both."""
+
 
 def reference(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The tables of a case of the reference, with rows at its times, and the case."""

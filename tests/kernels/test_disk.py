@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from tippetop.runs.run import solve
+from tippetop.scenario import build
 from tippetop_kernels import compiling, disk, grid, jit, origin
 from tippetop_kernels.jit import entry, inlined
 
@@ -315,9 +317,11 @@ def test_machine_code_that_cannot_be_loaded_is_made_anew(
     assert run() == (8.0, True)
 
 
-def test_a_process_that_finds_the_code_does_without_numba(cache: Path) -> None:
-    """The loop of a run: the second process imports no compiler."""
+def test_a_process_that_finds_the_code_does_without_numba() -> None:
+    """The loop of a run: a process after this one imports no compiler."""
+    if disk.folder() is None:
+        pytest.skip("nothing is kept on this disk")
+    solve(build.load("inverting", until=0.1))
     code = "import sys; import tippetop as tt; run = tt.run('inverting', until=0.1); print('numba' in sys.modules)"
-    process = [sys.executable, "-c", code]
-    done = [subprocess.run(process, capture_output=True, text=True, check=True).stdout.strip() for _ in range(2)]
-    assert done == ["True", "False"]
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 from examples import CANONICAL
 from stores import assert_same
 
@@ -90,6 +91,20 @@ def test_chunk_without_its_status_is_done_again(whole, tmp_path):
     assert_same(tmp_path / "F.zarr", whole)
 
 
+@pytest.mark.parametrize("moment", ["finish", "rename_new"])
+def test_a_surface_killed_at_its_end_computes_nothing_again(moment, whole, tmp_path, monkeypatch):
+    """Before its seal, and between its seal and its name."""
+    place = recording if moment == "finish" else recording.files
+    with monkeypatch.context() as patched:
+        patched.setattr(place, moment, lambda *_: (_ for _ in ()).throw(Stop))
+        with pytest.raises(Stop):
+            recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    with monkeypatch.context() as patched:
+        patched.setattr(recording.surface, "minima", None)
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    assert_same(tmp_path / "F.zarr", whole)
+
+
 def test_another_surface_does_not_go_on(tmp_path):
     stopped(tmp_path / "F.zarr", after=1)
     with pytest.raises(errors.StoreError, match="must be the same surface"):
@@ -112,7 +127,9 @@ def test_surface_command(tmp_path, capsys):
     capsys.readouterr()
     assert outcome(["info", str(out), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["content"] == "surface"
-    assert outcome(["surface", "inverting", *words]) == 0
+    assert outcome(["surface", "inverting", *words]) == 5  # the picture is there
+    assert f"`{picture}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
+    assert outcome(["surface", "inverting", *words[:-2]]) == 0
     assert "is finished: nothing to do" in "".join(capsys.readouterr())
 
 
@@ -198,6 +215,9 @@ DAMAGES = {
     "empty": lambda part: (part / "surface/z/c/0/1").write_bytes(b""),
     "status": lambda part: (part / "surface/status/c/0/0").write_bytes(b"x"),
     "exchanged": lambda part: exchange(part / "surface/F/c/0/0", part / "surface/F/c/0/1"),
+    "another status": lambda part: written(part, "status", (1, 1), 1),
+    "digest": lambda part: (part / "digests/0-0").write_bytes(b"\xff"),
+    "digests": lambda part: exchange(part / "digests/0-0", part / "digests/0-16"),
     "metadata": lambda part: edit(part / "surface/F/zarr.json", '"J"', '"eV"'),
     "shape": lambda part: edit(part / "surface/z/zarr.json", '"shape"', '"shapes"'),
     "group": lambda part: (part / "surface/zarr.json").write_text("{}"),
@@ -211,6 +231,11 @@ def exchange(one, other):
     mine, yours = one.read_bytes(), other.read_bytes()
     one.write_bytes(yours)
     other.write_bytes(mine)
+
+
+def written(part, name, place, value):
+    """Between the corners of a chunk, with the checksum that fits: as a chunk of a place with other points."""
+    zarr.open_group(part, mode="r+")[f"surface/{name}"][place] = value
 
 
 def pipe(place):

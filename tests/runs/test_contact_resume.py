@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from stores import assert_same
-from touching import BOUNCE, THROWN, TURNING
+from touching import BOUNCE, STANDING, THROWN, TURNING
 
 from tippetop.problem import Problem
 from tippetop.runs import extending, recording, resuming, saving
@@ -30,7 +30,7 @@ def gathered(memory: Memory) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("precision", ["double", "longdouble"])
-@pytest.mark.parametrize("tables", [BOUNCE, THROWN, TURNING], ids=["bounce", "thrown", "turning"])
+@pytest.mark.parametrize("tables", [BOUNCE, THROWN, TURNING, STANDING], ids=["bounce", "thrown", "turning", "standing"])
 def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precision: str) -> None:
     problem = with_run(tables, precision=precision)
     integration, whole = Integration(problem), Memory()
@@ -39,11 +39,15 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precis
     while integration.status is None:
         taken = [len(whole.times), len(whole.logs), {name: len(parts) for name, parts in whole.others.items()}]
         if integration.t_end > 0:
-            snapshots.append((integration.driver.kind, json.dumps(integration.snapshot()), taken))
+            snapshots.append(
+                ((integration.driver.kind, integration.driver.ball), json.dumps(integration.snapshot()), taken)
+            )
         integration.follow(integration.driver.advance(request, 3), whole)
     integration.fill(whole)
     kinds = {kind for kind, *_ in snapshots}
     assert len(kinds) >= 2
+    if tables is STANDING:
+        assert {("both", 0), ("slip", 0), ("slip", 1), ("flight", 0)} <= kinds
     chosen = [next(s for s in snapshots if s[0] == kind) for kind in sorted(kinds)] + snapshots[-1:]
     for _, text, (times, logs, others) in chosen:
         again, memory = Integration(problem), Memory()

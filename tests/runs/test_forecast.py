@@ -79,3 +79,15 @@ def test_only_regularised_friction_of_what_inverts_speaks_of_eps() -> None:
     assert "regularisation" not in forecast.assessment(build.load("inverting"))
     frictionless = forecast.assessment(build.load("inverting", [*coulomb, "friction.mu=0.0"]))
     assert "regularisation" not in frictionless
+
+
+def test_the_spin_that_a_stem_needs_is_the_published_one():
+    """Leine and Glocker's top: 21.700 rad/s upright, 88.107 on its stem; nothing is promised where sliding may stop."""
+    facts = forecast.assessment(build.load("leine-glocker-drilling"))
+    assert facts["thresholds"]["spin_upright"]["value"] == pytest.approx(21.700, abs=1e-3)
+    assert facts["thresholds"]["spin_stem"]["value"] == pytest.approx(88.107, abs=1e-3)
+    assert "drilling" in facts["regime"]
+    sticks = forecast.assessment(build.load("cohen-coulomb"))
+    assert "may stop" in sticks["regime"]
+    assert "fate" not in sticks
+    assert "spin_stem" not in sticks["thresholds"]

@@ -12,7 +12,7 @@ import xarray as xr
 
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import run
+from tippetop.figures import theta
 from tippetop.mechanics.operand import leaves, product_error
 from tippetop.problem import ROUNDING
 from tippetop.runs import certificate, recording
@@ -79,6 +79,8 @@ def test_a_bad_export_is_said(store: Path, tmp_path: Path, capsys: pytest.Captur
     assert outcome(["export", str(store), "--to", "csv", "--out", str(out)]) == 5
     assert out.read_text() == "mine"
     assert "must not exist" in capsys.readouterr().err
+    assert outcome(["export", str(store), "--to", "csv", "--out", str(out), "--overwrite"]) == 0
+    assert out.read_text().startswith("time,")
 
 
 def test_a_thin_reading_loses_no_peak(store: Path) -> None:
@@ -185,8 +187,8 @@ def test_a_band_of_more_turnings_than_can_be_seen_is_one_piece(rng: np.random.Ge
     """Thinned logs have gaps everywhere: a piece for each took 10 ms to draw."""
     t = np.cumsum(rng.exponential(1.0, (25_000, 2)).ravel())
     low, high = (t[::2], np.full(25_000, 0.5)), (t[1::2], np.full(25_000, 1.0))
-    assert len(run._bands(tuple(x[:500] for x in low), tuple(x[:500] for x in high))) > 10
-    ((when, bottom, top),) = run._bands(low, high)
+    assert len(theta.bands(tuple(x[:500] for x in low), tuple(x[:500] for x in high), np.empty(0))) > 10
+    ((when, bottom, top),) = theta.bands(low, high, np.empty(0))
     assert (when[0], when[-1]) == (t[0], t[-1])
     assert (bottom == 0.5).all()
     assert (top == 1.0).all()

@@ -11,6 +11,7 @@ from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import chunks, tables
 from tippetop.store.chunks import Appender
+from tippetop.store.own import OwnStore
 
 
 CHUNK, ROWS = 8, 45  # five whole chunks and a part
@@ -103,6 +104,37 @@ def test_what_was_not_acknowledged_is_cut_and_the_rest_goes_on(acknowledged: int
     again.append(columns(slice(acknowledged, None)))
     again.flush()
     assert_same(tmp_path / "a", whole(tmp_path / "whole"))
+
+
+class Killed(Exception):
+    """The writer dies."""
+
+
+@pytest.mark.parametrize("after", [0, 1, 5])
+def test_a_writer_killed_while_it_cuts_leaves_no_chunk_too_few(
+    after: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, what it was about to cut was taken for damage: the store could never be resumed."""
+    whole(tmp_path / "a")
+    removed, delete = [], OwnStore.delete_sync
+
+    def die(store: OwnStore, key: str) -> None:
+        if len(removed) == after:
+            raise Killed
+        removed.append(key)
+        delete(store, key)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(OwnStore, "delete_sync", die)
+        with pytest.raises(Killed):
+            Appender(table(tmp_path / "a")).cut(8)
+    chunks.verify(table(tmp_path / "a"))  # every chunk that its metadata promises
+    appender = Appender(table(tmp_path / "a"))
+    appender.cut(8)
+    appender.reload(8)
+    appender.append(columns(slice(8, None)))
+    appender.flush()
+    assert_same(tmp_path / "a", whole(tmp_path / "b"))
 
 
 def test_fewer_rows_than_acknowledged_are_an_error(tmp_path: Path) -> None:

@@ -147,7 +147,7 @@ def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytes
     found = synthetic(tmp_path, monkeypatch, of, **{"class": rng.integers(0, 6, of.n).astype(np.int8)})
     assert found.fields["class"].shape == (1000, 1000)
     with styled():
-        save(sweep.draw_map(found), tmp_path / "a.png")
+        save(sweep.draw_map(found).get_figure(root=True), tmp_path / "a.png")
 
 
 def test_what_cannot_be_drawn_is_said(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

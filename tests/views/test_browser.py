@@ -1,7 +1,5 @@
-"""Pages in a real browser, without a network: Debian's chromium with software WebGL, driven by playwright."""
+"""Pages in a real browser: they show the run, and follow buttons, keys and scrubbing."""
 
-import shutil
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -11,59 +9,15 @@ import tippetop as tt
 from tippetop.views import samples, thinning
 
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-playwright = pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium: apt-get install chromium"),
-    pytest.mark.xdist_group("browser"),
-    pytest.mark.filterwarnings("ignore::ResourceWarning"),
-]
-FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
-READY = "window.tippetop && window.tippetop.ready"
-SMALL = {"width": 480, "height": 640}
-Opened = Callable[..., Any]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield running
-        running.close()
-
-
-@pytest.fixture(scope="module")
-def opened(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Opened:
-    """Opens a page from a file, with the network off; `faults` of the tab is what went wrong, or was asked for."""
-    folder = tmp_path_factory.mktemp("pages")
-
-    def open_it(text: str, **options: Any) -> Any:
-        path = folder / f"{len(list(folder.iterdir()))}.html"
-        path.write_text(text, encoding="utf-8")
-        context = browser.new_context(viewport=SMALL, reduced_motion="reduce", **options)
-        context.set_offline(True)
-        context.set_default_timeout(120_000)
-        tab = context.new_page()
-        tab.faults = []
-        tab.on("console", lambda message: tab.faults.append(message.text) if "GPU stall" not in message.text else None)
-        tab.on("pageerror", lambda error: tab.faults.append(str(error)))
-        tab.on("request", lambda request: tab.faults.append(request.url[:99]) if request.url != path.as_uri() else None)
-        tab.goto(path.as_uri())
-        tab.wait_for_function(READY)
-        return tab
-
-    return open_it
-
-
 @pytest.fixture(scope="module")
 def inverting() -> tt.Run:
     return tt.run("inverting", until=6.5)
 
 
 @pytest.fixture(scope="module")
-def tab(inverting: tt.Run, opened: Opened) -> Any:
+def tab(inverting: tt.Run, open_page: Any) -> Any:
     """The page of the inversion, open."""
-    return opened(inverting.view().text)
+    return open_page(inverting.view().text)
 
 
 def test_a_page_shows_the_poses_of_its_run(inverting: tt.Run, tab: Any) -> None:
@@ -124,8 +78,8 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
 @pytest.mark.parametrize(
     ("preset", "theme"), [("heavy-top", "dark"), ("gliding-cylinder", "light"), ("leine-glocker-stem", "dark")]
 )
-def test_every_kind_of_body_is_drawn(preset: str, theme: str, opened: Opened) -> None:
-    tab = opened(tt.run(preset, until=0.1).view().text, color_scheme=theme)
+def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) -> None:
+    tab = open_page(tt.run(preset, until=0.1).view().text, color_scheme=theme)
     tab.evaluate("tippetop.set(0.05)")
     colours = tab.evaluate(COLOURS)
     assert len(colours) > 100

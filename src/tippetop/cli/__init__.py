@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 from cyclopts import App, CycloptsError
 
 from .. import awaiting
-from . import exchange, host, landscape, run, show, streams, sweep, usage, view
+from . import exchange, host, landscape, plot, run, show, streams, sweep, usage, view
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
@@ -38,13 +38,14 @@ app = App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
 )
-for module in (run, landscape, sweep, show, view, exchange):
+MODULES = (run, landscape, sweep, plot, show, view, exchange)
+for module in MODULES:
     for command in module.COMMANDS:
         app.command(command if command in show.TEXT_ONLY else host.prepared(command))
 
 
 def _commands() -> list[str]:
-    return [command.__name__ for module in (run, landscape, sweep, show, view, exchange) for command in module.COMMANDS]
+    return [command.__name__ for module in MODULES for command in module.COMMANDS]
 
 
 def _version() -> str:

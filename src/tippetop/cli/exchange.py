@@ -18,6 +18,7 @@ def compare(
     quaternion: str | None = None,
     up: str = "z",
     figure: Path | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
     as_json: Json = False,
 ) -> int:
     """Hold another program's motion against the exact one: tippetop compare OTHER.csv ... REFERENCE.
@@ -37,6 +38,8 @@ def compare(
         The letter of the vertical in the other's frames, and of the body's axis of symmetry: z or y.
     figure
         Draw both motions, the differences and the drifts to this PNG, SVG or PDF.
+    overwrite
+        Replace an existing picture.
     as_json
         Print the result as one JSON object.
     """
@@ -44,18 +47,18 @@ def compare(
     from ..exchange.motion import Convention
     from ..exchange.verdict import Verdict, judged
     from ..store.root import finite
-    from .run import check_picture
+    from .plot import check_picture
 
     if len(files) < 2:
         raise InputError(["a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."])
     if figure is not None:
-        check_picture(figure, "--figure")
+        check_picture(figure, "--figure", overwrite)
     problem = _problem(files[-1], set_)
     result = Verdict(*judged(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up)))
     if figure is not None:
         from ..figures import catalogue
 
-        catalogue.write(catalogue.comparison(result.motions, result.title), figure)
+        catalogue.write(catalogue.comparison(result.motions, result.title), figure, overwrite=overwrite)
     _print(result, finite(result.to_dict()), as_json)
     return 0
 
@@ -94,6 +97,7 @@ def fit(
     up: str = "z",
     figure: Path | None = None,
     out: Path | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
     as_json: Json = False,
 ) -> int:
     """Fit numbers of a scenario to a measured motion: tippetop fit DATA SCENARIO --free friction.mu,initial.omega3.
@@ -120,9 +124,11 @@ def fit(
     up
         The letter of the vertical, and of the body's axis of symmetry: z or y.
     figure
-        Draw data, fit and residuals to this PNG, SVG or PDF.
+        Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or say --overwrite).
     out
-        Write the scenario with the fitted numbers to this TOML file; must not exist yet.
+        Write the scenario with the fitted numbers to this TOML file; must not exist yet (or say --overwrite).
+    overwrite
+        Replace files that exist.
     as_json
         Print the result as one JSON object.
     """
@@ -132,10 +138,10 @@ def fit(
     from ..exchange.motion import Convention
     from ..store import files
     from ..store.root import finite
-    from .run import check_picture
+    from .plot import check_picture
 
     if figure is not None:
-        check_picture(figure, "--figure")
+        check_picture(figure, "--figure", overwrite)
     problem = _problem(scenario, set_)
     place = fit_text.marker_of(marker)
     observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place)
@@ -143,23 +149,24 @@ def fit(
     text = fit_text.lines(result, observation)
     if out is not None:
         scenario_text = fit_text.toml(problem, result)
-        with files.writing(out), files.replacing(out, overwrite=False) as scratch:
+        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
             scratch.write_text(scenario_text, encoding="utf-8")
     if figure is not None:
         from ..figures import catalogue
 
-        catalogue.write(catalogue.fit(result.t, observation.groups, result.residuals, text), figure)
+        drawing = catalogue.fit(result.t, observation.groups, result.residuals, text)
+        catalogue.write(drawing, figure, overwrite=overwrite)
     print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else "\n".join(text))
     return 0
 
 
-def describe(source: str, to: str, out: Path) -> int:
+def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int:
     """Writes the body of a scenario, its start and friction for a simulator."""
     from ..exchange.simulators import text_of
     from ..store import files
 
     text = text_of(_problem(source, None), to)
-    with files.writing(out), files.replacing(out, overwrite=False) as scratch:
+    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
         scratch.write_text(text, encoding="utf-8")
     print(f"file  {out}")
     return 0

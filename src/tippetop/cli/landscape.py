@@ -10,6 +10,9 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from ..figures import catalogue
+from ..figures.catalogue import PLAIN, Look
+
 
 Axis = Annotated[str | None, Parameter()]
 COMPILING = "the formulas are being compiled"
@@ -42,7 +45,7 @@ def surface(
     figure
         Draw the surface and the lines of both spinning states on it to this PNG, SVG or PDF.
     overwrite
-        Make a store anew that exists, finished or not.
+        Make a store anew that exists, finished or not, and replace an existing picture.
     """
     import numpy as np
 
@@ -50,14 +53,14 @@ def surface(
     from ..landscape import marked_lines, recording, surface
     from ..progress import Bar
     from .overwrite import remove_store
-    from .run import check_picture
+    from .plot import check_picture
     from .text import warn
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
         raise _wrong("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
     if figure is not None:
-        check_picture(figure, "--figure")
+        check_picture(figure, "--figure", overwrite)
     lam_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     lambdas = _axis("--lambda", lambda_) if lambda_ else np.linspace(0, 4.5 * lam_pi, 401)
     warn(_far(parameters, float(np.abs(lambdas).max())))
@@ -81,7 +84,7 @@ def surface(
     if figure is not None:
         few = tuple(v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas))
         grid = awaited(lambda: surface.minimal_surface(parameters, *few, system, gradient=False), COMPILING)
-        _draw_surface(grid, parameters, figure)
+        catalogue.write(_surface(grid, parameters), figure, overwrite=overwrite)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0
 
@@ -131,6 +134,7 @@ def potential(
     n: int = 1001,
     out: Path | None = None,
     figure: Path | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
     as_json: Json = False,
 ) -> int:
     """The effective potential V(z; D, lambda) of a tippe top, and its minimum.
@@ -146,9 +150,11 @@ def potential(
     n
         Number of points, evenly spread in theta, poles excluded.
     out
-        Store to write, a zarr folder; must not exist yet.
+        Store to write, a zarr folder; must not exist yet (or say --overwrite).
     figure
         Draw V(z) to this PNG, SVG or PDF.
+    overwrite
+        Replace an existing store and an existing picture.
     as_json
         Print the minimum as one JSON object.
     """
@@ -157,7 +163,8 @@ def potential(
     from ..awaiting import awaited
     from ..landscape import potential, recording, surface
     from ..store import root
-    from .run import check_picture
+    from .overwrite import remove_store
+    from .plot import check_picture
     from .text import warn
 
     parameters, system = _tippe_top(scenario)
@@ -167,7 +174,7 @@ def potential(
     if not 2 <= n <= MOST_POINTS:
         raise _wrong(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
     if figure is not None:
-        check_picture(figure, "--figure")
+        check_picture(figure, "--figure", overwrite)
     warn(_far(parameters, lambda_))
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
@@ -181,10 +188,12 @@ def potential(
         "status": meanings[least["status"].item()],
     }
     if out is not None:
+        if overwrite:
+            remove_store(out)
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
         recording.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": report})
     if figure is not None:
-        _draw_potential(V, least, figure)
+        catalogue.write(_potential(V, least), figure, overwrite=overwrite)
     if as_json:
         print(json.dumps(root.finite(report), allow_nan=False))
     else:
@@ -192,8 +201,8 @@ def potential(
     return 0
 
 
-def picture(store: Path, attrs: dict[str, Any], out: Path) -> int:
-    """Draws the store of `surface` or `potential`."""
+def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
+    """The figure of the store of `surface` or `potential`."""
     import numpy as np
 
     from ..landscape import surface
@@ -202,11 +211,9 @@ def picture(store: Path, attrs: dict[str, Any], out: Path) -> int:
     group = root.open_group(store, attrs["content"])
     if attrs["content"] == "potential":
         least = surface.minimal_surface(attrs["parameters"], attrs["D"], attrs["lambda"], attrs["system"])
-        _draw_potential(root.loaded(group, store), least, out)
-    else:
-        some = {d: np.unique(np.linspace(0, group.sizes[d] - 1, 401).astype(int)) for d in group["F"].dims}
-        _draw_surface(root.loaded(group.isel(some), store), attrs["parameters"], out)
-    return 0
+        return _potential(root.loaded(group, store), least, look)
+    some = {d: np.unique(np.linspace(0, group.sizes[d] - 1, 401).astype(int)) for d in group["F"].dims}
+    return _surface(root.loaded(group.isel(some), store), attrs["parameters"], look)
 
 
 def describe(attrs: dict[str, Any], as_json: bool) -> int:
@@ -223,24 +230,20 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     return 0
 
 
-def _draw_surface(grid: Any, parameters: dict[str, float], path: Path) -> None:
-    from ..figures import landscape
-    from ..figures.style import save, styled
+def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any:
+    """The figure of a surface, with the lines of both spinning states."""
     from ..landscape import marked_lines
 
-    with styled():
-        save(landscape.surface(grid, marked_lines.marked_lines(parameters, grid["lambda"].values)), path)
+    lines = marked_lines.marked_lines(parameters, grid["lambda"].values)
+    return catalogue.composed("figures.landscape:surface", (grid, lines), look)
 
 
-def _draw_potential(V: Any, least: Any, path: Path) -> None:
-    from ..figures import landscape
-    from ..figures.style import save, styled
-
+def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
+    """The figure of a potential, with its minimum."""
     D, lam = float(least["D"]), float(least["lambda"])
-    title = f"V(z), D = {D:.4g} kg m² s⁻¹, λ = {lam:.4g} kg m³ s⁻¹"
+    title = f"Effective potential V(z)\nD = {D * 1e6:.5g} × 10⁻⁶ kg m² s⁻¹, λ = {lam * 1e6:.5g} × 10⁻⁶ kg m³ s⁻¹"
     at = least.squeeze(drop=True).rename(theta="theta_star")
-    with styled():
-        save(landscape.potential([(title, V, at)]), path)
+    return catalogue.composed("figures.potential:potential", ([("", V, at)], title), look)
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:

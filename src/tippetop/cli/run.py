@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -39,11 +38,11 @@ def run(
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
     figure
-        Draw theta(t) with the nutational band to this PNG, SVG or PDF.
+        Draw theta(t) with the nutational band to this PNG, SVG or PDF; must not exist yet (or say --overwrite).
     as_json
         Print the result as one JSON object.
     overwrite
-        Replace an existing store.
+        Replace an existing store and an existing picture.
     certify
         Repeat the run in wider numbers and report the difference; exit 4 if the accuracy contract is broken.
     window
@@ -57,6 +56,7 @@ def run(
     from ..runs import attributes, starting
     from ..scenario.suspicions import suspicions
     from ..store import root
+    from .plot import check_picture
     from .text import following, warn
 
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
@@ -67,7 +67,7 @@ def run(
         raise
     warn(suspicions(problem))
     if figure is not None:
-        check_picture(figure, "--figure")
+        check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
             raise InputError(['`run.output` must keep rows to be drawn by --figure, but is "keyframes".'])
         require(("theta",), problem.kept_columns, "what --figure draws")
@@ -79,7 +79,7 @@ def run(
         attrs = root.finite(attributes.attributes(done.problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
-        _picture(figure, attributes.groups(done), attrs)
+        _picture(figure, attributes.groups(done), attrs, overwrite)
         return _say(attrs, done.seconds, {"figure": figure}, as_json)
     from ..runs.recording import record
 
@@ -89,7 +89,7 @@ def run(
         )
     if certify:
         attrs["certificate"] = _certificate(problem, window, out)
-    _picture(figure, out, attrs)
+    _picture(figure, out, attrs, overwrite)
     return _say(attrs, integration.seconds, {"store": out, "figure": figure}, as_json)
 
 
@@ -198,7 +198,7 @@ def _certificate(problem: Any, window: float | None, store: Path | None) -> dict
     return result
 
 
-def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
+def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite: bool) -> None:
     """Draws theta(t) of a run in memory or of a store."""
     if figure is None:
         return
@@ -207,7 +207,7 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any]) -> None:
 
     if isinstance(groups, Path):
         groups = for_figures(groups, attrs)
-    catalogue.draw("theta", groups, attrs, figure)
+    catalogue.draw("theta", groups, attrs, figure, overwrite=overwrite)
 
 
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:
@@ -249,18 +249,6 @@ def _contract(attrs: dict[str, Any]) -> int:
     for sentence in broken:
         print(f"tippetop: the accuracy contract is broken: {sentence}", file=sys.stderr)
     return 4 if broken else 0
-
-
-def check_picture(path: Path, option: str) -> None:
-    """Raises InputError or StoreError now rather than after the run. `option`: what the file was given by."""
-    from ..errors import InputError, StoreError
-
-    if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise InputError([f"{option} must end with .png, .svg or .pdf, but is `{path}`."])
-    if not path.parent.is_dir():
-        raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
-    if not os.access(path.parent, os.W_OK):
-        raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
 
 
 COMMANDS: list[Any] = [run, resume, replay]

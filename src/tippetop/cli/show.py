@@ -1,4 +1,4 @@
-"""`tippetop info, check, plot, systems, presets`: look at stores, scenarios, and what there is."""
+"""`tippetop info, check, export, systems, presets`: look at stores, scenarios, and what there is."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
-
-from ..figures import catalogue
 
 
 Json = Annotated[bool, Parameter(name="--json", negative=())]
@@ -130,51 +128,14 @@ def check(
     return 0
 
 
-def plot(
+def export(
     store: Path,
-    kind: Annotated[str | None, Parameter(help=catalogue.described())] = None,
     *,
+    to: str,
     out: Path,
+    group: str | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Draw a store to a PNG, SVG or PDF file.
-
-    Parameters
-    ----------
-    store
-        A store that `run`, `sweep`, `surface` or `potential` wrote.
-    out
-        The picture to write: a name that ends with .png, .svg or .pdf.
-    """
-    from ..awaiting import awaited
-    from ..store import root
-    from .run import check_picture
-
-    check_picture(out, "--out")
-    attrs = root.attributes(store)
-    root.refuse_other_rows(store, attrs)
-    awaited(lambda: _plot(store, kind, attrs, out), "the figure is being made (its formulas are compiled first)")
-    return 0
-
-
-def _plot(store: Path, kind: str | None, attrs: dict[str, Any], out: Path) -> None:
-    """Draws a store whose root attributes are `attrs`."""
-    from ..store import chunks
-
-    content = attrs.get("content", "run")
-    if content == "sweep":
-        catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
-        catalogue.draw_sweep(kind or "class", store, out)
-    elif content != "run":
-        from .landscape import picture
-
-        catalogue.check_kind(kind or content, [content])
-        picture(store, attrs, out)
-    else:
-        catalogue.check_kind(kind or "theta")
-        catalogue.draw(kind or "theta", chunks.for_figures(store, attrs), attrs, out)
-
-
-def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
     """Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator (MJCF, URDF).
 
     Parameters
@@ -184,18 +145,20 @@ def export(store: Path, *, to: str, out: Path, group: str | None = None) -> int:
     to
         The format: netcdf, csv or parquet; mjcf or urdf for the body, its start and its friction.
     out
-        The file to write; must not exist yet.
+        The file to write; must not exist yet (or say --overwrite).
     group
         `trajectory` (default) or `events` of a run, `phases` or `impacts` of one whose contact changes its phase, for
         CSV and Parquet; netCDF holds all.
+    overwrite
+        Replace an existing file.
     """
     from ..store.export import export as write
 
     if to in ("mjcf", "urdf"):
         from . import exchange
 
-        return exchange.describe(str(store), to, out)
-    write(store, to, out, group)
+        return exchange.describe(str(store), to, out, overwrite=overwrite)
+    write(store, to, out, group, overwrite=overwrite)
     return 0
 
 
@@ -320,5 +283,5 @@ def _with_unit(entry: Any, unit: str) -> str:
     return _plain(entry) if plain or unit == "1" else f"{_plain(entry)} {unit}"
 
 
-COMMANDS: list[Any] = [info, check, plot, export, systems, presets]
+COMMANDS: list[Any] = [info, check, export, systems, presets]
 TEXT_ONLY: list[Any] = [export, systems, presets]  # they compute nothing, and need no engine

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -93,8 +94,10 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
     """Prints what a plan would take."""
     from rich.table import Table
 
+    from ..awaiting import awaited
     from ..store.root import finite
     from ..sweeps import chunk
+    from ..sweeps.measuring import measured
     from ..sweeps.plan import Plan
     from .text import console
 
@@ -106,7 +109,7 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
         "chunks": plan.chunks,
         "tops_per_chunk": plan.chunk,
         "expected": {
-            "core_seconds": round(plan.n * plan.seconds_per_top, 3),
+            **awaited(partial(measured, plan), "some tops are being run (their equations are compiled first)"),
             "megabytes_at_most": round(plan.n * sum(c.values.itemsize for c in columns) / 1e6, 3),
         },
         "plan": plan.document,

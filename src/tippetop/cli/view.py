@@ -9,41 +9,65 @@ from cyclopts import Parameter
 
 
 def view(
-    store: Path,
+    store: Path | None = None,
     *,
+    playground: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
     from_: Annotated[float | None, Parameter(name="--from")] = None,
     until: float | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Write one HTML file that shows a run in motion, in any browser, without a network.
+    """Write one HTML file that shows a run in motion, or the map of a sweep, in any browser, without a network.
 
     Parameters
     ----------
     store
-        A store that `run` or `replay` wrote, finished, with rows and their orientation.
+        A store that `run` or `replay` wrote, finished, with rows and their orientation; or one of `sweep`.
+    playground
+        Instead of a store: a tippe top whose numbers are changed in the page, which integrates it.
     out
-        The file to write; by default the name of the store with the ending .html, in the current folder.
+        The file to write; by default the name of the store, or playground, with the ending .html.
     from_
-        Show the run from this time on [s].
+        Show a run from this time on [s].
     until
         Show it up to this time [s].
     overwrite
         Replace an existing file.
     """
     from ..awaiting import awaited
-    from ..store import root
+    from ..errors import InputError
     from ..views import pages
-    from ..views.run import page_of_store
 
-    place = out if out is not None else Path(f"{store.resolve().stem}.html")
+    if (store is None) != playground:
+        raise InputError(["one thing must be shown: give a store, or --playground."])
+    place = out if out is not None else Path(f"{store.resolve().stem if store else 'playground'}.html")
     pages.check(place, overwrite=overwrite)
-    attrs = root.attributes(store)
-    root.refuse_other_rows(store, attrs)
-    text = awaited(lambda: page_of_store(store, attrs, from_, until), "the page is being made")
+    text = awaited(lambda: _text(store, from_, until), "the page is being made")
     pages.write(text, place, overwrite=overwrite)
     print(f"{place}: {len(text.encode()) / 1e6:.1f} MB, for any browser")
     return 0
+
+
+def _text(store: Path | None, start: float | None, until: float | None) -> str:
+    """The page of a store, or the playground."""
+    from ..errors import InputError
+
+    if store is None:
+        from ..views.playground import playground
+
+        return playground()
+    from ..store import root
+    from ..views.run import page_of_store
+
+    attrs = root.attributes(store)
+    if attrs.get("content") == "sweep":
+        from ..views.sweep import page_of_sweep
+
+        return page_of_sweep(store)
+    if "content" in attrs:
+        raise InputError([f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}."])
+    root.refuse_other_rows(store, attrs)
+    return page_of_store(store, attrs, start, until)
 
 
 COMMANDS = [view]

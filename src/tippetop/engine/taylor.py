@@ -10,8 +10,8 @@ from ..awaiting import awaited
 from ..mechanics.operand import leaves
 from ..problem import Problem
 from .compiled import MOST_COMPILED, Compiled, compiled, is_same_step
-from .contact.driver import ContactDriver
 from .one_run import CompiledDriver
+from .opt_level import DEFAULT, opt_level
 from .slices import Driver
 from .wide import SliceDriver
 
@@ -40,6 +40,8 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     Driver
     """
     if problem.contact is not None:
+        from .contact.driver import ContactDriver  # a twentieth of a start, which other runs do without
+
         return ContactDriver(problem, lambda leg: driver_of(leg, stop))  # type: ignore[return-value]
     key = _key(problem)
     if key in _known:
@@ -91,6 +93,8 @@ def _checked(problem: Problem, code: Compiled) -> Compiled:
 
 
 def fingerprint(driver: Driver) -> str:
-    """Says which equations a driver was made of: a digest of their expressions."""
+    """Says which equations a driver was made of: a digest of their expressions, and of how they were compiled."""
     lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
+    if opt_level() != DEFAULT:
+        lines += f"\nopt_level {opt_level()}"
     return hashlib.sha256(lines.encode()).hexdigest()[:16]

@@ -13,8 +13,9 @@ from typing import Any
 
 @dataclass(frozen=True)
 class RunFigure:
-    """A figure of a run: draw(*prepare(trajectory, events, attributes)); both are named module:function, and imported
-    when the figure is drawn. Where the x axis is the time, the phases of the run's contact are shaded behind it."""
+    """A figure of a run: draw(*prepare(trajectory, events, attributes), ax=ax), which gives the Axes; both are named
+    module:function, and imported when the figure is drawn. Where the x axis is the time, the phases of the run's
+    contact are shaded behind it."""
 
     shows: str  # one line for people
     draw: str
@@ -24,10 +25,24 @@ class RunFigure:
     # "landscape" stand for those of the system
     drawn_for: str = ""  # the systems that have that column, in words
     over_time: bool = False  # whether the x axis of every panel is the time
+    compares: bool = False  # whether several runs can be axes in one panel
 
 
-OF_LANDSCAPES = ("theta", "phase", "landscape")
-OF_DRIFT = ("integrals", "energy", "work", "axis", "ball")
+@dataclass(frozen=True)
+class Look:
+    """How a figure looks: its title instead of its own, width and height [inches], dots per inch, light on dark."""
+
+    title: str | None = None
+    size: tuple[float, float] | None = None
+    dpi: float = 150
+    dark: bool = False
+
+
+PLAIN = Look()
+
+
+OF_LANDSCAPES = ("theta", "phase", "ball", "landscape")
+OF_DRIFT = ("integrals", "energy", "work", "axis", "ball", "jellett_lost")
 
 
 def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
@@ -37,27 +52,49 @@ def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
 
 
 FIGURES: dict[str, RunFigure] = {
-    "theta": RunFigure("theta(t), turning angles, nutational band (default)", "figures.run:theta", over_time=True),
+    "theta": RunFigure(
+        "theta(t), turning angles, nutational band (default)", "figures.theta:theta", over_time=True, compares=True
+    ),
     "normal-force": RunFigure(
         "normal force g_n(t) in units of the weight",
-        "figures.run:normal_force",
+        "figures.energetics:normal_force",
         needs="normal_force",
         uses=("normal_force",),
         drawn_for="systems with a normal force",
         over_time=True,
+        compares=True,
     ),
-    "drift": RunFigure("relative change of what must be conserved", "figures.run:drift", uses=OF_DRIFT, over_time=True),
-    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", "figures.run:growth", uses=OF_DRIFT),
+    "drift": RunFigure(
+        "relative change of what must be conserved",
+        "figures.conserved:drift",
+        uses=OF_DRIFT,
+        over_time=True,
+        compares=True,
+    ),
+    "growth": RunFigure(
+        "growth of the worst drift with t, beside sqrt(t)", "figures.conserved:growth", uses=OF_DRIFT, compares=True
+    ),
     "sphere": RunFigure(
-        "path of the axis on the sphere", "figures.run:sphere", needs="axis", uses=("axis",), drawn_for="tops"
+        "path of the axis on the sphere", "figures.sphere:sphere", needs="axis", uses=("axis",), drawn_for="tops"
     ),
     "energy": RunFigure(
         "energy, modified energy, energy taken by friction",
-        "figures.run:energy",
+        "figures.energetics:energy",
         uses=("energy", "modified_energy", "work", "phase"),
         over_time=True,
+        compares=True,
     ),
-    "phase": _of_tippe_tops("figures.stability:phase", "asymptotic states over lambda, and the run among them"),
+    "film": RunFigure(
+        "eight poses of the body on one line, by their times",
+        "figures.film:film",
+        "runs.shape:with_shape",
+        needs="orientation",
+        uses=("theta", "axis", "orientation", "z"),
+        drawn_for="runs that keep the orientation",
+    ),
+    "states": _of_tippe_tops(
+        "figures.stability:states", "asymptotic states over lambda, and the run among them; also of a scenario"
+    ),
     "band": RunFigure(
         "turning angles that the main equation predicts",
         "figures.landscape:band",
@@ -67,13 +104,15 @@ FIGURES: dict[str, RunFigure] = {
     "surface": _of_tippe_tops("figures.landscape:surface", "the run on the minimal surface F(D, lambda)"),
     "potential": RunFigure(
         "the effective potential V(z) at six times",
-        "figures.landscape:potential",
+        "figures.potential:potential",
         "landscape.along_run:potential",
         uses=OF_LANDSCAPES,
     ),
     "inversion": _of_tippe_tops("figures.landscape:inversion", "the run on the section of F at its lambda"),
 }
 """The figures of a run, by name."""
+FORMER = {"phase": "states"}
+"""Names that figures had."""
 
 SWEEP_KINDS = {
     "class": "fate of each top over two axes (default)",
@@ -81,16 +120,36 @@ SWEEP_KINDS = {
     "normal-force": "least normal force",
 }
 """The figures of a sweep, and what each shows."""
+ENDINGS = (".png", ".svg", ".pdf")
+MOST_PIXELS = 20_000  # along a side
 
 
 def described() -> str:
     """What `plot --help` says of the kinds."""
     runs = "".join(f"\n- {name}: {figure.shows}" for name, figure in FIGURES.items())
+    several = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
     sweeps = "".join(f"\n- {name}: {shows}" for name, shows in SWEEP_KINDS.items())
-    return f"Of a run:\n{runs}\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
+    return (
+        f"Further runs, to be axes beside the first ({several}); and, last, the kind of figure.\n\nOf a run:\n{runs}"
+        f"\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
+    )
 
 
-def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -> None:
+def kind_of(word: str) -> str:
+    """The name of a kind of figure, by that name or by one that it had. Raises InputError."""
+    check_kind(word, [*FIGURES, *FORMER])
+    return FORMER.get(word, word)
+
+
+def draw(
+    kind: str,
+    groups: dict[str, Any],
+    attrs: dict[str, Any],
+    path: Path,
+    look: Look = PLAIN,
+    *,
+    overwrite: bool = False,
+) -> None:
     """Draws one kind of figure of a run to a file.
 
     Parameters
@@ -103,6 +162,10 @@ def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -
         The root attributes of the run's store.
     path
         The file; its ending names the format.
+    look
+        How it looks.
+    overwrite
+        Whether a file that is there is replaced.
 
     Raises
     ------
@@ -111,31 +174,45 @@ def draw(kind: str, groups: dict[str, Any], attrs: dict[str, Any], path: Path) -
     StoreError
         Where the file cannot be written.
     """
-    write(figure_of(kind, groups, attrs), path)
+    write(figure_of(kind, groups, attrs, look), path, look, overwrite=overwrite)
 
 
-def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> Any:
-    """One kind of figure of a run, a matplotlib Figure. Raises InputError if the run lacks what it shows."""
+def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look = PLAIN, ax: Any = None) -> Any:
+    """One kind of figure of a run, a matplotlib Figure. Raises InputError if the run lacks what it shows.
+
+    With `ax` it is drawn there, without the panels and legends that stand beside it.
+    """
+    return axes_of(kind, groups, attrs, look, ax).get_figure(root=True)
+
+
+def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look = PLAIN, ax: Any = None) -> Any:
+    """As `figure_of`; gives the Axes, of several panels the first."""
     from ..errors import InputError, a_system
     from .style import styled
+    from .window import handed_over
 
-    check_kind(kind)
+    kind = kind_of(kind)
     chosen = FIGURES[kind]
     _refuse_left_out(kind, groups["trajectory"], attrs)
     if chosen.needs not in groups["trajectory"]:
         raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
     if not len(groups["trajectory"]["time"].values):
         raise InputError([f"`{kind}` is drawn of rows, and this run keeps none: replay a part of it."])
+    if ax is not None and (kind == "surface") != (getattr(ax, "name", "") == "3d"):
+        raise InputError([f"`ax` of `{kind}` must be {'in 3-D' if kind == 'surface' else 'flat'}, but is not."])
+    attrs = with_units(attrs) | {"handed_over": handed_over(groups)}
     given: Any = (groups["trajectory"], groups["events"], attrs)
     if chosen.prepare is not None:
         from ..landscape import along_run
 
         given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
-    with styled():
-        drawing = _function(chosen.draw)(*given)
+    with styled(dark=look.dark):
+        axes = _function(chosen.draw)(*given, ax=ax)
         if chosen.over_time and "phases" in groups:
-            _function("figures.phases:mark")(drawing, groups["phases"], groups["impacts"])
-        return drawing
+            panels = [axes] if ax is not None else list(axes.get_figure(root=True).axes)
+            _function("figures.phases:mark")(panels, groups["phases"], groups["impacts"], own=ax is None)
+        _finish(axes, look, own=ax is None)
+        return axes
 
 
 def _refuse_left_out(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
@@ -155,12 +232,70 @@ def _refuse_left_out(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
     require(sorted(uses & has), trajectory, f"what `{kind}` is drawn from")
 
 
-def write(figure: Any, path: Path) -> None:
+def several(
+    kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], look: Look = PLAIN, ax: Any = None
+) -> Any:
+    """The same curve of several runs in one panel, the Axes; `runs` are trajectories and root attributes, `names` what
+    they are called where nothing else tells them apart. Raises InputError."""
+    from ..errors import InputError, a_system
+    from .overlay import overlay
+    from .style import styled
+
+    kind = kind_of(kind)
+    if not FIGURES[kind].compares:
+        known = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
+        raise InputError([f"several runs are drawn together as {known}; `{kind}` is drawn of one."])
+    for trajectory, attrs in runs:
+        _refuse_left_out(kind, trajectory, attrs)
+        if FIGURES[kind].needs not in trajectory:
+            words = FIGURES[kind].drawn_for
+            raise InputError([f"`{kind}` is drawn for {words} only; one of these is {a_system(attrs['system'])}."])
+        if not len(trajectory["time"].values):
+            raise InputError([f"`{kind}` is drawn of rows, and one of these runs keeps none: replay a part of it."])
+    with styled(dark=look.dark):
+        axes = overlay(kind, [(trajectory, with_units(attrs)) for trajectory, attrs in runs], names, ax)
+        _finish(axes, look, own=ax is None)
+        return axes
+
+
+def states_of(system: str, parameters: dict[str, float], lam: float, look: Look = PLAIN, title: str = "") -> Any:
+    """The diagram of the asymptotic states of a body with the |lambda| of its start [kg m^3/s]. Raises
+    InputError for a system that has none."""
+    from ..landscape import along_run
+
+    branches, marks = along_run.diagram(system, parameters, lam)
+    return composed("figures.stability:states", (branches, marks | {"|λ| of the start": abs(lam)}, title), look)
+
+
+def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
+    """The attributes of a run, with the units of the numbers of its friction law among its units."""
+    from ..mechanics.friction import CONTENSOU
+    from ..mechanics.systems import find
+
+    system, name = find(attrs["system"]), attrs.get("friction", {}).get("law", "")
+    law = (system.laws if system is not None else {}).get(name, {"contensou": CONTENSOU}.get(name))
+    units = {name: parameter.unit.symbol for name, parameter in law.parameters.items()} if law is not None else {}
+    return attrs | {"units": attrs.get("units", {}) | units}
+
+
+def _finish(axes: Any, look: Look, *, own: bool) -> None:
+    """Gives a figure its title and size; a panel of somebody else's figure its title."""
+    figure = axes.get_figure(root=True)
+    if look.title is not None:
+        if own and figure.get_suptitle():
+            figure.suptitle(look.title, x=0.01, ha="left", fontsize=11)
+        else:
+            axes.set_title(look.title)
+    if own and look.size is not None:
+        figure.set_size_inches(*look.size)
+
+
+def write(figure: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = False) -> None:
     """Writes a figure; the ending of `path` names the format. Raises StoreError."""
     from .style import save, styled
 
-    with styled():
-        save(figure, path)
+    with styled(dark=look.dark):
+        save(figure, path, dpi=look.dpi, overwrite=overwrite)
 
 
 def comparison(motions: Any, title: str) -> Any:
@@ -181,37 +316,52 @@ def fit(*arguments: Any) -> Any:
         return fit(*arguments)
 
 
-def draw_sweep(kind: str, store: Path, path: Path) -> None:
-    """Draws one kind of figure of a sweep to a file. Raises InputError, StoreError."""
+def figure_of_sweep(kind: str, store: Path, look: Look = PLAIN) -> Any:
+    """One kind of figure of a sweep. Raises InputError, StoreError."""
     from ..sweeps import maps
-    from . import sweep
-    from .style import save, styled
 
-    sweep_map = maps.make_map(store, kind)
-    with styled():
-        save(sweep.draw_map(sweep_map), path)
+    return composed("figures.sweep:draw_map", (maps.make_map(store, kind),), look)
+
+
+def composed(draw: str, given: tuple[Any, ...], look: Look = PLAIN) -> Any:
+    """The figure that module:function draws of what it is given."""
+    from .style import styled
+
+    with styled(dark=look.dark):
+        axes = _function(draw)(*given)
+        _finish(axes, look, own=True)
+    return axes.get_figure(root=True)
 
 
 def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
     """Raises InputError if there is no such figure."""
     from ..errors import InputError, suggestion
 
+    known = list(known)
     if not isinstance(kind, str) or kind not in known:
         kind = str(kind)
-        raise InputError(
-            [f"the kind of figure must be one of {', '.join(known)}, but is `{kind}`.{suggestion(kind, known)}"]
-        )
+        listed = ", ".join(name for name in known if name not in FORMER)
+        raise InputError([f"the kind of figure must be one of {listed}, but is `{kind}`.{suggestion(kind, known)}"])
 
 
 def check_format(path: Path) -> None:
     """Raises InputError if the ending of a path names no format of figures."""
-    from matplotlib.backend_bases import FigureCanvasBase
-
     from ..errors import InputError
 
-    formats = FigureCanvasBase.get_supported_filetypes()
-    if path.suffix.removeprefix(".").lower() not in formats:
-        raise InputError([f"`{path}` must end with the format of a figure, such as .png, .svg or .pdf, but does not."])
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError([f"`{path}` must end with the format of a figure: .png, .svg or .pdf, but does not."])
+
+
+def check_look(look: Look) -> None:
+    """Raises InputError if a figure could not look so."""
+    from ..errors import InputError
+
+    if not 10 <= look.dpi <= 2400:
+        raise InputError([f"`dpi` must be between 10 and 2400, but is {look.dpi:g}."])
+    if look.size is not None and not all(1 <= side <= MOST_PIXELS / look.dpi for side in look.size):
+        given = " x ".join(f"{side:g}" for side in look.size)
+        most = MOST_PIXELS / look.dpi
+        raise InputError([f"`size` must be between 1 and {most:g} inches at {look.dpi:g} dpi, but is {given}."])
 
 
 def _function(name: str) -> Any:

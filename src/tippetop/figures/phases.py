@@ -3,42 +3,42 @@
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from .style import ALARM
+from .style import ink, legend
 
 
-SHADES = {  # by phase: of a body on its sphere or in flight, of one on its stem
-    "slip": ("#fdefdc", "#fad2a4"),
-    "roll": ("#ddf2e5", "#a3d9ba"),
-    "flight": ("#d3e2fb", "#d3e2fb"),
-    "both": ("#ecdcf7", "#ecdcf7"),
-}
-TICKS = {"body": ALARM, "stem": "#6d28d9"}
+ORDER = ("slip", "roll", "flight", "both")
+BALLS = ("body", "stem")
 MOST_SHADES = 100  # with more phases, cells of equal width have the mean of their shades
 CELLS = 500  # each wider than a pixel
 
 
-def mark(fig: Figure, phases: Any, impacts: Any) -> None:
-    """Shades the phases in every panel of a figure over time, and marks the impacts; a legend below names both.
+def mark(panels: list[Axes], phases: Any, impacts: Any, *, own: bool = True) -> None:
+    """Shades the phases in panels over time, and marks the impacts; a legend below names both.
 
     Parameters
     ----------
-    fig
-        A figure whose panels have the time as their x axis.
+    panels
+        Panels that have the time as their x axis.
     phases, impacts
         The groups of the run's store, Datasets or columns by name.
+    own
+        Whether the figure is ours: then the legend stands below it.
     """
     begun, ended = phases["start"].values, phases["end"].values
     if not len(begun):
         return
+    colours = ink()
+    ticks_of = dict(zip(BALLS, (colours.alarm, colours.stem), strict=True))
     kinds, lengths = _kinds(phases), ended - begun
-    edges, colors = cells(begun, ended, [SHADES[phase][ball == "stem"] for phase, ball in kinds])
-    ticks = {ball: impacts["time"].values[_names(impacts["ball"]) == ball] for ball in TICKS}
-    for axes in fig.axes:
+    edges, colors = cells(begun, ended, [colours.shades[phase][ball == "stem"] for phase, ball in kinds])
+    names = _names(impacts["ball"])
+    ticks = {ball: impacts["time"].values[names == ball] for ball in BALLS}
+    for axes in panels:
         limits = axes.get_xlim(), axes.get_ylim()
         axes.grid(visible=False, axis="x")
         axes.pcolormesh(
@@ -46,23 +46,24 @@ def mark(fig: Figure, phases: Any, impacts: Any) -> None:
         )
         for ball, when in ticks.items():
             axes.vlines(
-                _distinct(when, limits[0]), 0, 0.035, transform=axes.get_xaxis_transform(), color=TICKS[ball], lw=0.7,
-                label=f"_impacts of the {ball}", zorder=2.5,
+                _distinct(when, limits[0]), 0, 0.035, transform=axes.get_xaxis_transform(), color=ticks_of[ball],
+                lw=0.7, label=f"_impacts of the {ball}", zorder=2.5,
             )  # fmt: skip
         axes.set(xlim=limits[0], ylim=limits[1])
     total = max(float(lengths.sum()), 1e-300)
     handles: list[Any] = []
-    for kind in sorted(set(kinds), key=lambda kind: (kind[1] == "stem", list(SHADES).index(kind[0]))):
+    for kind in sorted(set(kinds), key=lambda kind: (kind[1] == "stem", ORDER.index(kind[0]))):
         share = float(lengths[[k == kind for k in kinds]].sum()) / total
         words = kind[0] + (" on the stem" if kind[1] == "stem" else "")
-        handles.append(Patch(color=SHADES[kind[0]][kind[1] == "stem"], label=f"{words}: {_percent(share)}"))
+        handles.append(Patch(color=colours.shades[kind[0]][kind[1] == "stem"], label=f"{words}: {_percent(share)}"))
     for ball, when in ticks.items():
         if len(when):
             words = ("impact" if len(when) == 1 else "impacts") + (" of the stem" if ball == "stem" else "")
             handles.append(
-                Line2D([], [], color=TICKS[ball], marker="|", ms=9, mew=1.4, ls="none", label=f"{len(when)} {words}")
+                Line2D([], [], color=ticks_of[ball], marker="|", ms=9, mew=1.4, ls="none", label=f"{len(when)} {words}")
             )
-    fig.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=9)
+    if own:
+        legend(panels[0], "lower center", own=True, handles=handles, ncols=len(handles))
 
 
 def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.ndarray, np.ndarray]:

@@ -3,46 +3,50 @@
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
 
-from .style import LOWER, QUIET, RUN, UPPER, figure
+from .style import ink, legend, panel
 
 
-COLOURS = {"upright": LOWER, "tumbling": RUN, "inverted": UPPER}
 NAMES = {"upright": "upright spin", "tumbling": "tumbling", "inverted": "inverted spin"}
+LARGEST = 1e6  # of the axis of lambda: 10^-6 kg m^3/s
 
 
-def phase(branches: list[Any], marks: dict[str, float], path: tuple[np.ndarray, float] | None = None) -> Figure:
+def states(
+    branches: list[Any],
+    marks: dict[str, float],
+    title: str = "",
+    path: tuple[np.ndarray, np.ndarray] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     """Branches of asymptotic states, stable ones solid, unstable ones dashed; `marks` are values of lambda that are
     named on the axis; `path` is cos(theta) of a run and its lambda."""
-    fig = figure(8.0, 5.2)
-    axes = fig.add_subplot()
-    for kind, colour in COLOURS.items():
-        axes.plot([], [], color=colour, lw=2.6, label=NAMES[kind])
+    own, ink_ = ax is None, ink()
+    ax = panel(ax, 8.4, 5.4)
+    colours = {"upright": ink_.lower, "tumbling": ink_.run, "inverted": ink_.upper}
+    for kind in (name for name in NAMES if any(branch.kind == name for branch in branches)):
+        ax.plot([], [], color=colours[kind], lw=2.6, label=NAMES[kind])
     for branch in branches:
         style: dict[str, Any] = {"lw": 2.6, "ls": "-"} if branch.stable else {"lw": 1.3, "ls": (0, (4, 3))}
-        axes.plot(branch.lam * 1e6, branch.z, color=COLOURS[branch.kind], **style, clip_on=False)
+        ax.plot(branch.lam * LARGEST, branch.z, color=colours[branch.kind], **style)
+    most = max(float(np.nanmax(b.lam)) for b in branches if b.kind != "tumbling") * LARGEST
     for name, value in marks.items():
-        axes.axvline(value * 1e6, color=QUIET, lw=0.8, ls=":")
-        axes.annotate(
-            name,
-            (value * 1e6, 0.1),
-            xycoords=("data", "axes fraction"),
-            xytext=(3, 0),
-            color=QUIET,
-            textcoords="offset points",
-        )
+        ax.axvline(value * LARGEST, color=ink_.quiet, lw=0.8, ls=":")
+        ax.annotate(
+            name, (value * LARGEST, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2), color=ink_.quiet,
+            textcoords="offset points", ha="center",
+        )  # fmt: skip
     if path is not None:
-        z, lam = path
-        line = np.full(len(z), abs(lam) * 1e6)
-        axes.plot(line, z, color=QUIET, lw=4, alpha=0.35, label="this run", solid_capstyle="butt")
-        axes.plot(line[[0]], z[[0]], "o", color="black", ms=5, zorder=5, label="its start")
-        axes.plot(line[[-1]], z[[-1]], "D", color="black", mfc="white", ms=6, zorder=5, label="its end")
-    axes.set_xlabel(r"Jellett's integral $|\lambda|$  [$10^{-6}$ kg m$^3$ s$^{-1}$]")
-    axes.set_ylabel(r"$\cos\theta$")
-    axes.set_ylim(-1.06, 1.06)
-    most = max(float(np.nanmax(b.lam)) for b in branches if b.kind != "tumbling")
-    axes.set_xlim(0, most * 1e6)
-    axes.set_title("Asymptotic states: solid stable, dashed unstable", pad=10)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return fig
+        z, lam = path[0], np.abs(path[1]) * LARGEST
+        ax.plot(lam, z, color=ink_.quiet, lw=4, alpha=0.4, label="this run", solid_capstyle="butt")
+        known = np.flatnonzero(np.isfinite(z * lam))
+        ax.plot(lam[known[:1]], z[known[:1]], "o", color=ink_.mark, ms=8, zorder=5, label="its start")
+        ax.plot(lam[known[-1:]], z[known[-1:]], "D", color=ink_.mark, mfc=ink_.paper, ms=5, zorder=6, label="its end")
+    ax.set_xlabel("Jellett's integral |λ| (10⁻⁶ kg m³ s⁻¹)")
+    ax.set_ylabel("cos θ")
+    ax.set_ylim(-1.06, 1.06)
+    ax.set_xlim(0, most)
+    heading = "Asymptotic states: solid stable, dashed unstable"
+    ax.set_title(f"{title}\n{heading}" if title else heading, pad=16 if marks else 6)
+    legend(ax, "right center", own=own)
+    return ax

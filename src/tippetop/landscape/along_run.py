@@ -19,6 +19,7 @@ from .turning import turning_angles
 
 
 TIMES = 6  # panels of the potential
+KEPT = 1e-9  # relative change of what stays as it is
 SPINNING = ("D", "lambda")  # the momenta over which spinning states are lines
 
 
@@ -51,61 +52,93 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
     low, high = edges["theta_min"].values, edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
-    return angles, logged, attrs["title"] + ": the band that the main equation predicts"
+    return angles, logged, f"{heading(attrs)}: the band that the main equation predicts"
 
 
-def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[xr.Dataset, ...]:
-    """The minimal surface around a run, the marked lines, and the run."""
+def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
+    """The minimal surface around a run, the marked lines, the run while it is on its sphere, and its title."""
     parameters, *_ = _body(attrs, SPINNING)
     lam = float(trajectory["jellett"][0])
     lambdas = np.linspace(0, 1.25 * lam, 201) if lam > 0 else np.linspace(1.25 * lam, 0, 201) if lam < 0 else None
     if lambdas is None:
         raise InputError(["the surface is drawn around a run with lambda other than 0, but it is 0."])
-    lines = marked_lines(parameters, lambdas)
-    ends = [*lines["D"].values.ravel(), *trajectory["routh"].values]
-    return minimal_surface(parameters, np.linspace(min(ends), max(ends), 201), lambdas), lines, trajectory
+    lines, seen = marked_lines(parameters, lambdas), _on_sphere(trajectory)
+    ends = [*lines["D"].values.ravel(), *seen["routh"].values]
+    grid = minimal_surface(parameters, np.linspace(np.nanmin(ends), np.nanmax(ends), 201), lambdas)
+    return grid, lines, seen, heading(attrs)
 
 
-def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[list]:
-    """V(z), E~ and the turning angles at several times: evenly spread in theta, hence all through an inversion."""
+def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
+    """V(z), E~ and the turning angles at several times, and a title: evenly spread in theta, hence all through an
+    inversion; at one time, where D, lambda and E~ stay as they are."""
     parameters, system, landscape = _body(attrs)
     theta = trajectory["theta"].values
     reached = np.maximum.accumulate(theta)
     picks = np.unique(np.searchsorted(reached, np.linspace(theta[0], reached[-1], TIMES)))
     if picks.size < TIMES:  # theta does not rise: evenly spread in time
         picks = np.unique(np.linspace(0, theta.size - 1, TIMES).round().astype(int))
-    z = np.cos(np.linspace(np.pi, 0, 1203)[1:-1])
+    kept = all(np.ptp(v) <= KEPT * np.abs(v).max() for v in (trajectory[name].values for name in landscape.columns))
+    z = np.cos(np.linspace(np.pi, 0, 4003)[1:-1])
     curves = []
-    for i in picks:
+    for i in picks[:1] if kept else picks:
         x, y, E = (float(trajectory[name][i]) for name in landscape.columns)
         at = turning_angles(parameters, x, y, E, system, theta=float(theta[i])).assign(energy=E)
-        curves.append((f"t = {float(trajectory['time'][i]):.4g} s", potential_over(parameters, z, x, y, system), at))
-    return (curves,)
+        words = "at all times" if kept else f"t = {float(trajectory['time'][i]):.4g} s"
+        curves.append((words, potential_over(parameters, z, x, y, system), at))
+    return curves, f"{heading(attrs)}: effective potential V(z)"
 
 
 def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
-    """The section of the surface at the run's lambda, the spinning states there, and the run."""
+    """The section of the surface at the run's lambda, the spinning states there, and the run.
+
+    Raises InputError where lambda is 0, or does not stay what it is: then there is no such section.
+    """
     parameters, *_ = _body(attrs, SPINNING)
     lam = float(trajectory["jellett"][0])
+    if lam == 0:
+        raise InputError(["the inversion is drawn of a run with lambda other than 0, but it is 0."])
+    if np.ptp(trajectory["jellett"].values) > KEPT * abs(lam):
+        raise InputError(
+            ["`inversion` is drawn of a run that keeps lambda; this one does not (drilling, or another ball)."]
+        )
     lines = marked_lines(parameters, lam)
     ends = np.array([*lines["D"].values.ravel(), *trajectory["routh"].values])
     margin = 0.12 * np.ptp(ends) or 1e-9
     section = minimal_surface(parameters, np.linspace(ends.min() - margin, ends.max() + margin, 801), lam)
-    return section, lines, trajectory, f"{attrs['title']}: λ = {lam:.6g} kg m³ s⁻¹"
+    return section, lines, trajectory, f"{heading(attrs)}: λ = {lam * 1e6:.6g} × 10⁻⁶ kg m³ s⁻¹"
 
 
-def phase(
+def states(
     trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]
-) -> tuple[list[tumbling.Branch], dict[str, float], tuple[np.ndarray, float]]:
-    """The asymptotic states of the body of a run as branches over lambda, values of lambda to be marked, and the run as
-    cos(theta) with its lambda [kg m^3/s]."""
-    _body(attrs, SPINNING)
-    body = SYSTEMS[attrs["system"]].body_of(attrs["parameters"], Frictionless())
-    lam = float(trajectory["jellett"][0])
+) -> tuple[list[tumbling.Branch], dict[str, float], str, tuple[np.ndarray, np.ndarray]]:
+    """The asymptotic states of the body of a run as branches over lambda, values of lambda to be marked, a title, and
+    the run as cos(theta) with its lambda [kg m^3/s] while it is on its sphere."""
+    seen = _on_sphere(trajectory)
+    lam = seen["jellett"].values
+    branches, marks = diagram(attrs["system"], attrs["parameters"], float(np.nanmax(np.abs(lam))))
+    return branches, marks, heading(attrs), (np.cos(seen["theta"].values), lam)
+
+
+def diagram(system: str, parameters: dict[str, float], lam: float) -> tuple[list[tumbling.Branch], dict[str, float]]:
+    """The asymptotic states of a body as branches over lambda, to beyond this one [kg m^3/s], and its thresholds."""
+    _body({"system": system, "parameters": parameters}, SPINNING)
+    body = SYSTEMS[system].body_of(parameters, Frictionless())
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
-    most = 1.25 * max(abs(lam), *marks.values())
-    return tumbling.branches(body, most), marks, (np.cos(trajectory["theta"].values), lam)
+    return tumbling.branches(body, 1.25 * max(abs(lam), *marks.values())), marks
+
+
+def heading(attrs: dict[str, Any]) -> str:
+    """The title of a run as figures begin with it."""
+    return str(attrs["title"][:1].upper() + attrs["title"][1:])
+
+
+def _on_sphere(trajectory: xr.Dataset) -> xr.Dataset:
+    """The run without what it has of a sphere while it stands on its stem: NaN there."""
+    if "ball" not in trajectory:
+        return trajectory
+    names = [name for name in ("theta", "routh", "jellett", "modified_energy") if name in trajectory]
+    return trajectory[names].where(xr.DataArray(~flagged(trajectory["ball"], "stem"), dims="time"))
 
 
 def _body(attrs: dict[str, Any], momenta: tuple[str, str] | None = None) -> tuple[dict[str, float], str, Landscape]:

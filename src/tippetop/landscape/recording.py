@@ -1,9 +1,11 @@
 """Landscapes on disk. Surfaces beyond memory go to zarr chunk by chunk, resumable: the store knows what is done.
 
 Until the last chunk is written the store is a hidden folder beside its place, `.NAME.part`; a second call with the same
-body and axes continues where the first stopped. A chunk is done when its `status` is there: it is written last.
+body and axes continues where the first stopped. A chunk is done when the digest of its files is there: it is written
+last, in the folder `digests`, which goes when the surface is whole.
 """
 
+import hashlib
 import itertools
 import json
 import os
@@ -17,7 +19,7 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, skeleton, tables
+from ..store import files, seal, skeleton, tables
 from ..store.chunks import Appender, chunk_file, readable
 from ..store.files import LOCK, Lock
 from ..store.provenance import provenance
@@ -29,6 +31,8 @@ from . import labels, surface
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
 GROUP = "surface"
+OVER_AXES = ("F", "z", "status")
+DIGESTS = "digests"  # the folder of an unfinished store: a file for each chunk that is done
 
 
 @dataclass(frozen=True)
@@ -121,15 +125,18 @@ def write(
             raise StoreError(f"`{scratch}` must be yours, but another user made it.")
         with Lock(scratch) as lock:
             arrays = _created(scratch, wanted) if fresh else _opened(scratch, wanted)
-            blocks = list(wanted.blocks())
+            blocks, whole = list(wanted.blocks()), not fresh and _is_whole(scratch)
+            (scratch / DIGESTS).mkdir(exist_ok=True)
             for done, (i, j) in enumerate(blocks, 1):
-                if fresh or not _sound(arrays, wanted, i, j):
+                if fresh or not (whole or _sound(scratch, arrays, i, j)):
                     _fill(arrays, wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads)
+                    files.replace_text(_record(scratch, i, j), _digest(arrays, i, j))
                 if progress is not None:
                     progress(done, len(blocks))
             files.remove_stale(path)
             lock.check()
             finish(scratch, {})
+            shutil.rmtree(scratch / DIGESTS)
             lock.remove()
             files.rename_new(scratch, path)
     return path
@@ -149,18 +156,37 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
         finish(scratch, {})
 
 
-def _sound(arrays: dict[str, Any], wanted: Surface, i: int, j: int) -> bool:
-    """Whether a chunk is done: it can be read, and its corners, computed again, have the same bits."""
-    if not chunk_file(arrays["status"], i, j).exists():
-        return False
+def _sound(scratch: Path, arrays: dict[str, Any], i: int, j: int) -> bool:
+    """Whether a chunk is done: it can be read, and its files are those of its digest."""
     try:
-        stored = {name: readable(arrays[name], i, j) for name in ("F", "z", "status")}
+        if _record(scratch, i, j).read_text(encoding="utf-8") != _digest(arrays, i, j):
+            return False
+        for name in OVER_AXES:
+            readable(arrays[name], i, j)
+    except (OSError, ValueError, StoreError):
+        return False
+    return True
+
+
+def _record(scratch: Path, i: int, j: int) -> Path:
+    """Where the digest of a chunk is kept."""
+    return scratch / DIGESTS / f"{i}-{j}"
+
+
+def _digest(arrays: dict[str, Any], i: int, j: int) -> str:
+    """A digest of what of a chunk is on the disk, and of its place. Raises OSError."""
+    whole = hashlib.sha256(f"{i} {j}".encode())
+    for name in OVER_AXES:
+        whole.update(name.encode() + seal.checksum(chunk_file(arrays[name], i, j)))
+    return whole.hexdigest()
+
+
+def _is_whole(scratch: Path) -> bool:
+    """Whether all was done when it was stopped: it has its seal, and what the seal says."""
+    try:
+        return seal.SEAL in skeleton.read(scratch)
     except StoreError:
         return False
-    ends = [[k, min(k + wanted.chunk, n) - 1] for k, n in ((i, wanted.x.size), (j, wanted.y.size))]
-    corners = _values(wanted, *ends, threads=1)
-    at = np.ix_(*(np.array(end) - end[0] for end in ends))
-    return all(np.array_equal(corners[n], stored[n][at], equal_nan=n != "status") for n in corners)
 
 
 def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:

@@ -31,14 +31,15 @@ class Comparison(Verdict):
         What the reference is.
     """
 
-    def plot(self, path: str | Path | None = None) -> "Figure":
-        """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given."""
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
+        """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given, over a
+        file that is there if it may be overwritten."""
         from ..figures import catalogue
 
         figure = catalogue.comparison(self.motions, self.title)
         if path is not None:
             catalogue.check_format(path_of("path", path))
-            catalogue.write(figure, path_of("path", path))
+            catalogue.write(figure, path_of("path", path), overwrite=overwrite)
         return figure
 
 
@@ -119,14 +120,14 @@ class Fitted:
         """A scenario that runs."""
         return fit_text.toml(self._before, self._fit)
 
-    def plot(self, path: str | Path | None = None) -> "Figure":
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Data, fit and residuals as a figure; saved where a path is given."""
         from ..figures import catalogue
 
         figure = catalogue.fit(self._fit.t, self._observation.groups, self.residuals, str(self).split("\n"))
         if path is not None:
             catalogue.check_format(path_of("path", path))
-            catalogue.write(figure, path_of("path", path))
+            catalogue.write(figure, path_of("path", path), overwrite=overwrite)
         return figure
 
     def __str__(self) -> str:
@@ -192,7 +193,7 @@ def fit(
 def _reference(source: Any) -> Any:
     """The problem of a scenario, a run, or the store of one. Raises InputError."""
     if isinstance(source, str | Path) and Path(source).is_dir():
-        from .run import StoredRun
+        from .stored_run import StoredRun
 
         return StoredRun(source).problem
     problem = problem_behind(source)

@@ -104,6 +104,7 @@ class System:
     momenta: tuple[str, ...] = ()  # the quantities that V takes
     landscape: Landscape | None = None  # V in the variable of the landscape; None: no surface, no band
     outlook: Callable | None = None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
+    # a system whose contact has phases takes its ContactLaw as a third argument
     motion: Callable | None = None  # motion(b, start) -> the name of the motion, where theory has one
     borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
     long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not

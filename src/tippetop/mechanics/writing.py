@@ -19,7 +19,11 @@ class Language(NamedTuple):
 
 
 NAMES = ("sqrt", "sin", "cos", "exp")
-CPP = Language("const double ", lambda x: x.hex(), {name: f"std::{name}" for name in NAMES})
+CPP = Language(
+    "const double ",
+    lambda x: x.hex(),
+    {**{name: f"std::{name}" for name in NAMES}, "arctan2": "std::atan2", "maximum": "std::fmax"},
+)
 JAVASCRIPT = Language(
     "const ",
     lambda x: repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN",
@@ -67,6 +71,9 @@ class Symbol:
     program: Program
     name: str
     number: float | None = None  # its value, if it is a number
+
+    def __repr__(self) -> str:
+        return self.name
 
     def _with(self, sign: str, other: Any, swapped: bool = False) -> "Symbol":
         a, b = self, self.program.of(other)
@@ -136,19 +143,19 @@ class Symbol:
         return self.program.new(f"{self.program.language.functions[name]}({', '.join(names)})", names)
 
 
-def function(language: Language, arguments: Sequence[str], formula: Callable[..., Sequence[Any]], inputs: Any) -> tuple:
+def function(
+    language: Language, inputs: Sequence[str], formula: Callable[[list[Symbol]], Sequence[Any]]
+) -> tuple[list[str], list[str]]:
     """The lines and the results of a formula.
 
     Parameters
     ----------
     language
         Of the program.
-    arguments
-        The expressions that the program calls its inputs.
-    formula
-        formula(*inputs) -> results; the inputs are made of symbols by `inputs`.
     inputs
-        inputs(symbols) -> the arguments of the formula.
+        The expressions that the program has for its inputs.
+    formula
+        formula(symbols) -> results; a symbol for each input.
 
     Returns
     -------
@@ -157,6 +164,5 @@ def function(language: Language, arguments: Sequence[str], formula: Callable[...
         The expression of each result.
     """
     program = Program(language)
-    symbols = [program.new(text) for text in arguments]
-    results = [program.of(value) for value in formula(*inputs(symbols))]
+    results = [program.of(value) for value in formula([program.new(text) for text in inputs])]
     return program.lines(results), [result.name for result in results]

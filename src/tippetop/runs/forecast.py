@@ -56,7 +56,8 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
     """Thresholds, regime and predicted fate, as far as the theory of the system goes; nothing if it has none."""
     if problem.system.outlook is None:
         return {}
-    outlook = problem.system.outlook(problem.body(), start)
+    law = () if problem.contact is None else (problem.contact,)
+    outlook = problem.system.outlook(problem.body(), start, *law)
     limits = {name: {"value": t.value, "unit": t.unit.symbol} for name, t in outlook.thresholds.items()}
     sentences = {"regime": outlook.regime, "fate": outlook.fate}
     return {**({"thresholds": limits} if limits else {}), **{key: text for key, text in sentences.items() if text}}

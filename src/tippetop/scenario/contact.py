@@ -4,11 +4,11 @@ import math
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.contact.phases.rules import ContactLaw
+from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
 from ..mechanics.contact.uniqueness import painleve_bound
-from ..mechanics.friction import Contensou, SetValued
+from ..mechanics.friction import LAWS, Contensou, SetValued
 from ..mechanics.system import System
-from ..mechanics.systems.with_contact import BODIES, with_contact
+from ..mechanics.systems.with_contact import ABOVE, BODIES, with_contact
 from ..problem import Problem
 
 
@@ -24,14 +24,25 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     if law == "contensou":
         asked.append('`friction.law = "contensou"`')
     if not (asked or (dry and system.name in BODIES)):
+        initial = tables.get("initial")
+        above = [name for name in ABOVE if isinstance(initial, dict) and name in initial]
+        if above and system.name in BODIES:
+            raise InputError(
+                [
+                    f"`initial.{above[0]}` must stand with a contact that may open: give [contact], [stem], Coulomb's "
+                    'law without eps, or run.on_liftoff = "fly".'
+                ]
+            )
         return system
+    if "stem" in tables and system.name != "tippe-top":
+        raise InputError([f"`stem` must be of a tippe-top, but the system is {system.name}."])
     what = asked[0] if asked else '`friction.law = "coulomb"` without eps'
     if system.name not in BODIES:
         raise InputError([f"{what} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
     if BODIES[system.name] is not system:
         raise InputError([f"{what} must stand without events and columns of one's own, but some are given."])
-    if "stem" in tables and system.name != "tippe-top":
-        raise InputError([f"`stem` must be of a tippe-top, but the system is {system.name}."])
+    if isinstance(law, str) and law in system.laws and law not in LAWS:
+        raise InputError([f'`friction.law` must not be "{law}" where the contact may open, by {what}.'])
     kind = "dry" if dry else "drilling" if law == "contensou" else "smooth"
     if kind == "drilling" and system.name != "tippe-top":
         raise InputError([f'`friction.law = "contensou"` must be of a tippe-top, but the system is {system.name}.'])
@@ -67,6 +78,9 @@ def contact_faults(problem: Problem) -> list[str]:
         faults.append('`run.output` must not be "keyframes" where the contact may change its phase.')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
+    rules = problem.contact
+    if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
+        return faults  # which are found already
     if isinstance(problem.friction, SetValued | Contensou):
         faults += _unique(problem)
     return faults + _under(problem)

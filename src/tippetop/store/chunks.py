@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from zarr.core.sync import sync
 
 from ..columns import Column
 from ..errors import StoreError
@@ -14,6 +15,9 @@ from . import seal
 from .files import synced
 from .skeleton import groups_of
 from .tables import create_table, read_member
+
+
+Window = tuple[float | None, float | None]
 
 
 class Appender:
@@ -98,7 +102,7 @@ class Appender:
             if array.shape[0] < rows:
                 raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
         for array in self.arrays.values():
-            array.resize((rows, *array.shape[1:]))
+            _shrink(array, rows)
 
     def digest(self) -> str:
         """A digest of all rows that were appended: of full chunks the checksums in their files, and those that wait.
@@ -115,6 +119,17 @@ class Appender:
         for name, array in self.arrays.items():
             self.buffers[name][: self.waiting] = array[self.written : rows]
         self.unflushed = True
+
+
+def _shrink(array: Any, rows: int) -> None:
+    """Cuts an array, its metadata first: a writer that is killed on the way leaves chunks too many, which the next cut
+    removes, and never too few, which would be damage."""
+    store, needed = array.store_path.store, -(-rows // array.chunks[0])
+    sync(array.async_array.resize((rows, *array.shape[1:]), delete_outside_chunks=False))
+    folder = store.root / array.store_path.path / "c"
+    for entry in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if entry.name.isdigit() and int(entry.name) >= needed:
+            store.delete_sync(f"{array.store_path.path}/c/{entry.name}")
 
 
 def digest_of_rows(arrays: dict[str, Any], rows: int) -> str:
@@ -168,25 +183,35 @@ def chunk_file(array: Any, *first: int) -> Path:
     return array.store_path.store.root.joinpath(array.store_path.path, "c", *names)
 
 
-def pieces(path: str | Path, group: str, names: list[str], rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
-    """The columns of a group, a block of rows at a time. Raises StoreError."""
+def pieces(
+    path: str | Path, group: str, names: list[str], rows: int = 1 << 18, first: int = 0, last: int | None = None
+) -> Iterator[dict[str, np.ndarray]]:
+    """The columns of a group from row `first` to before row `last`, a block at a time. Raises StoreError."""
     arrays = {name: array for name, array in read_member(path, group).items() if name in names}
     total = min((array.shape[0] for array in arrays.values()), default=0)
-    for start in range(0, total, rows):
+    total = total if last is None else min(total, last)
+    for start in range(first, total, rows):
         try:
             yield {name: array[start : min(start + rows, total)] for name, array in arrays.items()}
         except Exception as error:  # codecs raise what they like
             raise StoreError(f"`{path}` must be readable in rows {start} to {start + rows}, but: {error}.") from None
 
 
-def digest(path: str | Path, group: str, key: str | None = None, most: int = 400_000) -> dict[str, Column]:
+def digest(
+    path: str | Path, group: str, key: str | None = None, most: int = 400_000, window: Window = (None, None)
+) -> dict[str, Column]:
     """A group as columns of at most about `most` rows: all rows if there are no more; else of every bin of rows the one
-    where `key` is least and the one where it is largest, so that no peak is lost (without key, the first)."""
+    where `key` is least and the one where it is largest, so that no peak is lost (without key, the first). With a
+    window, the rows of these times and the first row of all."""
     arrays = read_member(path, group)
     total = min((array.shape[0] for array in arrays.values()), default=0)
-    size = -(-total // (most // 2)) if total > most else 1
+    first, last = _rows_of(path, group, window, total)
+    size = -(-(last - first) // (most // 2)) if last - first > most else 1
     kept: dict[str, list[np.ndarray]] = {name: [] for name in arrays}
-    for piece in pieces(path, group, list(arrays), rows=(1 << 19) // size * size):
+    if first > 0:
+        for name, values in next(pieces(path, group, list(arrays), 1)).items():
+            kept[name].append(values)
+    for piece in pieces(path, group, list(arrays), (1 << 19) // size * size, first, last):
         picked = _picked(piece.get(key) if key else None, len(next(iter(piece.values()))), size)
         for name, values in piece.items():
             kept[name].append(values[picked])
@@ -200,9 +225,19 @@ def digest(path: str | Path, group: str, key: str | None = None, most: int = 400
     }
 
 
-def for_figures(path: str | Path, attrs: dict[str, Any]) -> dict[str, dict[str, Column]]:
-    """The groups of a run that figures are made of: rows and events thinned by theta, phases and impacts whole."""
-    groups = {name: digest(path, name, "theta") for name in ("trajectory", "events")}
+def _rows_of(path: str | Path, group: str, window: Window, total: int) -> tuple[int, int]:
+    """The first row of a window of times and the row after its last. Raises StoreError."""
+    if window == (None, None):
+        return 0, total
+    times = np.concatenate([np.empty(0), *(piece["time"] for piece in pieces(path, group, ["time"], 1 << 20))])[:total]
+    low, high = (-np.inf if window[0] is None else window[0]), (np.inf if window[1] is None else window[1])
+    return int(np.searchsorted(times, low)), int(np.searchsorted(times, high, side="right"))
+
+
+def for_figures(path: str | Path, attrs: dict[str, Any], window: Window = (None, None)) -> dict[str, dict[str, Column]]:
+    """The groups of a run that figures are made of: rows and events (of a window of times) thinned by theta, phases and
+    impacts whole."""
+    groups = {name: digest(path, name, "theta", window=window) for name in ("trajectory", "events")}
     whole = [name for name in ("phases", "impacts") if name in groups_of(attrs)]
     return groups | {name: digest(path, name, most=2**62) for name in whole}
 

@@ -16,8 +16,9 @@ from . import chunks, files, root, skeleton, tables
 DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top"}
 
 
-def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
+def export(store: Path, to: str, out: Path, group: str | None = None, *, overwrite: bool = False) -> None:
     """Writes a store as one file. netCDF takes all groups; CSV and Parquet take the one that is named, or the first.
+    What is there already is replaced if it may be overwritten.
 
     Raises InputError for an unknown format, StoreError for what cannot be read, written, or lacks its library.
     """
@@ -31,7 +32,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None) -> None:
     if group not in (None, *groups):
         raise InputError([f"--group must be {' or '.join(groups)}, but is `{group}`."])
     try:
-        with files.writing(out), files.replacing(out, overwrite=False) as scratch:
+        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
             writer = _netcdf_apart if to == "netcdf" else FORMATS[to]
             writer(store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
     except ImportError as error:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import greek, units_text
+from ..engine.settling import NEAR
 from ..engine.status import Status
 from ..ensembles.outcomes import CLASSES
 from ..errors import InputError
@@ -20,12 +21,16 @@ from .summary import open_sweep
 MOST_CELLS = 1000  # along an axis of a map; more values share cells
 POINTS = 121  # of a border, along each axis
 TOPS_PER_CELL = 4  # where axes were drawn
+LETTERS = {"mu": "μ", "eps": "ε", "theta": "θ", "omega3": "ω₃", "alpha": "α", "lambda": "λ", "sigma": "σ", "gamma": "γ"}
+"""Letters of the axes, where their names have none."""
 NEEDED = {
     "class": ("class", "theta_end"),
     "inversion": ("inverted_at", "first_equator"),
     "normal-force": ("normal_force_min", "normal_force_max"),
 }
 """What is mapped, and what is added to it where a sweep has but one axis."""
+SHOWN = (*CLASSES, "near-upright")
+"""The classes that a map tells apart: of the tops under way, those that have not left the upright yet."""
 ENDS = "class"
 """Beside `inversion`: the most frequent class in the cells without a time, NaN in the others."""
 
@@ -63,7 +68,7 @@ class Map:
     fields: dict[str, np.ndarray]
     borders: dict[str, np.ndarray]
     notes: list[str]
-    classes: tuple[str, ...] = CLASSES  # the names of the field `class`
+    classes: tuple[str, ...] = SHOWN  # the names of the field `class`
 
 
 def make_map(path: Path, kind: str) -> Map:
@@ -87,9 +92,10 @@ def make_map(path: Path, kind: str) -> Map:
     fields = {}
     for name in wanted:
         values = table[name].values / _weight(plan, numbers) if kind == "normal-force" else table[name].values
+        values = _told_apart(table) if name == "class" else values
         fields[name] = _gathered(name, cells, values[chosen], math.prod(shape)).reshape(shape)
     if kind == "inversion" and "class" in table:
-        ends = _gathered("class", cells, table["class"].values[chosen], math.prod(shape)).reshape(shape)
+        ends = _gathered("class", cells, _told_apart(table)[chosen], math.prod(shape)).reshape(shape)
         fields[ENDS] = np.where(np.isnan(fields[wanted[0]]), ends, np.nan)
     if len(cells) and np.bincount(cells).max() > 1:
         how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
@@ -100,9 +106,20 @@ def make_map(path: Path, kind: str) -> Map:
     return Map(kind, title, axes, fields, _borders(plan, axes, varying[2:]), notes)
 
 
+def _told_apart(table: Any) -> np.ndarray:
+    """The class of each top, as a number of SHOWN; without theta at the end, as it is stored."""
+    classes = np.asarray(table["class"].values, dtype=int)
+    if "theta_end" not in table:
+        return classes
+    waits = (classes == CLASSES.index("under-way")) & (np.abs(table["theta_end"].values) < NEAR)
+    return np.where(waits, SHOWN.index("near-upright"), classes)
+
+
 def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
-    label = greek(attrs["long_name"]) + (f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else "")
+    label = _labelled(axis.key, greek(attrs["long_name"])) + (
+        f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else ""
+    )
     values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
     if not len(values):
         raise InputError([f"the figure must have numbers on `{axis.key}`, but there are none."])
@@ -114,6 +131,14 @@ def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     else:
         edges = _bins(scaled, MOST_CELLS) if len(values) > MOST_CELLS else _around(scaled)
     return MapAxis(axis.key, label, np.exp(edges) if log else edges, log)
+
+
+def _labelled(key: str, words: str) -> str:
+    """Name and symbol of an axis."""
+    symbol = LETTERS.get(key.rpartition(".")[2], "")
+    if symbol and words.endswith(f" {key.rpartition('.')[2]}"):
+        words = words.rpartition(" ")[0]
+    return words if not symbol or symbol in words else f"{words} {symbol}"
 
 
 def _bins(values: np.ndarray, count: float) -> np.ndarray:
@@ -155,7 +180,7 @@ def _gathered(name: str, cells: np.ndarray, values: np.ndarray, size: int) -> np
     result = np.full(size, np.nan)
     counts = np.bincount(cells, minlength=size)
     if name == "class":
-        each = np.bincount(cells * len(CLASSES) + values, minlength=size * len(CLASSES)).reshape(size, -1)
+        each = np.bincount(cells * len(SHOWN) + values, minlength=size * len(SHOWN)).reshape(size, -1)
         return np.where(counts > 0, each.argmax(axis=1), np.nan)
     ranked = np.where(np.isnan(values), np.inf, values)  # what never happens comes last
     order = np.lexsort((ranked, cells))

@@ -27,6 +27,7 @@ LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks l
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
 CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
+SECONDS_ALONE = 0.1  # of a top whose contact may change its phase: a hop takes as long as a thousand steps
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
@@ -131,7 +132,8 @@ class Plan:
             return min(given, self.n)
         seconds = np.clip(self.n * self.seconds_per_top / LEAST_CHUNKS, *CHUNK_SECONDS)
         best = 2 ** round(math.log2(max(1.0, seconds / self.seconds_per_top)))
-        return min(max(best, CHUNKS[0]), CHUNKS[1], self.n)
+        least = CHUNKS[0] if self.base.contact is None else 1
+        return min(max(best, least), CHUNKS[1], self.n)
 
     @property
     def chunks(self) -> int:
@@ -158,7 +160,8 @@ class Plan:
 
     @cached_property
     def seconds_per_top(self) -> float:
-        """What a top takes one core, an order of magnitude from some of them."""
+        """What a top takes one core, an order of magnitude from some of them: the same on every computer, as chunks are
+        made of it."""
         from ..runs import forecast
 
         steps = []
@@ -167,7 +170,8 @@ class Plan:
                 steps.append(forecast.cost(self.problem(top))["steps"])
             except InputError:
                 steps.append(0)
-        return max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6
+        least = 0.0 if self.base.contact is None else SECONDS_ALONE
+        return max(max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6, least)
 
 
 def is_plan(tables: dict[str, Any]) -> bool:

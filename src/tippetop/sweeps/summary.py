@@ -99,7 +99,7 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     result += [("fault", fault) for fault in facts["faults"]]
     result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
     base = facts["plan"]["scenario"]
-    for name in ("parameters", "friction", "initial", "run"):
+    for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
         if name in base:
             result.append((name, ", ".join(f"{k} = {v}" for k, v in base[name].items())))
     return [*result, ("versions", ", ".join(f"{k} = {v}" for k, v in facts["versions"].items()))]

@@ -1,25 +1,209 @@
 """The formulas of a system as JavaScript, written down by the symbols that they are fed."""
 
+import json
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from ..mechanics.contact.body import Body
-from ..mechanics.operand import leaves, refill
-from ..mechanics.system import System
+from ..engine.expressions import component, observed
+from ..mechanics.contact.body import Body, tip_inertia
+from ..mechanics.contact.gliding.vector import angular_velocity, axis, contact_velocity
+from ..mechanics.contact.rolling.reaction import kinematics, reaction
+from ..mechanics.friction import Law, slip_coefficient
+from ..mechanics.operand import Vector, atan2, cross, dot, leaves, refill, sqrt, times
+from ..mechanics.system import Form, System
+from ..mechanics.systems.heavy_top import momentum_about_centre, tip_axis_rate
+from ..mechanics.theory.thresholds import thresholds
+from ..mechanics.units import Unit
+from ..mechanics.variables import Variables
 from ..mechanics.writing import JAVASCRIPT, function
+from .samples import well_quantities
 
 
 NO_POTENTIAL = "export const potential = null;\n"
+NOTHING = f"export const facts = {{}};\nexport const formulas = {{}};\n{NO_POTENTIAL}"
 
 
 def potential(system: System, b: Body) -> str:
     """The module `formulas.js` of the page of a run: V of the system at the momenta that it takes, for this body."""
     if system.potential is None:
         return NO_POTENTIAL
-    count, formula = len(system.momenta), system.potential
+    numbers = refill(b, map(float, leaves(b)))
 
-    def value(z: Any, *momenta: Any) -> list:
-        return [formula(z, *momenta, refill(b, map(float, leaves(b))))]
+    def value(symbols: list) -> list:
+        return [_potential(system, symbols, numbers)]
 
-    lines, results = function(JAVASCRIPT, ["z", "first", "second"][: 1 + count], value, lambda symbols: symbols)
-    body = "\n  ".join([*lines, f"return {results[0]};"])
-    return f"export const potential = (z, first, second) => {{\n  {body}\n}};\n"
+    return f"export const potential = {_arrow(('z', 'first', 'second'), ['z', 'first', 'second'], value)};\n"
+
+
+def motions(system: System, form: Form, laws: dict[str, Law]) -> str:
+    """The module `formulas.js` of a page that integrates: all that it needs of a system in a form, for each friction
+    law by name; as `formulas.d.ts` says."""
+    variables = Variables(form)
+    facts = {
+        "variables": list(variables.names),
+        "moving": variables.moving,
+        "parameters": list(system.parameters),
+        "initial": initial_names(system),
+        "laws": {name: list(law.parameters) for name, law in laws.items()},
+        "planar": not system.vectors,
+    }
+    by_law = ",\n".join(f"{json.dumps(name)}: {_of_law(system, variables, law)}" for name, law in laws.items())
+    return f"export const facts = {json.dumps(facts)};\nexport const formulas = {{{by_law}}};\n{NO_POTENTIAL}"
+
+
+def initial_names(system: System) -> list[str]:
+    """The initial numbers that a page asks for: of those that say the same in two ways, one."""
+    others = {a.name for a in system.alternatives}
+    return [name for name in system.initial if name not in others]
+
+
+def _of_law(system: System, variables: Variables, law: Law) -> str:
+    """The functions of one friction law, as an object."""
+    form, names = variables.form, [*system.parameters, *law.parameters]
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), law.record(*(1.0 for _ in law.parameters)))
+    count, given = len(leaves(template)), initial_names(system)
+    state = [f"y[{i}]" for i in range(len(variables.names))]
+    numbers = [f"b[{i}]" for i in range(count)]
+
+    def body(symbols: Sequence[Any]) -> list:
+        by_name = dict(zip(names, symbols, strict=True))
+        return leaves(system.body_of(by_name, law.record(*(by_name[name] for name in law.parameters))))
+
+    def of(symbols: Sequence[Any]) -> tuple[Any, Any, Any]:
+        q, n = symbols[: variables.moving], len(state)
+        return (
+            type(form.units)(*q),
+            variables.carried(*symbols[variables.moving : n]),
+            refill(template, iter(symbols[n:])),
+        )
+
+    def rates(symbols: Sequence[Any]) -> list:
+        q, carried, b = of(symbols)
+        return [*form.rates(q, b), *(integral.rate(q, carried, b) for integral in variables.integrals)]
+
+    def start(symbols: Sequence[Any]) -> list:
+        sine, z, *rest = symbols
+        return _start(
+            system, variables, dict(zip(given, rest, strict=False)), sine, z, refill(template, iter(rest[len(given) :]))
+        )
+
+    def weights(symbols: Sequence[Any]) -> list:
+        b = refill(template, iter(symbols))
+        mass, length = system.scales(b)
+        return [_power(unit, mass, length, sqrt(length / b.g)) for unit in list(variables.units.values())]
+
+    parts = {
+        "body": _arrow(("p",), [f"p[{i}]" for i in range(len(names))], body),
+        "rates": _filling(("y", "b", "out"), [*state, *numbers], rates),
+        "start": _arrow(
+            ("sine", "z", "d", "b"), ["sine", "z", *(f"d[{i}]" for i in range(len(given))), *numbers], start
+        ),
+        "weights": _arrow(("b",), numbers, weights),
+        "seen": _filling(("y", "b", "out"), [*state, *numbers], lambda symbols: seen(system, form, *of(symbols))),
+        "thresholds": _thresholds(system, template, numbers),
+        "potential": _arrow(
+            ("z", "first", "second", "b"),
+            ["z", "first", "second", *numbers],
+            lambda symbols: [_potential(system, symbols[:3], refill(template, iter(symbols[3:])))],
+        )
+        if system.potential
+        else "null",
+    }
+    return "{\n" + ",\n".join(f"{name}: {text}" for name, text in parts.items()) + "\n}"
+
+
+def _start(system: System, variables: Variables, data: dict[str, Any], s: Any, z: Any, b: Body) -> list:
+    """The variables at the start of what the user gives."""
+    q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
+    return [*q, *carried]
+
+
+def _potential(system: System, symbols: Sequence[Any], b: Body) -> Any:
+    assert system.potential is not None
+    return system.potential(*symbols[: 1 + len(system.momenta)], b)
+
+
+def seen(system: System, form: Form, q: Any, carried: Any, b: Body) -> list:
+    """What the page draws of a state: axes 1 and 3, then the channels of a sample from omega on. [see motion.js]"""
+    values = observed(system, form, q, carried, b)
+    assert form.orientation is not None
+    first, third = form.orientation.axes(q, carried, b)
+    rigid = "x" not in system.initial
+    if system.vectors:
+        u, L = (Vector(*(values[component(v)] for v in names)) for names in system.vectors.values())
+        inert = b._replace(I1=tip_inertia(b)) if rigid else b  # L is about the tip then
+        omega = angular_velocity(u, L, dot(L, u), inert)
+    else:
+        omega, L = Vector(0, q.theta_dot, 0), Vector(0, b.I1 * q.theta_dot, 0)
+    arm = Vector(b.c * third.x, b.c * third.y, b.c * third.z - b.R)
+    place = times(-1, arm) if rigid else Vector(carried.x, getattr(carried, "y", 0), -arm.z)
+    slip = _slip(q, b)
+    s = form.scalars(q, b)
+    theta = carried.theta if "theta" in type(carried)._fields else atan2(sqrt(s.s2), s.z)
+    well = [values[name] for name in well_quantities(system)]
+    momenta = [*well[:-1], *[0] * (3 - len(well)), *well[-1:]] if well else [0, 0, 0]
+    force = _force(system, q, b, s, slip, values)
+    return [*first, *third, *omega, *place, *force, *slip[:2], 0, *L, theta, *momenta]
+
+
+def _slip(q: Any, b: Body) -> Vector:
+    """The velocity of the contact point."""
+    if hasattr(q, "vx"):
+        return Vector(q.vx, q.vy, 0)
+    if hasattr(q, "rx_dot"):
+        return contact_velocity(q, b)
+    return Vector(getattr(q, "nu_x", 0), 0, 0)
+
+
+def _force(system: System, q: Any, b: Body, s: Any, slip: Vector, values: dict[str, Any]) -> Vector:
+    """The force of the plane: by the friction law where the contact slides, else the reaction of a contact at rest."""
+    normal = values.get("normal_force", 0)
+    if system.frictional:
+        k = slip_coefficient(s.v2, s.z, b.friction)
+        return Vector(-(k * normal * slip.x), -(k * normal * slip.y), normal)
+    if not system.vectors:
+        return Vector(0, 0, normal)
+    rigid = "x" not in system.initial
+    u = axis(q)
+    L = momentum_about_centre(q, b) if rigid else Vector(*(values[component(v)] for v in system.vectors["L"]))
+    u_dot = tip_axis_rate(q, b) if rigid else times(1 / b.I1, cross(L, u))
+    return reaction(u, L, u_dot, kinematics(u, L, u_dot, b), b)
+
+
+def _power(unit: Unit, mass: Any, length: Any, time: Any) -> Any:
+    """One internal unit in SI units."""
+    value = 1 + 0 * mass
+    for base, power in ((mass, unit.mass), (length, unit.length), (time, unit.time)):
+        value = value * base**power if power > 0 else value / base**-power if power < 0 else value
+    return value
+
+
+def _thresholds(system: System, template: Body, numbers: list[str]) -> str:
+    """The thresholds of a tippe top, as a list of records; an empty one for others."""
+    if not system.inverts:
+        return "() => []"
+    records: list[str] = []
+
+    def values(symbols: list) -> list:
+        known = thresholds(refill(template, iter(symbols)))
+        for i, (name, t) in enumerate(known.items()):
+            about = {"name": name, "unit": t.unit.symbol, "words": t.long_name}
+            records.append(f"{{...{json.dumps(about)}, value: v[{i}]}}")
+        return [t.value for t in known.values()]
+
+    of_body = _arrow(("b",), numbers, values)
+    return f"(b) => {{ const v = ({of_body})(b); return [{', '.join(records)}]; }}"
+
+
+def _arrow(names: Sequence[str], inputs: list[str], formula: Callable[[list], Sequence[Any]]) -> str:
+    """A function that gives its one result, or a list of them."""
+    lines, results = function(JAVASCRIPT, inputs, formula)
+    value = results[0] if len(results) == 1 else f"[{', '.join(results)}]"
+    return f"({', '.join(names)}) => {{\n{chr(10).join(lines)}\nreturn {value};\n}}"
+
+
+def _filling(names: Sequence[str], inputs: list[str], formula: Callable[[list], Sequence[Any]]) -> str:
+    """A function that puts its results into its last argument."""
+    lines, results = function(JAVASCRIPT, inputs, formula)
+    sets = [f"{names[-1]}[{i}] = {result};" for i, result in enumerate(results)]
+    return f"({', '.join(names)}) => {{\n{chr(10).join([*lines, *sets])}\n}}"

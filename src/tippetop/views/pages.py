@@ -68,7 +68,7 @@ def _renamed(names: str) -> str:
     return re.sub(r"(\w+)\s+as\s+(\w+)", r"\1: \2", " ".join(names.split()))
 
 
-def page(title: str, entry: str, data: Any, written: Mapping[str, str], *, aside: str = "", more: str = "") -> str:
+def page(title: str, entry: str, data: Any, written: Mapping[str, str], *, aside: str = "", about: str = "") -> str:
     """A page.
 
     Parameters
@@ -81,8 +81,10 @@ def page(title: str, entry: str, data: Any, written: Mapping[str, str], *, aside
         What the module finds in the page, as JSON.
     written
         Modules that are written down for this page: name -> text.
-    aside, more
-        Fragments of HTML before the picture and after all.
+    aside
+        A fragment of HTML before the picture.
+    about
+        The line below the title.
 
     Returns
     -------
@@ -94,7 +96,7 @@ def page(title: str, entry: str, data: Any, written: Mapping[str, str], *, aside
         "title": html.escape(title),
         "style": source("page.css"),
         "aside": aside,
-        "more": more,
+        "about": html.escape(about),
         "data": text,
         "script": script(entry, written).replace("</script", "<\\/script"),
     }

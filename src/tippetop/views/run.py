@@ -1,6 +1,5 @@
 """The page of a run: its rows are read, as many as needed are kept, and written into one file."""
 
-import base64
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,10 +9,11 @@ import numpy as np
 from ..columns import flagged
 from ..errors import InputError, StoreError
 from ..runs.attributes import headline_of
+from ..runs.shape import body_of, is_planar, shape
 from ..store import chunks
 from . import formulas, pages, thinning
+from .given import encoded
 from .samples import needed, plain, samples
-from .shape import body_of, is_planar, shape
 
 
 MOST = 200_000  # samples of a page: 20 MB; with more it would not open within two seconds
@@ -85,8 +85,8 @@ def page(
         "notes": notes,
         "body": shape(attrs),
         "wound": is_planar(attrs),
-        "times": _base64(times, "<f8"),
-        "samples": _base64(kept, "<f4"),
+        "times": encoded(times, "<f8"),
+        "samples": encoded(kept, "<f4"),
         "events": log,
         "phases": phases,
     }
@@ -154,7 +154,3 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
 
 def _number(value: float) -> float:
     return float(value) if np.isfinite(value) else 0.0
-
-
-def _base64(values: np.ndarray, kind: str) -> str:
-    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode()

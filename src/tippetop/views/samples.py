@@ -9,8 +9,9 @@ from ..mechanics.contact.body import Body, tip_inertia
 from ..mechanics.contact.gliding.vector import angular_velocity
 from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross
+from ..mechanics.system import System
 from ..mechanics.systems import find
-from .shape import body_of, is_fixed, is_planar
+from ..runs.shape import body_of, is_fixed, is_planar
 
 
 Columns = Mapping[str, np.ndarray]
@@ -28,7 +29,11 @@ def needed(attrs: dict[str, Any]) -> list[str]:
 
 def well_columns(attrs: dict[str, Any]) -> list[str]:
     """The columns that the potential takes, in its order, and the energy that is its level; none if there is none."""
-    system = plain(attrs)
+    return well_quantities(plain(attrs))
+
+
+def well_quantities(system: System) -> list[str]:
+    """The same of a system."""
     if system.potential is None:
         return []
     return [*system.momenta, system.landscape.energy if system.landscape else "modified_energy"]

@@ -3,16 +3,14 @@
 To whoever asks it is a driver like any other; its states are rows (`mechanics.contact.phases.row.Row`).
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...mechanics.contact.ball import jellett
-from ...mechanics.contact.phases.row import PHASES, Row
+from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
 from ...mechanics.events import ON_ZERO
-from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import kinds_of
 from ...mechanics.units import SECOND
 from ...mechanics.variables import INTEGRAL_SCALE
@@ -21,10 +19,10 @@ from ..expressions import equations_of_motion
 from ..slices import Driver, Extremes, Passages, Request, Slice
 from ..status import Status
 from ..tallies import SIGN, reset
-from .beginning import states
-from .impacts import Moment
+from .between import fill_between
+from .impacts import moment_of
 from .legs import Balls, Carried, new_leg, rows_of
-from .passages import RunPassages, zero_of
+from .passages import RunPassages
 from .tables import Tables
 from .transitions import Change, Transitions
 
@@ -78,8 +76,7 @@ class ContactDriver:
         self.taken: Any = problem.number(0)
         self.times, self.sentence = np.zeros(0), ""
         start = problem.start()
-        row = Row(*start[: len(Row._fields)])
-        moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, start[len(row) :].copy())
+        moment = moment_of(start)
         self.moment = moment  # at the start
         try:
             change = self.transitions.at_start(moment)
@@ -113,7 +110,7 @@ class ContactDriver:
         return np.ones(len(self.problem.system.events))
 
     def prepare(self) -> None:
-        """Compiles the equations of every phase that the run may have."""
+        """Compiles the equations of the phases that most runs have."""
         moment = self.moment
         for kind in self.transitions.names:
             if (kind, self.ball) not in self.drivers:
@@ -123,7 +120,7 @@ class ContactDriver:
     def equations(self) -> list[tuple]:
         """The equations of every phase that the run may have, by name."""
         lines = []
-        for name in self.transitions.names:
+        for name in (*self.transitions.names, *self.transitions.standing):
             system = new_leg(self.problem, name, self.balls[0], np.zeros(1)).system
             variables = type(self.problem.variables)(next(iter(system.forms.values())), self.problem.orientation)
             friction = type(self.balls[0].friction)
@@ -161,8 +158,13 @@ class ContactDriver:
         driver.put(state, clock)
         driver.times = self.times
         self._expect(driver, q, change.signs)
-        landing = change.landing
-        self._until(None if landing is None else clock[0] + number(landing), driver)
+        landing, self.waits = change.landing, None
+        if change.waits:
+            self.waits = landing = clock[0] + number(change.waits)
+        elif landing is not None:
+            landing = clock[0] + number(landing)
+        self._watch(driver)
+        self._until(landing, driver)
         driver.tally["t"] = float(clock[0])
         self.began = float(clock[0])
 
@@ -172,7 +174,18 @@ class ContactDriver:
         first[: len(q)] = q
         part = new_leg(self.problem, kind, self.balls[ball], first)
         part = new_leg(self.problem, kind, self.balls[ball], first[: len(part.variables.names)])
-        self.drivers[kind, ball] = self.make(part), Carried(self.problem, part)
+        with np.errstate(
+            invalid="ignore", divide="ignore"
+        ):  # of friction that drills the state may be of another region
+            self.drivers[kind, ball] = self.make(part), Carried(self.problem, part)
+
+    def _watch(self, driver: Driver) -> None:
+        """Looks for the other ball, unless it has just left."""
+        records, events = driver.rows.events, driver.problem.system.events
+        for record, event in zip(records, events, strict=True):
+            if event.name == "touch":
+                record["watched"] = self.waits is None
+                record["ends"] = Status.ENDED.code if self.waits is None else 0
 
     def _until(self, landing: Any, driver: Driver) -> None:
         """Sets the end of a phase: that of the run, or a landing before it."""
@@ -250,13 +263,10 @@ class ContactDriver:
         self, ending: str | None, last: np.ndarray, when: Any, log: "RunPassages", request: Request
     ) -> Status | None:
         """What follows the end of a phase; gives how it ends the run, or None."""
-        row = Row(*last[0, : len(Row._fields)])
-        moment = Moment(
-            Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, last[0, len(Row._fields) :].copy()
-        )
+        moment = moment_of(last[0])
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
-        signs, name = self._signs(), ending or "landing"
+        signs, name = self._signs(), ending or ("landing" if self.waits is None else "clear")
         try:
             change = self.transitions.after(name, self.kind, self.ball, moment, signs)
         except ArithmeticError as error:
@@ -282,55 +292,13 @@ class ContactDriver:
             return Status.STALLED
         self._enter(change, (time, 0 * time), self.problem.number(when) + change.when)
         if change.between is not None:
-            self._between(change, self.problem.number(when), log, request)
-        before, after = signs["turning"], self._signs()["turning"]
-        if change.strikes and before != after:  # theta has a corner, which ends a swing as a turning does
+            fill_between(self, change, self.problem.number(when), log, request)
+        before, after = (known.get("turning") for known in (signs, self._signs()))  # None: theta stays
+        if (
+            change.strikes and before and after and before != after
+        ):  # theta has a corner, which ends a swing as a turning does
             log.note("turning", self.problem.number(when), last, after)
         return None
-
-    def _between(self, change: Change, start: Any, log: "RunPassages", request: Request) -> None:
-        """Rows and events of the beginning of a slide."""
-        between, lag = change.between, change.lag
-        assert between is not None
-
-        kind, body, number = self.kinds[self.kind], self.balls[self.ball], self.problem.number
-        moving = len(kind.form.units)
-
-        def rows(t: np.ndarray) -> np.ndarray:
-            values = states(kind, body, between, t).T
-            carried = values[:, moving:] * INTEGRAL_SCALE
-            return rows_of(kind, self.ball, self.balls, values[:, :moving], carried, self.taken, number)
-
-        driver, system = self.inner, self.inner.problem.system
-        while not request.steps:
-            driver.times = driver.times if len(driver.times) else request.wanted()
-            count = int(np.searchsorted(driver.times, float(start + lag)))
-            if count:
-                t = driver.times[:count].astype(number) - start
-                request.take(driver.times[:count], rows(np.clip(t, 0 * lag, lag)))
-            driver.times = driver.times[count:]
-            if len(driver.times) or not count:
-                break
-        for k, event in enumerate(system.events):
-            if event.name not in change.signs:
-                continue
-            function = self._along(event, driver.problem.form, between)
-            sign, before = 1.0 if function(lag) > 0 else -1.0, change.signs[event.name]
-            if sign != before:
-                t = zero_of(function, before, lag)
-                driver.tallies.functions[SIGN, k, 0] = sign
-                log.note(event.name, start + t, rows(np.array([t])), sign)
-
-    def _along(self, event: Any, form: Any, between: Any) -> Callable[[Any], float]:
-        """An event function of the time since the beginning of a slide."""
-        kind, body = self.kinds[self.kind], self.balls[self.ball]
-
-        def function(t: Any) -> float:
-            values = states(kind, body, between, np.array([t]))[:, 0]
-            q = type(form.units)(*values[: len(form.units)])
-            return float(event.formula(form.scalars(q, body), body))
-
-        return function
 
     # --- what is known of it --------------------------------------------------------------------------------------
 
@@ -363,6 +331,7 @@ class ContactDriver:
             "taken": parts_of(self.taken),
             "force": list(self.force),
             "changes": [self.changes, self.short, self.began],
+            "waits": self.waits is not None,
             "landing": None if self.landing is None else parts_of(self.landing),
             "under_way": self.tables.under_way,
         }
@@ -371,14 +340,14 @@ class ContactDriver:
         """Continues from a snapshot, of which state and time come in the working precision. Raises ValueError if it is
         of another run."""
         number = self.problem.number
-        start = self.present()[0]
-        row = Row(*start[: len(Row._fields)])
         carried = np.array([sum_of(parts, number) for parts in kept["carried"]], dtype=number)
-        moment = Moment(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
+        moment = moment_of(self.present()[0])._replace(carried=carried)
         self.taken = sum_of(kept["taken"], number)
         landing = None if kept["landing"] is None else sum_of(kept["landing"], number)
         self._enter(Change(kept["kind"], kept["ball"], moment, "start"), clock)
         self.inner.restore(kept, state, clock)
+        self.waits = landing if kept["waits"] else None
+        self._watch(self.inner)
         self._until(landing, self.inner)
         self.force = Extremes(*kept["force"])
         self.changes, self.short, self.began = kept["changes"]

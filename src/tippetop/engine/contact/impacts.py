@@ -1,5 +1,6 @@
 """What an impact does to the body, and what strikes the plane: balls, their gaps and their velocities. [contact 3]"""
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.patch_impact import patch_struck
 from ...mechanics.contact.phases.drilling import LOST
 from ...mechanics.contact.phases.legs import Body
+from ...mechanics.contact.phases.row import Row
 from ...mechanics.contact.struck import struck
 from ...mechanics.friction import Frictionless, slip_coefficient
 from ...mechanics.operand import Vector, cross, dot, plus, times
@@ -31,6 +33,13 @@ class Moment(NamedTuple):
     velocity: Vector
     height: Any
     carried: np.ndarray
+
+
+def moment_of(row: np.ndarray) -> Moment:
+    """What a row (variables,) says of the body; doubles become Python's numbers, which formulas take faster."""
+    q = Row._make(row[: len(Row._fields)].tolist() if row.dtype == float else row[: len(Row._fields)])
+    carried = row[len(Row._fields) :].copy()
+    return Moment(Vector(*q[:3]), Vector(*q[3:6]), Vector(*q[6:9]), q.height, carried)
 
 
 @dataclass
@@ -148,4 +157,5 @@ class Impacts:
         return Vector(v.x / w, v.y / w, none) if float(w) > 0 else Vector(one, none, none)
 
     def _size(self, v: Vector) -> Any:
-        return np.sqrt(v.x * v.x + v.y * v.y)
+        square = v.x * v.x + v.y * v.y
+        return math.sqrt(square) if isinstance(square, float) else np.sqrt(square)

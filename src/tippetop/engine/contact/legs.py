@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...mechanics.contact.ball import Ball, jellett
 from ...mechanics.contact.phases.legs import Body, Kind, Reached
 from ...mechanics.contact.phases.row import PHASES, Row
 from ...mechanics.contact.phases.rules import stem_height
@@ -164,6 +165,8 @@ def rows_of(
     """
     body, n = balls[ball], len(states)
     says = reached(kind, states, body)
+    if not kind.keeps_jellett:
+        taken = jellett(says.u, says.L, Ball(body.m, body.I1, body.I3, body.g, 0, body.c, body.R))
     gap = stem_height(says.height, says.u.z, balls[1].c, balls[1].R) if balls.stem else 0
     row = Row(
         *says.u, *says.L, *says.velocity, says.height, *says.force,

@@ -50,11 +50,14 @@ def struck_smooth(
     K, v_e, v_2, v_n = Mobility(*map(float, K)), float(v_e), float(v_2), float(v_n)
 
     def rates(v: np.ndarray, y: np.ndarray) -> np.ndarray:
-        pull = np.broadcast_to(np.asarray(k(y[V_E] ** 2 + y[V_2] ** 2), float), v.shape)
-        along, sideways = pull * y[V_E], pull * y[V_2]
-        per = 1 / (K.zz - K.ez * along)  # impulse per v_n
-        slid = along * y[V_E] + sideways * y[V_2]
-        return np.array([(K.ez - K.ee * along) * per, -(K.tt * sideways) * per, per, v * per, -slid * per])
+        v_e, v_2 = y[V_E], y[V_2]
+        pull = k(v_e * v_e + v_2 * v_2)
+        along, sideways = pull * v_e, pull * v_2
+        slopes = np.empty_like(y)
+        per = slopes[IMPULSE] = 1 / (K.zz - K.ez * along)  # impulse per v_n
+        slopes[V_E], slopes[V_2] = (K.ez - K.ee * along) * per, -(K.tt * sideways) * per
+        slopes[WORK_N], slopes[WORK_T] = v * per, -(along * v_e + sideways * v_2) * per
+        return slopes
 
     y = _integrated(rates, v_n, 0.0, np.array([v_e, v_2, 0.0, 0.0, 0.0]))
     compression, after = float(y[WORK_N]), 0.0
@@ -74,47 +77,48 @@ def struck_smooth(
             if abs(change) <= 1e-15 * after:
                 break
         y[field if field is not None else IMPULSE] = value if field is not None else y[IMPULSE]
-    p_z = float(y[IMPULSE])
-    p_e, p_2 = (y[V_E] - v_e - K.ez * p_z) / K.ee, (y[V_2] - v_2) / K.tt
-    return Impact(p_e, p_2, p_z, y[V_E], y[V_2], after, float(y[WORK_N]), float(y[WORK_T]), compression, "slip")
+    left_e, left_2, p_z, work_n, work_t = y.tolist()
+    p_e, p_2 = (left_e - v_e - K.ez * p_z) / K.ee, (left_2 - v_2) / K.tt
+    return Impact(p_e, p_2, p_z, left_e, left_2, float(after), work_n, work_t, compression, "slip")
 
 
 @lru_cache(maxsize=1)
 def _chebyshev() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Chebyshev's nodes in [0, 1], and the matrices that integrate from 0 to each of them, and give coefficients."""
+    """Chebyshev's nodes in [0, 1], and the matrices, to be multiplied from the right, that integrate from 0 to each of
+    them, and give the last two coefficients."""
     x = (1 - np.cos(np.pi * np.arange(NODES) / (NODES - 1))) / 2
     basis = np.polynomial.chebyshev
     of_values = np.linalg.inv(basis.chebvander(2 * x - 1, NODES - 1))
     integrals = np.array([basis.chebval(2 * x - 1, basis.chebint(row, lbnd=-1)) / 2 for row in np.eye(NODES)]).T
-    return x, integrals @ of_values, of_values
+    return x, np.ascontiguousarray((integrals @ of_values).T), np.ascontiguousarray(of_values.T[:, -2:])
 
 
 def _sizes(values: np.ndarray, h: float) -> np.ndarray:
     """What rounding is relative to, (5, 1): velocities to the largest of them, works to the larger."""
-    largest = np.max(np.abs(values), axis=1)
-    speed, work = (
-        max(largest[V_E], largest[V_2], abs(h)),
-        max(largest[WORK_N], largest[WORK_T], abs(h) * largest[IMPULSE]),
-    )
-    return np.array([speed, speed, largest[IMPULSE], work, work])[:, None] + 1e-300
+    v_e, v_2, impulse, work_n, work_t = np.abs(values).max(axis=1).tolist()
+    speed, work = max(v_e, v_2, abs(h)), max(work_n, work_t, abs(h) * impulse)
+    return np.array([speed, speed, impulse, work, work])[:, None] + 1e-300
 
 
 def _integrated(rates: Callable, start: float, end: float, y: np.ndarray, parts: int = 0) -> np.ndarray:
     """The state at `end`, from y at `start`. Raises ArithmeticError where it cannot be followed."""
     x, matrix, coefficients = _chebyshev()
     h = end - start
-    times, values = start + h * x, np.repeat(y[:, None], NODES, axis=1)
-    before: Any = np.inf
-    if not 0 < rates(times[:1], y[:, None])[IMPULSE, 0] < np.inf:
+    times, first = start + h * x, y[:, None]
+    slope = rates(times[:1], first)
+    if not 0 < slope[IMPULSE, 0] < np.inf:
         raise ArithmeticError("friction jams the contact within an impact, or is not finite: it has no solution")
+    values = first + slope * (h * x)
+    sizes = _sizes(values, h)
+    before: Any = np.inf
     for _ in range(SWEEPS):
         slopes = rates(times, values)
-        new = y[:, None] + h * (slopes @ matrix.T)
-        change = np.max(np.abs(new - values) / _sizes(new, h))
+        new = first + h * (slopes @ matrix)
+        change = (np.abs(new - values) / sizes).max()
         values = new
         if change <= SMALL or (change < 1e-14 and change >= before):
-            last = np.max(np.abs(values @ coefficients.T[:, -2:]) / _sizes(values, h))
-            if last > UNRESOLVED or not np.all(slopes[IMPULSE] > 0):
+            last = (np.abs(values @ coefficients) / _sizes(values, h)).max()
+            if last > UNRESOLVED or not slopes[IMPULSE].min() > 0:
                 break
             return values[:, -1]
         if not change < 1e3 * max(before, 1e-3):

@@ -10,7 +10,7 @@ from ...problem import Problem
 
 
 MODES = ("slip", "stick", "reverse")
-REASONS = ("start", "stick", "slip", "liftoff", "landing", "other-ball", "opens-at-once")
+REASONS = ("start", "stick", "slip", "liftoff", "landing", "other-ball", "opens-at-once", "other-leaves")
 """Why a phase began; the place of a word is its number in a store."""
 PHASE_COLUMNS = ("start", "end", "phase", "ball", "reason")
 IMPACT_COLUMNS = (

@@ -1,6 +1,5 @@
 """What follows the end of a phase: the table of the contact's phases, in one place. [contact 6]"""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,27 +7,30 @@ import numpy as np
 
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact import coulomb
-from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.first_slip import FirstSlip
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import first_landing
-from ...mechanics.contact.phases.drilling import DRILLING_KINDS, FOLLOWS, region_kind
-from ...mechanics.contact.phases.legs import STOPS_AT, Body, Kind
-from ...mechanics.operand import Vector, cross, dot, plus, times
+from ...mechanics.contact.phases.both import BOTH_FOLLOWS, STAYS
+from ...mechanics.contact.phases.drilling import DRILLING_KINDS, FOLLOWS, REGIONS, region_kind
+from ...mechanics.contact.phases.legs import STOPS_AT
+from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import PLANAR
 from ...mechanics.variables import INTEGRAL_SCALE
 from ..status import Status
 from .beginning import direction, slide_from_cone, states
-from .impacts import CLOSES_AT, Impacts, Moment, Strike
+from .impacts import CLOSES_AT, Moment, Strike
+from .sliding import Sliding
+from .standing import ON_PLANE, Standing
 
 
-BEGINS_AT = 1e-8  # |v_A| with which sliding begins from rest outside the friction cone; its square is the error
-BOTH_AT = 1e-5  # v_n at which one ball takes over from the other below which both are on the plane at once
+LEAVES_FOR = 1e-3  # internal time: the gap of a ball that leaves as its force vanishes has a triple root
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
-BOTH = "the body stands on its sphere and its stem at once, which is not followed"
-ON_PLANE = 1e-9  # gap of a ball that touches
+BOTH = "the body stands on its sphere and its stem at once, which is not followed under Coulomb's law itself"
 MOST_STRIKES = 16  # of impacts at one instant
+
+
+ALIKE = FOLLOWS | BOTH_FOLLOWS
 
 
 def _wide(value: Any) -> Any:
@@ -49,6 +51,7 @@ class Change:
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
     landing: Any = None  # internal time to the landing of a flight
+    waits: float = 0.0  # internal time in which the other ball, that has just left, cannot touch
     between: FirstSlip | None = None  # what passes in the time `lag`
     takes: bool = False  # whether another ball is in contact from now on
     strikes: tuple[Strike, ...] = ()
@@ -56,7 +59,7 @@ class Change:
     sentence: str = ""  # why the run ends
 
 
-class Transitions(Impacts):
+class Transitions(Sliding, Standing):
     """Says what follows a phase.
 
     Parameters
@@ -69,10 +72,17 @@ class Transitions(Impacts):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The kinds of phases that the run may have."""
+        """The kinds of phases on one ball or none that the run may have."""
         if self.balls.dry:
             return "dry-slip", "roll", "flight"
         return tuple(DRILLING_KINDS) if self.balls.drills else ("slip", "flight")
+
+    @property
+    def standing(self) -> tuple[str, ...]:
+        """The kinds of standing on both balls that a run may have: of friction that drills, one for each region."""
+        if self.balls.dry or not self.balls.stem:
+            return ()
+        return tuple(f"both-{name}-{name}" for name in REGIONS) if self.balls.drills else ("both",)
 
     # --- the phases' ends -----------------------------------------------------------------------------------------
 
@@ -90,7 +100,7 @@ class Transitions(Impacts):
         if not rests:
             return self._flight(falls, moment, "start", 1)
         if len(rests) == 2:
-            return Change("flight", falls, moment, "start", ends=Status.ENDED, sentence=BOTH)
+            return self._standing(moment, "start")
         return self._on_plane(falls, moment, "start", takes=True)
 
     def after(self, end: str, kind: str, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
@@ -99,7 +109,7 @@ class Transitions(Impacts):
         Parameters
         ----------
         end
-            The event that ended it: stick, slip, liftoff, touch, landing.
+            The event that ended it: stick, slip, liftoff, touch, landing, one of STAYS; clear: the other ball has gone.
         kind, ball
             The phase that ended.
         moment
@@ -107,8 +117,14 @@ class Transitions(Impacts):
         signs
             Of the functions of the axis.
         """
-        if (kind, end) in FOLLOWS:  # the same phase in other words
-            return Change(FOLLOWS[kind, end], ball, moment, "", signs=signs)
+        if (kind, end) in ALIKE:  # the same phase in other words
+            return Change(ALIKE[kind, end], ball, moment, "", signs=signs)
+        if end == "clear":
+            return Change(kind, ball, moment, "", signs=signs)
+        if end in STAYS:
+            change = self._on_plane(STAYS[end], moment, "other-leaves", takes=True)
+            change.waits = LEAVES_FOR
+            return change
         if end == "stick":
             return self._stick(ball, moment, signs)
         if end == "slip":
@@ -143,44 +159,6 @@ class Transitions(Impacts):
         change.when, change.lag = lag, change.lag + lag
         return change
 
-    def _run_out(self, kind: Kind, body: Body, b: Ball, moment: Moment, v: Vector, w: Any) -> tuple[Moment, Any]:
-        """The last of a slide, |v_A| = w so small that its rates stay: the end, and the time to it."""
-        n = Vector(v.x / w, v.y / w, 0 * w)
-        bias = balls_.bias_vector(moment.u, moment.L, b)
-        F = coulomb.slip_force_vector(moment.u, bias, n, b)
-        P, _ = coulomb.along_and_across(balls_.contact_acceleration_vector(moment.u, bias, F, b), n)
-        lag = -w / P
-        q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
-        end = [x + lag * rate for x, rate in zip(q, kind.form.rates(q, body), strict=True)]
-        says = kind.says(type(q)(*end), body)
-        carried = self._later(kind, body, q, moment.carried, lag)
-        return Moment(says.u, says.L, says.velocity, balls_.height(says.u.z, b), carried), lag
-
-    def _stopped(self, b: Ball, moment: Moment) -> Moment:
-        """The contact point brought to rest by the impulse that this takes: nothing of energy or Jellett's integral is
-        lost."""
-        v = balls_.contact_velocity(moment.u, moment.L, moment.velocity, b)
-        p = balls_.mobility_inverse_times(moment.u, times(-1, v), b)
-        velocity, L = plus(moment.velocity, times(1 / b.m, p)), plus(moment.L, cross(balls_.arm(moment.u, b), p))
-        carried = moment.carried.copy()
-        carried[self.work] = carried[self.work] - dot(p, v) / 2 * INTEGRAL_SCALE
-        return moment._replace(L=L, velocity=velocity, carried=carried)
-
-    def _run_in(self, ball: int, b: Ball, moment: Moment, n: Vector) -> tuple[Moment, Any]:
-        """The first of a slide along n from rest, so short that its rates stay; and the time that it takes."""
-        kind, body = self.kinds["dry-slip"], self.balls[ball]
-        bias = balls_.bias_vector(moment.u, moment.L, b)
-        F = coulomb.slip_force_vector(moment.u, bias, n, b)
-        P, _ = coulomb.along_and_across(balls_.contact_acceleration_vector(moment.u, bias, F, b), n)
-        speed = self.number(BEGINS_AT)
-        lag = speed / P
-        u = plus(moment.u, times(lag, balls_.axis_rate(moment.u, moment.L, b)))
-        L = plus(moment.L, times(lag, cross(balls_.arm(moment.u, b), F)))
-        velocity, height = balls_.centre_velocity(u, L, times(speed, n), b), balls_.height(u.z, b)
-        q = kind.state(u, L, velocity, height, body)
-        carried = self._later(kind, body, q, moment.carried, lag)
-        return Moment(u, L, velocity, height, carried), lag
-
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Rolling needs more friction than there is."""
         b, body, kind = self.ball(ball), self.balls[ball], self.kinds["dry-slip"]
@@ -191,29 +169,6 @@ class Transitions(Impacts):
         carried = end[len(kind.form.units) :] * INTEGRAL_SCALE
         moment = Moment(says.u, says.L, says.velocity, says.height, carried)
         return Change("dry-slip", ball, moment, "slip", ("slip",), signs, lag=first.time[-1], between=first)
-
-    def _rates(self, kind: Kind, body: Body) -> Callable:
-        """rates(q, carried) of the integrals of a row, (k, n), in a phase."""
-        form, variables = kind.form, self.problem.variables
-        turning = form.orientation.integrals if self.problem.orientation and form.orientation else ()
-        by_name = {integral.name: integral.rate for integral in (*form.integrals, *turning)}
-
-        def rates(q: Any, carried: np.ndarray) -> np.ndarray:
-            record = variables.carried(*carried)
-            shape = carried.shape[1:]
-            return np.array(
-                [
-                    np.broadcast_to(by_name[name](q, record, body), shape) if name in by_name else np.zeros(shape)
-                    for name in variables.carried._fields
-                ]
-            )
-
-        return rates
-
-    def _later(self, kind: Kind, body: Body, q: Any, carried: np.ndarray, time: Any) -> np.ndarray:
-        """The integrals after a time so short that their rates stay."""
-        whole = carried / INTEGRAL_SCALE
-        return (whole + time * self._rates(kind, body)(q, whole)) * INTEGRAL_SCALE
 
     # --- what begins ----------------------------------------------------------------------------------------------
 
@@ -230,6 +185,19 @@ class Transitions(Impacts):
         if not landing > 0:
             return Change("flight", ball, moment, reason, landing=landing, ends=Status.STALLED, sentence=NO_WAY)
         return Change("flight", ball, moment, reason, landing=landing)
+
+    def _standing(self, moment: Moment, reason: str) -> Change:
+        """Both balls touch and neither rises: the body stays on both, if both press, or on the one that does."""
+        if not self.balls.dry:
+            moment, name = self._at_rest(moment)
+            if name:
+                return Change(name, 0, moment, reason, takes=True)
+        for ball in (0, 1):
+            change = self._on_plane(ball, moment, reason, takes=True)
+            if change.kind == "flight" or self._opens(change.kind, ball, change.moment):
+                change.waits = LEAVES_FOR if change.landing is None else 0
+                return change
+        return Change("flight", 0, moment, reason, ends=Status.ENDED, sentence=BOTH if self.balls.dry else NO_WAY)
 
     def _on_plane(self, ball: int, moment: Moment, reason: str, takes: bool = False) -> Change:
         """A ball touches the plane and its contact point does not rise: it slides, rolls, or leaves."""
@@ -259,9 +227,8 @@ class Transitions(Impacts):
         """An impact at a ball; then at the other one, should that be pressed into the plane."""
         strikes: list[Strike] = []
         v_n = float(self.point(ball, moment).z)
-        both = self.balls.stem and all(float(self.gap(k, moment)) <= ON_PLANE for k in (0, 1))
-        if both and v_n > -BOTH_AT:
-            return Change("flight", ball, moment, reason, ends=Status.ENDED, sentence=BOTH)
+        if self._rests_on_both(moment):
+            return self._standing(moment, reason)
         if not v_n < 0:  # it touches without striking
             return self._on_plane(ball, moment, reason)
         while len(strikes) < MOST_STRIKES:
@@ -287,7 +254,12 @@ class Transitions(Impacts):
         else:
             return Change("flight", ball, moment, reason, ends=Status.STALLED, sentence=NO_WAY)
         rises = not strikes[-1].plastic
-        change = self._flight(ball, moment, reason, 1) if rises else self._on_plane(ball, moment, reason)
+        if rises:
+            change = self._flight(ball, moment, reason, 1)
+        elif self._rests_on_both(moment):
+            change = self._standing(moment, reason)
+        else:
+            change = self._on_plane(ball, moment, reason)
         change.takes, change.strikes = True, tuple(strikes)
         change.events = ("impact",) * len(strikes)
         change.signs = {name: sign for name, sign in signs.items() if name != "turning"}

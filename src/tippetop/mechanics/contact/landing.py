@@ -6,14 +6,18 @@ polynomial above the speed of the gap is negative, so that there is one. A root 
 divided out.
 """
 
+import math
 from collections.abc import Sequence
 from math import comb
 from typing import Any
 
 import numpy as np
 
-from ..operand import sqrt
 from .flight import Hop, gap_in_flight, gap_series
+
+
+BERNSTEIN = tuple(tuple(tuple(comb(j, i) / comb(n, i) for i in range(j + 1)) for j in range(n + 1)) for n in range(5))
+"""Of each degree n, the weights of a polynomial's coefficients in its n + 1 Bernstein coefficients."""
 
 
 def landing_time(h: Hop) -> Any:
@@ -29,10 +33,10 @@ def landing_time(h: Hop) -> Any:
     float or longdouble
         0 if the gap does not open at all.
     """
-    amplitude = sqrt(h.even**2 + h.odd**2)
+    amplitude = _root(h.even**2 + h.odd**2)
     highest = h.start + 2 * amplitude
     most = amplitude * h.Omega**4  # of the fourth derivative
-    step = (h.rise + sqrt(h.rise**2 + 2 * h.g * highest)) / h.g * (1 + 1e-6)  # the gap is negative after it
+    step = (h.rise + _root(h.rise**2 + 2 * h.g * highest)) / h.g * (1 + 1e-6)  # the gap is negative after it
     series = gap_series(h)[:4]
     rooted = next((i for i, c in enumerate(series) if c != 0), 4)
     if rooted == 4 or series[rooted] < 0:
@@ -52,6 +56,11 @@ def landing_time(h: Hop) -> Any:
             return t
 
 
+def _root(x: Any) -> Any:
+    """sqrt(x) of a number: Python's own is the fastest for doubles."""
+    return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
 def first_landing(hops: Sequence[Hop]) -> tuple[int, Any]:
     """Which ball lands first, by its place in the sequence, and when."""
     times = [landing_time(h) for h in hops]
@@ -67,8 +76,13 @@ def _scaled(series: Sequence, step: Any) -> list:
 
 def _positive(a: Sequence) -> bool:
     """Whether the Bernstein coefficients of the polynomial of coefficients a are positive on [0, 1]; then so is it."""
-    n = len(a) - 1
-    return all(sum(comb(j, i) / comb(n, i) * a[i] for i in range(j + 1)) > 0 for j in range(n + 1))
+    for weights in BERNSTEIN[len(a) - 1]:
+        total = 0 * a[0]
+        for weight, coefficient in zip(weights, a, strict=False):
+            total = total + weight * coefficient
+        if not total > 0:
+            return False
+    return True
 
 
 def _falls(h: Hop, t: Any, step: Any, series: Sequence, most: Any) -> bool:

@@ -10,12 +10,22 @@ from typing import Any
 import numpy as np
 
 from ..contact.body import Body, tip_inertia
-from ..friction import is_frictionless
+from ..contact.phases.rules import ContactLaw
+from ..friction import Contensou, SetValued, is_frictionless
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
-from ..theory.thresholds import Threshold, lambda_de, lambda_s, lambda_u, sleeping_spin, thresholds, two_wells_from
+from ..theory.thresholds import (
+    Threshold,
+    lambda_de,
+    lambda_s,
+    lambda_u,
+    sleeping_spin,
+    spin_of,
+    thresholds,
+    two_wells_from,
+)
 from ..theory.tumbling import lambda_t
 from ..units import JELLETT, ONE, RADIAN_PER_SECOND
 
@@ -36,6 +46,28 @@ def tippe_top(b: Body, start: Start) -> Outlook:
     else:
         fate = "depends on the start: " + ", or ".join(now.attractors) + UNLESS
     return Outlook(now.sentence(), fate, thresholds(b))
+
+
+def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
+    """A tippe top whose contact may open or stick: what holds while it slides on a ball. [contact 4.1]"""
+    limits = thresholds(b)
+    if law.stem:
+        on_stem = b._replace(R=law.r, c=b.c + law.h)
+        needed = lambda_s(on_stem)
+        limits |= {
+            "lambda_s_stem": Threshold(needed, JELLETT, "spin on the stem stable above, of the stem's lambda"),
+            "spin_stem": Threshold(
+                -spin_of(needed, on_stem, inverted=True), RADIAN_PER_SECOND, "spin on the stem stable from here on"
+            ),
+        }
+    if is_frictionless(b.friction):
+        return Outlook("no friction: no inversion, theta nutates while it stands on one ball", "", limits)
+    sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
+    if isinstance(b.friction, SetValued):
+        sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
+    elif isinstance(b.friction, Contensou):
+        sentence += "; drilling takes of Jellett's integral, which decides that"
+    return Outlook(sentence, "", limits)
 
 
 def tippe_top_borders(b: Body) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding.euler import centre_velocity
 from ..contact.phases import legs
+from ..contact.phases.both import BOTH_KINDS
 from ..contact.phases.drilling import ANGLES as DRILLING_ANGLES
 from ..contact.phases.drilling import DRILLING_KINDS, DRILLING_ROW, LOST
 from ..contact.phases.drilling import Angles as DRILLING
@@ -23,6 +24,7 @@ from ..system import Phase, System
 from ..units import METRE, METRE_PER_SECOND
 from .cylinder import GLIDING_CYLINDER
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
+from .outlook import tippe_top_with_contact
 from .tippe_top import TIPPE_TOP, routh
 
 
@@ -30,6 +32,8 @@ BODIES: dict[str, System] = {system.name: system for system in (TIPPE_TOP, GLIDI
 """The systems whose contact may change its phase, by name."""
 
 ROUTH: dict[str, Callable] = {"tippe-top": routh}
+
+OUTLOOKS: dict[str, Callable] = {"tippe-top": tippe_top_with_contact}
 
 PLANAR = ("gliding-cylinder",)
 """Those that move in a plane."""
@@ -123,7 +127,7 @@ def with_contact(name: str, friction: str, stem: bool) -> System:
         integrals=() if planar else ("jellett",),
         landscape=None,
         potential=None,
-        outlook=None,
+        outlook=OUTLOOKS.get(name),
         borders=None,
         motion=None,
         long_form="",
@@ -138,7 +142,7 @@ def plain(system: System) -> System:
 
 def kinds_of(name: str) -> dict[str, legs.Kind]:
     """Every way in which the body of a system moves, by name."""
-    return PLANAR_KINDS if name in PLANAR else legs.KINDS | DRILLING_KINDS
+    return PLANAR_KINDS if name in PLANAR else legs.KINDS | DRILLING_KINDS | BOTH_KINDS
 
 
 @lru_cache
@@ -158,8 +162,9 @@ def leg(name: str, kind: str) -> System:
         Of the form "vector"; its parameters are `legs.PARAMETERS`, in internal units.
     """
     what, system = kinds_of(name)[kind], BODIES[name]
+    of_axis = () if what.axis_stays else of_the_axis(system)
     return system.replace(
-        phases={what.phase: Phase({what.form.name: what.form}, (), (*of_the_axis(system), *what.events))},
+        phases={what.phase: Phase({what.form.name: what.form}, (), (*of_axis, *what.events))},
         parameters=dict.fromkeys(legs.PARAMETERS, Parameter(METRE, "in internal units")),
         body=legs.body,
         body_units=legs.body_units,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..contact.body import Body, tip_inertia
-from ..operand import formula
+from ..operand import formula, sqrt
 from ..units import JELLETT, ONE, RADIAN_PER_SECOND, Unit
 
 
@@ -70,7 +70,7 @@ def gamma_c(alpha: float) -> float:
 
 def gamma_plus(alpha: float) -> float:
     """All tumbling states are stable if and only if gamma is at least this. [section 6]"""
-    return (1 - alpha) * (7 + alpha + math.sqrt(1 + 14 * alpha + alpha**2)) / 8
+    return (1 - alpha) * (7 + alpha + sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
 def two_wells_from(b: Body) -> float:

@@ -33,7 +33,10 @@ export class Chart {
     this.canvas = canvas;
     this.title = title;
     this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-    [this.left, this.right, this.top, this.bottom] = [0, 1, 0, 1];
+    this.left = 0;
+    this.right = 1;
+    this.top = 0;
+    this.bottom = 1;
     this.low = [0, 0];
     this.high = [1, 1];
   }
@@ -68,7 +71,8 @@ export class Chart {
     context.font = FONT;
     context.fillStyle = colours.quiet;
     context.textAlign = "right";
-    if (this.left + wide + 14 + context.measureText(caption).width < this.right) context.fillText(caption, this.right, 13);
+    if (this.left + wide + 14 + context.measureText(caption).width < this.right)
+      context.fillText(caption, this.right, 13);
   }
 
   /** @param {number} value */
@@ -95,8 +99,9 @@ export class Chart {
    * @param {Palette} colours
    * @param {[number, string][]} xs
    * @param {[number, string][]} ys
+   * @param {boolean} grid whether there are lines across
    */
-  axes(colours, xs, ys) {
+  axes(colours, xs, ys, grid = true) {
     const { context } = this;
     context.strokeStyle = colours.line;
     context.lineWidth = 1;
@@ -106,7 +111,7 @@ export class Chart {
     for (const [value, text] of ys) {
       const y = Math.round(this.y(value)) + 0.5;
       if (y < this.top - 1 || y > this.bottom + 1) continue;
-      this.stroke(this.left, y, this.right, y);
+      if (grid) this.stroke(this.left, y, this.right, y);
       context.fillText(text, this.left - 6, y);
     }
     context.textAlign = "center";

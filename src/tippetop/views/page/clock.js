@@ -54,7 +54,10 @@ export class Clock {
 
   /** @param {number} steps along the list of speeds */
   faster(steps) {
-    const at = SPEEDS.reduce((best, s, i) => (Math.abs(Math.log(s / this.speed)) < Math.abs(Math.log(SPEEDS[best] / this.speed)) ? i : best), 0);
+    const at = SPEEDS.reduce(
+      (best, s, i) => (Math.abs(Math.log(s / this.speed)) < Math.abs(Math.log(SPEEDS[best] / this.speed)) ? i : best),
+      0,
+    );
     this.speed = SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, at + steps))];
   }
 }

@@ -75,7 +75,10 @@ export class Log {
     const step = 1e-9 * (1 + Math.abs(t));
     const counts = (/** @type {Mark} */ m) => all || m.kind !== "turning";
     if (forwards) return this.marks.slice(before(this.times, t + step) + 1).find(counts);
-    return this.marks.slice(0, before(this.times, t - step) + 1).reverse().find(counts);
+    return this.marks
+      .slice(0, before(this.times, t - step) + 1)
+      .reverse()
+      .find(counts);
   }
 }
 

@@ -55,7 +55,8 @@ export function between(p, wp, q, wq, h, s) {
   const some = 2 * Math.atan2(dot([rest[1], rest[2], rest[3]], v), rest[0]);
   const [first, last] = [h * dot(wp, u), h * dot(wq, v)];
   const whole = some + 2 * Math.PI * Math.round(((first + last) / 2 - some) / (2 * Math.PI));
-  const axis = unit([0, 1, 2].map((i) => cubic(u[i], du[i], v[i], dv[i], s)));
+  const part = (/** @type {number} */ i) => cubic(u[i], du[i], v[i], dv[i], s);
+  const axis = unit([part(0), part(1), part(2)]);
   return after(turn(axis, cubic(0, first, whole, last, s)), after(swing(u, axis), p));
 }
 

@@ -172,10 +172,9 @@ export class WellPanel {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {(z: number, first: number, second: number) => number} potential
-   * @param {string} words
    */
-  constructor(canvas, potential, words) {
-    this.chart = new Chart(canvas, words);
+  constructor(canvas, potential) {
+    this.chart = new Chart(canvas, "");
     this.potential = potential;
     this.height = 0;
   }
@@ -227,17 +226,27 @@ export class WellPanel {
     const values = this.values(first, second, count);
     const bottom = Math.min(...values.filter(isFinite));
     const low = bottom - 0.12 * this.height;
+    chart.title = `Potential V(θ) − min V, ${this.height < 2e-4 ? "µJ" : "mJ"}`;
     /** @type {Span} */
     const range = wound ? [-PI, PI] : [0, PI];
     const caption = valid ? `Ẽ = ${tidy(parseFloat((1e3 * level).toPrecision(4)))} mJ` : "no contact of the sphere";
     chart.begin(range, [low, low + 1.12 * this.height], colours, caption);
-    const ys = ticks(1e3 * low, 1e3 * (low + 1.12 * this.height), 4);
+    const unit = this.height < 2e-4 ? 1e6 : 1e3;
+    const ys = ticks(0, unit * 1.0 * this.height, 3);
     /** @type {[number, string][]} */
-    const xs = wound ? [[-PI, "−π"], [-PI / 2, "−π/2"], [0, "0"], [PI / 2, "π/2"], [PI, "π = θ"]] : ANGLES;
+    const xs = wound
+      ? [
+          [-PI, "−π"],
+          [-PI / 2, "−π/2"],
+          [0, "0"],
+          [PI / 2, "π/2"],
+          [PI, "π = θ"],
+        ]
+      : ANGLES;
     chart.axes(
       colours,
       xs.map(([x, text]) => [x, text === "π" ? "π = θ" : text]),
-      ys.map((y) => [y / 1e3, tidy(y)]),
+      ys.map((y) => [bottom + y / unit, tidy(y)]),
     );
     if (!valid || !isFinite(bottom)) return;
     const steps = wound ? 2 * count : count;
@@ -430,4 +439,3 @@ export class TimeLine {
     chart.dot(chart.x(t), 16, colours.alarm, colours.paper, 6);
   }
 }
-

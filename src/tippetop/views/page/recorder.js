@@ -22,7 +22,9 @@ export class Recorder {
   }
 
   start() {
-    const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((t) => MediaRecorder.isTypeSupported(t));
+    const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((t) =>
+      MediaRecorder.isTypeSupported(t),
+    );
     /** @type {Blob[]} */
     const pieces = [];
     const recorder = new MediaRecorder(this.canvas.captureStream(60), { mimeType: type, videoBitsPerSecond: 12e6 });

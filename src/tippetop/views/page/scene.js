@@ -193,7 +193,7 @@ export class Scene {
     const k = 1 / body.unit;
     const turned = axes(pose.orientation);
     const centre = times(k, pose.position);
-    const above = times((k * (body.kind === "ball" ? body.balls[0].offset : 0)), turned[2]);
+    const above = times(k * (body.kind === "ball" ? body.balls[0].offset : 0), turned[2]);
     const looked = plus(centre, above);
     this.camera.follow([looked[0], looked[1], this.camera.home[2]], how.jump);
     const view = this.camera.frame();
@@ -232,7 +232,7 @@ export class Scene {
       floorColour: rgb(colours.floor),
       lineColour: rgb(colours.grid),
       heavyColour: rgb("#27527f"),
-      lightColour: rgb("#efe6d2"),
+      lightColour: rgb("#eadfca"),
       markColour: rgb("#e4572e"),
       stemColour: rgb("#3a424d"),
     });

@@ -240,7 +240,7 @@ vec3 lit(Hit hit, vec3 p, vec3 d) {
   vec3 h = normalize(lightDirection - d);
   float gloss = pow(max(dot(hit.normal, h), 0.0), 70.0) * hit.shine;
   float rim = pow(1.0 - max(-dot(hit.normal, d), 0.0), 4.0) * 0.22;
-  return hit.paint * (bounce + 0.72 * diffuse + 0.16 * wrapped) + gloss * vec3(1.0, 0.98, 0.94) + rim * skyColour;
+  return hit.paint * (bounce + 0.6 * diffuse + 0.14 * wrapped) + gloss * vec3(1.0, 0.98, 0.94) + rim * skyColour;
 }
 
 float gridLine(vec2 p, vec2 width) {

@@ -86,7 +86,7 @@ export class Stage {
     part("well-figure").hidden = !potential;
     part("force-figure").hidden = !isFinite(log.forces[0]);
     if (potential) {
-      this.well = new WellPanel(part("well"), potential, "Potential V(θ), mJ");
+      this.well = new WellPanel(part("well"), potential);
       this.well.take(motion);
     } else this.well = undefined;
     part("scrub").min = String(motion.start);
@@ -235,7 +235,13 @@ export class Stage {
     document.addEventListener("keydown", (event) => {
       const target = /** @type {HTMLElement} */ (event.target);
       const typing = ["INPUT", "SELECT", "BUTTON", "SUMMARY"].includes(target.tagName);
-      if (event.ctrlKey || event.metaKey || event.altKey || (typing && (event.key === " " || event.key.startsWith("Arrow")))) return;
+      if (
+        event.ctrlKey ||
+        event.metaKey ||
+        event.altKey ||
+        (typing && (event.key === " " || event.key.startsWith("Arrow")))
+      )
+        return;
       if (target.tagName === "SELECT") return;
       const action = keys[event.key];
       if (!action) return;
@@ -271,7 +277,8 @@ export class Stage {
       else {
         const other = [...down.values()].find((e) => e.pointerId !== event.pointerId);
         if (other) {
-          const apart = (/** @type {PointerEvent} */ e) => Math.hypot(e.clientX - other.clientX, e.clientY - other.clientY);
+          const apart = (/** @type {PointerEvent} */ e) =>
+            Math.hypot(e.clientX - other.clientX, e.clientY - other.clientY);
           this.scene.camera.zoom((apart(last) + 1) / (apart(event) + 1));
         }
       }

@@ -186,11 +186,14 @@ BORDERS: dict[str, tuple[tuple[str, float, int, str], ...]] = {
 """Of each region: name of the event in which it ends, x, direction, and the region that follows."""
 
 
+def border(word: str, x: float, direction: int, follows: str) -> Event:
+    """The event in which a region ends."""
+    return Event(word, "sliding against turning", _beyond(x), direction, word)
+
+
 def _kind(name: str) -> legs.Kind:
     contact = _contact(REGIONS[name])
-    borders = (
-        Event(word, "sliding against turning", _beyond(x), direction, word) for word, x, direction, _ in BORDERS[name]
-    )
+    borders = (border(*line) for line in BORDERS[name])
     return legs.Kind("slip", _form(name, contact), (*COMMON, *borders), _says(contact), state)
 
 
@@ -199,11 +202,16 @@ FOLLOWS = {(f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.i
 """The kind that follows a kind and the event that ended it."""
 
 
-def region_kind(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
-    """The kind of sliding of a body, by the numbers of its state."""
+def region(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
+    """The region of a body's sliding, by the numbers of its state."""
     v, U2 = contact_velocity(u, L, velocity, ball(b)), patch_speed2(angular_velocity(u, L, ball(b)), b)
     x2 = (v.x * v.x + v.y * v.y) / U2
-    return f"drill-{'inside' if x2 < EDGE**2 else 'between' if x2 < OUTSIDE_FROM**2 else 'outside'}"
+    return "inside" if x2 < EDGE**2 else "between" if x2 < OUTSIDE_FROM**2 else "outside"
+
+
+def region_kind(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
+    """The kind of sliding of a body, by the numbers of its state."""
+    return f"drill-{region(u, L, velocity, b)}"
 
 
 Angles: Any = namedtuple("Angles", (*row.Angles._fields, LOST[0]))  # type: ignore[misc]

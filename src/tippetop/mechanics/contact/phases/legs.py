@@ -331,6 +331,8 @@ class Kind(NamedTuple):
     says: Callable
     state: Callable
     sliding: Callable | None = None  # sliding(u, L, w, beta, b) -> q with v_A = w (cos(beta), sin(beta))
+    axis_stays: bool = False  # whether theta is constant
+    keeps_jellett: bool = True  # whether Jellett's integral, with what is integrated of its loss, is
 
 
 ROLL_FORM = replace(rolling.VECTOR, domains=())

@@ -1,0 +1,76 @@
+"""Rows and events of the first moments of a slide, which a series gives and no step."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...mechanics.contact.first_slip import FirstSlip
+from ...mechanics.contact.phases.legs import Body, Kind
+from ...mechanics.variables import INTEGRAL_SCALE
+from ..slices import Request
+from ..tallies import SIGN
+from .beginning import states
+from .legs import rows_of
+from .passages import RunPassages, zero_of
+from .transitions import Change
+
+
+if TYPE_CHECKING:
+    from .driver import ContactDriver
+
+
+def fill_between(driver: "ContactDriver", change: Change, start: Any, log: RunPassages, request: Request) -> None:
+    """Gives the rows that are wanted of the beginning of a slide, and logs what passes in it.
+
+    Parameters
+    ----------
+    driver
+        The run, whose slide has begun.
+    change
+        The slide.
+    start
+        When it began, internal time.
+    log, request
+        Take the events and the rows.
+    """
+    between, lag = change.between, change.lag
+    assert between is not None
+    kind, body, number = driver.kinds[driver.kind], driver.balls[driver.ball], driver.problem.number
+    moving = len(kind.form.units)
+
+    def rows(t: np.ndarray) -> np.ndarray:
+        values = states(kind, body, between, t).T
+        carried = values[:, moving:] * INTEGRAL_SCALE
+        return rows_of(kind, driver.ball, driver.balls, values[:, :moving], carried, driver.taken, number)
+
+    inner = driver.inner
+    while not request.steps:
+        inner.times = inner.times if len(inner.times) else request.wanted()
+        count = int(np.searchsorted(inner.times, float(start + lag)))
+        if count:
+            t = inner.times[:count].astype(number) - start
+            request.take(inner.times[:count], rows(np.clip(t, 0 * lag, lag)))
+        inner.times = inner.times[count:]
+        if len(inner.times) or not count:
+            break
+    for k, event in enumerate(inner.problem.system.events):
+        if event.name not in change.signs:
+            continue
+        function = _along(event, kind, body, between)
+        sign, before = 1.0 if function(lag) > 0 else -1.0, change.signs[event.name]
+        if sign != before:
+            t = zero_of(function, before, lag)
+            inner.tallies.functions[SIGN, k, 0] = sign
+            log.note(event.name, start + t, rows(np.array([t])), sign)
+
+
+def _along(event: Any, kind: Kind, body: Body, between: FirstSlip) -> Callable[[Any], float]:
+    """An event function of the time since the beginning of a slide."""
+
+    def function(t: Any) -> float:
+        values = states(kind, body, between, np.array([t]))[:, 0]
+        q = type(kind.form.units)(*values[: len(kind.form.units)])
+        return float(event.formula(kind.form.scalars(q, body), body))
+
+    return function

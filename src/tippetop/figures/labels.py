@@ -1,0 +1,153 @@
+"""Words and letters of the figures: numbers with their units, titles of runs, and what tells several runs apart."""
+
+import textwrap
+from typing import Any
+
+from ..columns import SUPERSCRIPTS, units_text
+
+
+SYMBOLS = {
+    "theta": "θ",
+    "theta_dot": "θ'",
+    "phi": "φ",
+    "phi_dot": "φ'",
+    "psi": "ψ",
+    "psi_dot": "ψ'",
+    "omega3": "ω₃",
+    "nu_x": "$\\nu_x$",
+    "nu_y": "$\\nu_y$",
+    "nu_z": "$\\nu_z$",
+    "lambda": "λ",
+    "alpha": "α",
+    "mu": "μ",
+    "mu_r": "$\\mu_r$",
+    "eps": "ε",
+    "kappa": "κ",
+    "v_k": "$v_k$",
+    "e_n": "$e_n$",
+    "I1": "$I_1$",
+    "I3": "$I_3$",
+    "patch": "contact radius",
+}
+"""Keys of a scenario as formulas write them."""
+LAWS = {
+    "viscous": "viscous friction",
+    "coulomb": "Coulomb friction",
+    "contensou": "Coulomb–Contensou friction",
+    "mixed": "viscous and Coulomb friction",
+    "none": "no friction",
+    "modified": "modified reaction",
+    "stribeck": "Stribeck friction",
+}
+"""Friction laws in words; another one is `... friction`."""
+PRECISIONS = {"double": "64-bit numbers", "longdouble": "80-bit numbers", "quad": "128-bit numbers"}
+TABLES = ("parameters", "friction", "contact", "stem", "initial")
+WIDTH = 95  # letters of a line
+MOST_NUMBERS = 2  # of bodies that differ in more, the names are given
+RUN_KEYS = ("precision", "tolerance", "on_liftoff")
+
+
+def number(value: float, digits: int = 6) -> str:
+    """A number as people write it: 0.1, −4.615, 6.894 × 10⁻⁶."""
+    mantissa, _, power = f"{value:.{digits}g}".partition("e")
+    text = mantissa.replace("-", "−")
+    return f"{text} × 10{str(int(power)).translate(SUPERSCRIPTS)}" if power else text
+
+
+def quantity(value: float, unit: str, digits: int = 6) -> str:
+    """A number with its unit."""
+    return number(value, digits) if unit in ("", "1") else f"{number(value, digits)} {units_text(unit)}"
+
+
+def entries(table: dict[str, Any], units: dict[str, str], at_start: bool = False) -> list[str]:
+    """The entries of a table of a scenario, each as symbol = value unit."""
+    words = []
+    for key, value in table.items():
+        symbol = SYMBOLS.get(key, key.replace("_", " "))
+        if key == "centre_at_rest":
+            words += ["centre of mass at rest"] if value else []
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            words.append(f"{symbol}{'(0)' if at_start else ''} = {quantity(value, units.get(key, '1'))}")
+        elif not isinstance(value, dict | list):
+            words.append(f"{symbol} = {value}")
+    return words
+
+
+def friction(table: dict[str, Any], units: dict[str, str]) -> str:
+    """A friction law in words, with its numbers."""
+    law = str(table.get("law", ""))
+    words = LAWS.get(law, f"{law} friction")
+    if law == "coulomb" and "eps" in table:
+        words = f"regularised {words}"
+    numbers = entries({key: value for key, value in table.items() if key != "law"}, units)
+    return ", ".join([words, *numbers] if law else numbers)
+
+
+def title(attrs: dict[str, Any]) -> str:
+    """The system on a line; what makes this run this run on the next."""
+    units = attrs.get("units", {})
+    details = entries(attrs.get("initial", {}), units, at_start=True)
+    if law := friction(attrs.get("friction", {}), units):
+        details.append(law)
+    head = attrs["title"][:1].upper() + attrs["title"][1:]
+    return "\n".join([head, *_lines(details)])
+
+
+def _lines(words: list[str]) -> list[str]:
+    """The words, with commas between them, on lines that are not broken within one."""
+    kept = ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in words)
+    lines = textwrap.wrap(kept, WIDTH, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+
+
+def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
+    """The attributes of several runs as far as all have the same, for their common title."""
+    first = runs[0]
+    common: dict[str, Any] = {"title": first["title"], "units": first.get("units", {})}
+    if any(attrs["title"] != first["title"] for attrs in runs):
+        common["title"] = f"{len(runs)} runs"
+    for name in ("initial", "friction"):
+        if name == "friction" and len({str(attrs.get(name, {}).get("law")) for attrs in runs}) > 1:
+            continue  # the same letter in another law is another number
+        common[name] = {
+            key: value
+            for key, value in first.get(name, {}).items()
+            if all(attrs.get(name, {}).get(key) == value for attrs in runs)
+        }
+    return common
+
+
+def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
+    """For each run the words that tell it from the others: what its scenario has and theirs have not; its name as well,
+    where there is no difference."""
+    tables = [name for name in TABLES if any(attrs.get(name, {}) != runs[0].get(name, {}) for attrs in runs)]
+    words = []
+    for attrs, called in zip(runs, names, strict=True):
+        units: dict[str, str] = attrs.get("units", {})
+        parts: list[str] = []
+        if any(other["title"] != attrs["title"] for other in runs):
+            parts.append(attrs["title"])
+        if any(other.get("form") != attrs.get("form") for other in runs):
+            parts.append(f"{attrs.get('form')} form")
+        for name in tables:
+            own = {
+                key: value
+                for key, value in attrs.get(name, {}).items()
+                if any(other.get(name, {}).get(key) != value for other in runs)
+            }
+            if name == "friction" and "law" in own:
+                parts.append(friction(attrs[name], units))
+            elif name == "parameters" and len(own) > MOST_NUMBERS:
+                parts.append(called)
+            else:
+                parts += entries(own, units, at_start=name == "initial")
+        for key in RUN_KEYS:
+            given = [other.get("run", {}).get(key) for other in runs]
+            if len({str(value) for value in given}) > 1:
+                value = attrs.get("run", {}).get(key)
+                parts.append(PRECISIONS.get(str(value), f"{key.replace('_', ' ')} {value}"))
+        words.append(", ".join(parts))
+    return [
+        word if word and words.count(word) == 1 else ": ".join(filter(None, [name, word]))
+        for word, name in zip(words, names, strict=True)
+    ]

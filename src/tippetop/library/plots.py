@@ -1,0 +1,139 @@
+"""The figures of a run as an object: run.plot("theta") is a Figure, run.plot.theta(ax=ax) draws into Axes."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..arguments import finite, path_of
+from ..errors import InputError
+from ..figures import catalogue
+from ..figures.catalogue import FIGURES, Look
+
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .run import Run
+
+
+class Plots:
+    """The figures of a run.
+
+    Each kind of figure is a method too, which takes and returns Axes: `run.plot.normal_force(ax=ax)`. Without `ax` it
+    makes a figure of its own. Options are those of a call.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import tippetop as tt
+    >>> run = tt.run("inverting", until=8.0)
+    >>> figure, (above, below) = plt.subplots(2)
+    >>> run.plot.theta(ax=above, start=2.0, until=7.0)
+    >>> run.plot.energy(ax=below)
+    """
+
+    def __init__(self, run: "Run"):
+        self._run = run
+
+    def __call__(
+        self,
+        kind: str = "theta",
+        path: str | Path | None = None,
+        *,
+        beside: "Sequence[Run]" = (),
+        overwrite: bool = False,
+        **options: Any,
+    ) -> "Figure":
+        """Draws the run.
+
+        Parameters
+        ----------
+        kind : str
+            theta, normal-force, drift, growth, sphere, energy, states, band, surface, potential, inversion or film.
+        path : path-like, optional
+            A file to write as well; its ending (.png, .svg, .pdf) names the format.
+        beside : sequence of Run, optional
+            Other runs to draw in the same panel: theta, normal-force, drift, growth or energy.
+        overwrite : bool
+            Whether a file that is there is replaced.
+        start, until : float, optional
+            Draw this part of the run only [s].
+        title : str, optional
+            Instead of the figure's own title.
+        size : (float, float), optional
+            Width and height [inches].
+        dpi : float
+            Dots per inch of a PNG; 150 by default.
+        dark : bool
+            Whether to draw light on dark.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If there is no such figure, or the run has not what it shows.
+        StoreError
+            If the file cannot be written, or is there already.
+        """
+        file = None if path is None else path_of("path", path)
+        catalogue.kind_of(kind)
+        if file is not None:
+            catalogue.check_format(file)
+        look = _look(options)
+        figure = self._axes(kind, None, look, options, beside).get_figure(root=True)
+        if file is not None:
+            catalogue.write(figure, file, look, overwrite=overwrite)
+        return figure
+
+    def __getattr__(self, name: str) -> "Callable[..., Axes]":
+        kind = name.replace("_", "-")
+        if kind not in FIGURES:
+            raise AttributeError(f"a run has no figure `{name}`: it has {', '.join(dir(self))}")
+
+        def figure(ax: "Axes | None" = None, *, beside: "Sequence[Run]" = (), **options: Any) -> "Axes":
+            return self._axes(kind, ax, _look(options), options, beside)
+
+        figure.__name__, figure.__doc__ = name, f"{FIGURES[kind].shows}. Takes and returns Axes; options as of a call."
+        return figure
+
+    def __dir__(self) -> list[str]:
+        return [kind.replace("-", "_") for kind in FIGURES]
+
+    def _axes(self, kind: str, ax: "Axes | None", look: Look, options: dict[str, Any], beside: "Sequence[Run]") -> Any:
+        """Draws; `options` are what is left of them: the window."""
+        given = (options.pop("start", None), options.pop("until", None))
+        window = (
+            None if given[0] is None else finite("start", given[0]),
+            None if given[1] is None else finite("until", given[1]),
+        )
+        if options:
+            raise InputError([f"a figure has no option `{next(iter(options))}`."])
+        from ..figures.window import in_window
+
+        runs = [self._run, *beside]
+        parts = [in_window(run._for_figures(window), run.attributes, *window) for run in runs]
+        if beside:
+            names = [f"run {i + 1}" for i in range(len(runs))]
+            return catalogue.several(kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax)
+        return catalogue.axes_of(kind, *parts[0], look, ax)
+
+
+def _look(options: dict[str, Any]) -> Look:
+    """How a figure shall look; takes what says so from the options. Raises InputError."""
+    title, size = options.pop("title", None), options.pop("size", None)
+    if title is not None and not isinstance(title, str):
+        raise InputError([f"`title` must be text, but is {title!r:.60}."])
+    if size is not None:
+        try:
+            width, height = size
+        except (TypeError, ValueError):
+            raise InputError([f"`size` must be two numbers, but is {size!r:.60}."]) from None
+        size = (float(finite("size", width)), float(finite("size", height)))
+    dpi, dark = finite("dpi", options.pop("dpi", 150)), bool(options.pop("dark", False))
+    look = Look(title, size, float(dpi), dark)
+    catalogue.check_look(look)
+    return look

@@ -1,0 +1,240 @@
+/** The playground: a tippe top of one's own, integrated in the page while its numbers are changed. */
+import { facts } from "./formulas.js";
+import { simulated } from "./simulation.js";
+import { Sliders } from "./sliders.js";
+import { part } from "./stage.js";
+
+/** @typedef {import("./stage.js").Stage} Stage */
+/** @typedef {import("./simulation.js").Given} Given */
+/** @typedef {import("./sliders.js").Slider} Slider */
+
+/**
+ * @typedef {object} Preset
+ * @property {string} name
+ * @property {string} words
+ * @property {Record<string, number>} parameters
+ * @property {string} law
+ * @property {Record<string, number>} friction
+ * @property {Record<string, number>} initial
+ * @property {boolean} atRest
+ * @property {number} until
+ */
+
+const DEGREE = 180 / Math.PI;
+/** @type {Slider[]} */
+const BODY = [
+  { name: "m", words: "mass m", unit: "g", least: 0.002, most: 0.2, log: true, shown: (x) => 1e3 * x },
+  { name: "R", words: "radius R", unit: "mm", least: 0.005, most: 0.06, log: true, shown: (x) => 1e3 * x },
+  { name: "alpha", words: "eccentricity α", unit: "", least: 0.02, most: 0.6 },
+  { name: "gamma", words: "γ = I₁/I₃", unit: "", least: 0.55, most: 1.5 },
+  { name: "inertia", words: "I₃/mR²", unit: "", least: 0.15, most: 0.65 },
+];
+/** @type {Slider[]} */
+const START = [
+  { name: "omega3", words: "spin ω₃", unit: "rad/s", least: 0, most: 350 },
+  { name: "theta", words: "tilt θ(0)", unit: "°", least: 0, most: Math.PI, shown: (x) => x * DEGREE },
+  { name: "until", words: "how long", unit: "s", least: 1, most: 30 },
+];
+/** @type {Record<string, Slider>} */
+const FRICTION = {
+  mu: { name: "mu", words: "friction μ", unit: "s/m", least: 0.003, most: 10, log: true },
+  mu_stem: { name: "mu_stem", words: "μ on the stem's side", unit: "s/m", least: 0.003, most: 10, log: true },
+  mu_coulomb: { name: "mu_coulomb", words: "Coulomb's μ", unit: "", least: 0.01, most: 1, log: true },
+  mu_static: { name: "mu_static", words: "μ at rest", unit: "", least: 0.01, most: 1.5, log: true },
+  eps: { name: "eps", words: "ε", unit: "m/s", least: 1e-4, most: 0.1, log: true },
+  v_s: { name: "v_s", words: "v_s", unit: "m/s", least: 1e-3, most: 1, log: true },
+};
+const USUAL = /** @type {Record<string, number>} */ ({
+  mu_stem: 0.3,
+  mu_coulomb: 0.1,
+  mu_static: 0.4,
+  eps: 1e-2,
+  v_s: 0.1,
+});
+const LAWS = /** @type {Record<string, string>} */ ({
+  viscous: "viscous: −μ gₙ v",
+  coulomb: "Coulomb, regularised",
+  mixed: "viscous and Coulomb",
+  stribeck: "Stribeck",
+  latitude: "viscous, by latitude",
+  none: "none",
+});
+const NAMES = /** @type {Record<string, string>} */ ({ lambda_u: "λᵤ", lambda_s: "λₛ", lambda_de: "λ_de" });
+const LEAST_STEP = 5e-4;
+
+export class Playground {
+  /**
+   * @param {Stage} stage
+   * @param {Preset[]} presets
+   */
+  constructor(stage, presets) {
+    this.stage = stage;
+    this.presets = presets;
+    this.waiting = 0;
+    this.preset = presets[0];
+    const later = () => this.soon();
+    this.body = new Sliders(part("body-sliders"), later);
+    this.friction = new Sliders(part("friction-sliders"), later);
+    this.start = new Sliders(part("start-sliders"), later);
+    for (const slider of BODY) this.body.add(slider);
+    for (const slider of START) this.start.add(slider);
+    for (const { name, words } of presets) {
+      const option = new Option(name, name);
+      option.title = words;
+      part("preset").add(option);
+    }
+    for (const law of Object.keys(facts.laws)) part("law").add(new Option(LAWS[law] ?? law, law));
+    part("preset").addEventListener("change", () => this.take(part("preset").value));
+    part("law").addEventListener("change", () => {
+      this.lawChanged();
+      this.soon();
+    });
+    part("copy").addEventListener("click", () => navigator.clipboard?.writeText(part("scenario").textContent));
+    this.take(presets[0].name);
+  }
+
+  /** @param {string} name of a preset */
+  take(name) {
+    const preset = this.presets.find((p) => p.name === name) ?? this.presets[0];
+    this.preset = preset;
+    const { m, R, alpha, I1, I3 } = preset.parameters;
+    this.body.set({ m, R, alpha, gamma: I1 / I3, inertia: I3 / (m * R * R), g: preset.parameters.g });
+    part("law").value = preset.law;
+    this.friction.values = { ...USUAL, mu: 0.3, ...preset.friction };
+    this.lawChanged();
+    this.start.set({ omega3: preset.initial.omega3 ?? 0, theta: preset.initial.theta ?? 0, until: preset.until });
+    part("preset").value = preset.name;
+    this.show(false);
+  }
+
+  /** The sliders of another law. */
+  lawChanged() {
+    const law = part("law").value;
+    this.friction.clear();
+    for (const name of facts.laws[law]) {
+      const unit = name === "mu" && (law === "coulomb" || law === "stribeck") ? "" : FRICTION[name].unit;
+      this.friction.add({ ...FRICTION[name], unit });
+    }
+    const values = this.friction.values;
+    this.friction.set(Object.fromEntries(facts.laws[law].map((name) => [name, values[name]])));
+  }
+
+  /** What is given now. @returns {Given} */
+  given() {
+    const { m, R, alpha, gamma, inertia, g } = this.body.values;
+    const { until, omega3, theta } = this.start.values;
+    const I3 = inertia * m * R * R;
+    const law = part("law").value;
+    const numbers = Object.fromEntries(facts.laws[law].map((name) => [name, this.friction.values[name]]));
+    return {
+      law,
+      parameters: { m, R, alpha, I1: gamma * I3, I3, g, ...numbers },
+      initial: { ...this.preset.initial, omega3, theta },
+      atRest: this.preset.atRest,
+      until,
+      step: Math.max(LEAST_STEP, Math.min(0.002, 0.4 / Math.max(omega3, 1)), until / 20_000),
+    };
+  }
+
+  /** Integrates a little later, once. */
+  soon() {
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.show(true), 40);
+  }
+
+  /** @param {boolean} keep whether the camera stays */
+  show(keep) {
+    const given = this.given();
+    const began = performance.now();
+    const found = simulated(given);
+    const spent = performance.now() - began;
+    const { m, R, alpha, g } = given.parameters;
+    const body = /** @type {const} */ ({
+      kind: "ball",
+      unit: R,
+      balls: [{ offset: alpha * R, radius: R }],
+      ellipsoid: /** @type {[number, number]} */ ([R, R]),
+      weight: m * g,
+      fixed: false,
+    });
+    const { motion, log, potential } = found;
+    this.stage.take({ body: { ...body, balls: [...body.balls] }, motion, log, potential, wound: false }, keep);
+    this.thresholds(found.thresholds, Math.abs(motion.at(0, "well")[1]));
+    part("verdict").textContent = verdict(found);
+    part("cost").textContent = `integrated here in ${spent.toFixed(0)} ms, ${found.steps} steps`;
+    part("scenario").textContent = scenario(given);
+  }
+
+  /**
+   * @param {{name: string, unit: string, words: string, value: number}[]} thresholds
+   * @param {number} lambda
+   */
+  thresholds(thresholds, lambda) {
+    const by = Object.fromEntries(thresholds.map((t) => [t.name, t]));
+    const mark = (/** @type {string} */ name, /** @type {string} */ text) => ({
+      value: by[name].value,
+      text,
+      words: by[name].words,
+    });
+    this.start.mark("omega3", [mark("spin_upright", "ωᵤ"), mark("spin_full", "ωₛ")]);
+    this.body.mark("gamma", [mark("gamma_c", "γ_c"), mark("gamma_plus", "γ₊")]);
+    const rows = ["lambda_u", "lambda_s", "lambda_de"].map((name) => {
+      const { value, words } = by[name];
+      const row = document.createElement("tr");
+      const cells = [
+        NAMES[name],
+        isFinite(value) ? (1e6 * value).toPrecision(4) : "∞",
+        words,
+        lambda > value ? "above" : "below",
+      ];
+      row.append(...cells.map((text) => Object.assign(document.createElement("td"), { textContent: text })));
+      row.dataset.above = String(lambda > value);
+      return row;
+    });
+    part("thresholds").replaceChildren(...rows);
+    part("lambda").textContent = (1e6 * lambda).toPrecision(4);
+  }
+}
+
+/**
+ * Where the motion has come to, in a sentence.
+ * @param {ReturnType<typeof simulated>} found
+ */
+function verdict({ motion, log, end }) {
+  const theta = motion.at(motion.times.length - 1, "theta")[0] * DEGREE;
+  const when = motion.end.toFixed(2);
+  const passed = log.marks.find((m) => m.kind === "equator");
+  const turned = passed ? `, passed 90° at ${passed.time.toFixed(2)} s` : "";
+  if (end === "lifts off") return `Lifts off at ${when} s, at θ = ${theta.toFixed(1)}°: the model ends here.`;
+  if (end) return `The integration ends at ${when} s.`;
+  const where = theta > 174 ? "inverted" : theta < 6 ? "upright" : "between";
+  return `After ${when} s it is ${where}, at θ = ${theta.toFixed(1)}°${turned}.`;
+}
+
+/**
+ * The same top as a scenario of the engine.
+ * @param {Given} given
+ */
+function scenario({ law, parameters, initial, atRest, until }) {
+  const line = (/** @type {string} */ name, /** @type {number} */ value) =>
+    `${name} = ${Number.isInteger(value) ? value.toFixed(1) : value}`;
+  const table = (/** @type {string[]} */ names, /** @type {Record<string, number>} */ values) =>
+    names.map((n) => line(n, values[n])).join("\n");
+  const start = Object.keys(initial).filter((name) => initial[name]);
+  return `system = "tippe-top"
+
+[parameters]
+${table(facts.parameters, parameters)}
+
+[friction]
+law = "${law}"
+${table(facts.laws[law], parameters)}
+
+[initial]
+${table(start, initial)}${atRest ? "\ncentre_at_rest = true" : ""}
+
+[run]
+until = ${until.toFixed(3)}
+output_step = 0.001
+`;
+}

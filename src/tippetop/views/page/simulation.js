@@ -1,0 +1,126 @@
+/** A motion that is integrated in the page, by the formulas that Python has written down. */
+import { Extrapolation } from "./extrapolation.js";
+import { facts, formulas } from "./formulas.js";
+import { Log } from "./log.js";
+import { Motion, STRIDE } from "./motion.js";
+import { ofAxes } from "./vector.js";
+
+export const TOLERANCE = 1e-13;
+const FORCE = 12; // where the normal force stands in a sample, and theta
+const THETA = 19;
+
+/**
+ * @typedef {object} Given
+ * @property {string} law
+ * @property {Record<string, number>} parameters and numbers of the law, by name
+ * @property {Record<string, number>} initial by name; what is not given is 0
+ * @property {boolean} atRest whether the centre of mass starts at rest
+ * @property {number} until [s]
+ * @property {number} step of the samples [s]
+ */
+
+/**
+ * A start, its body, and the integrator that is there.
+ * @param {Given} given
+ * @param {number} tolerance
+ */
+export function begun(given, tolerance = TOLERANCE) {
+  const known = formulas[given.law];
+  const p = [...facts.parameters, ...facts.laws[given.law]].map((name) => given.parameters[name]);
+  const b = known.body(p);
+  const d = facts.initial.map((name) => given.initial[name] ?? 0);
+  const theta = given.initial.theta ?? 0;
+  const [sine, z] = [Math.sin(theta), Math.cos(theta)];
+  const y = known.start(sine, z, d, b);
+  if (given.atRest) for (const name of ["rx_dot", "ry_dot"]) y[facts.variables.indexOf(name)] = 0;
+  const rates = (/** @type {Float64Array} */ at, /** @type {Float64Array} */ out) => known.rates(at, b, out);
+  return { known, b, solver: new Extrapolation(rates, y, known.weights(b), facts.moving, tolerance) };
+}
+
+/**
+ * Integrates, and gives what the page shows. Stops where the normal force falls to zero: the model ends there.
+ * @param {Given} given
+ * @param {number} tolerance
+ */
+export function simulated(given, tolerance = TOLERANCE) {
+  const { known, b, solver } = begun(given, tolerance);
+  const count = Math.max(1, Math.round(given.until / given.step));
+  const times = new Float64Array(count + 1);
+  const samples = new Float32Array((count + 1) * STRIDE);
+  const seen = new Float64Array(STRIDE + 2);
+  let end = "";
+  let n = 0;
+  for (; n <= count; n++) {
+    times[n] = (n / count) * given.until;
+    if (!solver.to(times[n])) {
+      end = "stalled";
+      break;
+    }
+    known.seen(solver.y, b, seen);
+    samples.set(ofAxes([seen[0], seen[1], seen[2]], [seen[3], seen[4], seen[5]]), n * STRIDE);
+    samples.set(seen.subarray(6), n * STRIDE + 4);
+    if (samples[n * STRIDE + FORCE] < 0) {
+      end = "lifts off";
+      n += 1;
+      break;
+    }
+  }
+  const motion = new Motion(times.slice(0, n), samples.slice(0, n * STRIDE), facts.planar);
+  const log = new Log(turnings(motion, end), [], motion, facts.planar);
+  const potential = known.potential;
+  return {
+    motion,
+    log,
+    end,
+    steps: solver.steps,
+    body: b,
+    thresholds: known.thresholds(b),
+    potential: potential
+      ? (/** @type {number} */ z, /** @type {number} */ one, /** @type {number} */ two) => potential(z, one, two, b)
+      : undefined,
+  };
+}
+
+/**
+ * The turning angles of a motion between its samples, by parabolas, and passages of pi/2.
+ * @param {Motion} motion
+ * @param {string} end
+ */
+function turnings(motion, end) {
+  const { times, samples } = motion;
+  const theta = (/** @type {number} */ i) => samples[i * STRIDE + THETA];
+  /** @type {{time: number, kind: string, theta: number, least?: boolean}[]} */
+  const events = [];
+  for (let i = 1; i + 1 < times.length; i++) {
+    const [a, b, c] = [theta(i - 1), theta(i), theta(i + 1)];
+    const h = times[i + 1] - times[i];
+    if ((b - a) * (c - b) < 0 && Math.abs(a - 2 * b + c) > 1e-6) {
+      const s = (0.5 * (a - c)) / (a - 2 * b + c);
+      const most = b - 0.25 * (a - c) * s;
+      events.push({ time: times[i] + s * h, kind: "turning", theta: most, least: a > b });
+    }
+    if ((a - Math.PI / 2) * (b - Math.PI / 2) < 0) {
+      const s = (Math.PI / 2 - a) / (b - a);
+      events.push({ time: times[i] - h + s * h, kind: "equator", theta: Math.PI / 2 });
+    }
+  }
+  const last = times.length - 1;
+  if (end === "lifts off") events.push({ time: times[last], kind: "liftoff", theta: theta(last) });
+  return events;
+}
+
+/**
+ * theta at some times, from the variables themselves: for comparing with the engine.
+ * @param {Given} given
+ * @param {number[]} times
+ * @param {number} tolerance
+ */
+export function thetas(given, times, tolerance = TOLERANCE) {
+  const { known, b, solver } = begun(given, tolerance);
+  const seen = new Float64Array(STRIDE + 2);
+  return times.map((t) => {
+    if (!solver.to(t)) return NaN;
+    known.seen(solver.y, b, seen);
+    return seen[2 + THETA];
+  });
+}

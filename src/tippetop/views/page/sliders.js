@@ -1,0 +1,113 @@
+/** Sliders with their words and values. */
+
+/**
+ * @typedef {object} Slider
+ * @property {string} name
+ * @property {string} words
+ * @property {string} unit
+ * @property {number} least
+ * @property {number} most
+ * @property {boolean} [log] whether it is even in the logarithm
+ * @property {(value: number) => number} [shown] what is written, of the value
+ */
+
+const STEPS = 1000;
+
+export class Sliders {
+  /**
+   * @param {HTMLElement} place
+   * @param {() => void} changed
+   */
+  constructor(place, changed) {
+    this.place = place;
+    this.changed = changed;
+    /** @type {Record<string, {slider: Slider, input: HTMLInputElement, output: HTMLOutputElement, marks: HTMLElement}>} */
+    this.all = {};
+    /** @type {Record<string, number>} */
+    this.values = {};
+  }
+
+  /** @param {Slider} slider */
+  add(slider) {
+    const row = document.createElement("label");
+    row.className = "slider";
+    const words = document.createElement("span");
+    words.textContent = slider.words;
+    const output = document.createElement("output");
+    const input = document.createElement("input");
+    input.type = "range";
+    input.min = "0";
+    input.max = String(STEPS);
+    input.dataset.part = `slider-${slider.name}`;
+    input.setAttribute("aria-label", slider.words);
+    const marks = document.createElement("i");
+    row.append(words, output, input, marks);
+    this.place.append(row);
+    this.all[slider.name] = { slider, input, output, marks };
+    input.addEventListener("input", () => {
+      this.values[slider.name] = this.value(slider, Number(input.value) / STEPS);
+      this.write(slider.name);
+      this.changed();
+    });
+  }
+
+  clear() {
+    this.place.replaceChildren();
+    this.all = {};
+  }
+
+  /** @type {(slider: Slider, s: number) => number} */
+  value({ least, most, log }, s) {
+    const value = log ? least * (most / least) ** s : least + (most - least) * s;
+    return Number(value.toPrecision(4));
+  }
+
+  /** @type {(slider: Slider, value: number) => number} */
+  part({ least, most, log }, value) {
+    const s = log ? Math.log(value / least) / Math.log(most / least) : (value - least) / (most - least);
+    return Math.min(1, Math.max(0, s));
+  }
+
+  /**
+   * Sets values without telling anybody.
+   * @param {Record<string, number>} values
+   */
+  set(values) {
+    for (const [name, value] of Object.entries(values)) {
+      this.values[name] = value;
+      const known = this.all[name];
+      if (!known) continue;
+      known.input.value = String(Math.round(STEPS * this.part(known.slider, value)));
+      this.write(name);
+    }
+  }
+
+  /** @param {string} name */
+  write(name) {
+    const { slider, input, output } = this.all[name];
+    const value = slider.shown ? slider.shown(this.values[name]) : this.values[name];
+    output.value = `${Number(value.toPrecision(4))}${slider.unit ? ` ${slider.unit}` : ""}`;
+    input.setAttribute("aria-valuetext", output.value);
+  }
+
+  /**
+   * Marks below a slider.
+   * @param {string} name
+   * @param {{value: number, text: string, words: string}[]} marks
+   */
+  mark(name, marks) {
+    const known = this.all[name];
+    if (!known) return;
+    known.marks.replaceChildren(
+      ...marks
+        .filter(({ value }) => value > known.slider.least && value < known.slider.most)
+        .map(({ value, text, words }) => {
+          const mark = document.createElement("b");
+          mark.style.left = `calc(8px + (100% - 16px) * ${this.part(known.slider, value)})`;
+          mark.textContent = text;
+          mark.title = words;
+          return mark;
+        }),
+    );
+  }
+}

@@ -1,0 +1,37 @@
+"""The playground: a page that integrates the tippe top of whoever opens it, by the formulas of this package."""
+
+from typing import Any
+
+from ..errors import InputError
+from ..mechanics.friction import LAWS
+from ..mechanics.systems import SYSTEMS
+from ..scenario import build
+from ..scenario.reading import presets
+from . import formulas, pages
+from .given import given
+
+
+TITLE = "Tippe top playground"
+FIRST = "inverting"
+
+
+def playground() -> str:
+    """The text of its HTML file."""
+    system = SYSTEMS["tippe-top"]
+    scripts = {"formulas.js": formulas.motions(system, system.forms["vector"], dict(LAWS))}
+    data = {"presets": sorted(filter(None, map(_preset, presets())), key=lambda p: (p["name"] != FIRST, p["name"]))}
+    return pages.page(TITLE, "page_playground.js", data, scripts, aside=pages.source("playground.html"), about=ABOUT)
+
+
+ABOUT = "Change anything: the motion is integrated here, by the equations of the engine. tippetop runs it to rounding."
+
+
+def _preset(name: str) -> dict[str, Any] | None:
+    """A preset as the page takes it; None where it is of another system, or its contact changes its phase."""
+    try:
+        problem = build.load(name)
+    except InputError:
+        return None
+    if problem.system is not SYSTEMS["tippe-top"]:
+        return None
+    return {"name": name, "words": problem.system.title, **given(problem), "until": min(problem.until, 30.0)}

@@ -1,0 +1,121 @@
+"""The page of a sweep: the map of its tops, and the motion of each, which the page integrates."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..columns import greek, units_text
+from ..errors import InputError
+from ..problem import Problem
+from ..runs.shape import shape
+from ..scenario import build
+from ..sweeps.design import Axis
+from ..sweeps.plan import Plan
+from ..sweeps.summary import column, open_sweep
+from . import formulas, pages
+from .given import encoded, given
+
+
+MOST = 100_000  # tops of a page
+LINE = (
+    *("class", "theta_end", "t_end", "inverted_at", "first_equator", "lifted_at", "settled_at", "turnings"),
+    *("theta_min", "theta_max", "normal_force_min", "normal_force_max", "drift_jellett", "drift_energy_balance"),
+)
+"""Columns that a page has, if the sweep kept them; the class first."""
+
+
+def page_of_sweep(path: Path) -> str:
+    """The text of the HTML file of a stored sweep. Raises InputError, StoreError."""
+    table = open_sweep(path)
+    plan = Plan.from_tables(table.attrs["plan"])
+    if plan.n > MOST:
+        raise InputError(
+            [f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop plot draws it."]
+        )
+    tops = np.arange(plan.n)
+    numbers = plan.design.numbers(tops)
+    names = [name for name in LINE if name in table]
+    if not names:
+        raise InputError([f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."])
+    axes = sorted(plan.design.axes, key=lambda axis: not _varies(axis))
+    movable = is_movable(plan.base)
+    notes = [] if movable else ["The contact of these tops is not integrated in the page: it shows their map alone."]
+    if table.attrs["status"] != "finished":
+        notes.append("This sweep is not finished.")
+    title = table.attrs["title"].partition(": ")[2]
+    data = {
+        "given": _base(plan.base) if movable else None,
+        "body": shape(build.resolved(plan.base)),
+        "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
+        "columns": [_column(name, column(path, table, name), table[name].attrs) for name in names],
+        "changes": {key: encoded(values, "<f8") for key, values in changes(plan, tops).items()},
+        "notes": notes,
+    }
+    about = f"{plan.n} tops; point at one for its line, click it for its motion"
+    scripts = {"formulas.js": _formulas(plan.base) if movable else formulas.NOTHING}
+    heading = f"A sweep: {title}"
+    return pages.page(heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about)
+
+
+def _varies(axis: Axis) -> bool:
+    return axis.sampled or len(set(axis.values)) > 1
+
+
+def is_movable(base: Problem) -> bool:
+    """Whether a page can integrate a problem: its contact stays as it is, and its friction is a multiple of v_A."""
+    return base.contact is None and (not base.system.frictional or base.law.coefficient is not None)
+
+
+def _formulas(base: Problem) -> str:
+    """The module of the system of a sweep, in vector form where it has one."""
+    forms = base.system.forms
+    return formulas.motions(base.system, forms.get("vector", next(iter(forms.values()))), {base.law_name: base.law})
+
+
+def _base(base: Problem) -> dict[str, Any]:
+    """The numbers that all tops have in common, and those that others stand for."""
+    about = given(base)
+    about["parameters"] |= about.pop("friction")
+    return about | {"until": base.until}
+
+
+def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
+    """The numbers in which tops differ, by dotted key; psi' as the omega_3 that it stands for."""
+    columns = {key: np.broadcast_to(values, tops.shape) for key, values in plan.columns(tops).items()}
+
+    def number(name: str) -> Any:
+        return columns.get(f"initial.{name}", plan.base.initial.get(name, 0.0))
+
+    if "initial.psi_dot" in columns or ("psi_dot" in plan.base.initial and "initial.omega3" not in columns):
+        spin = number("psi_dot") + number("phi_dot") * np.cos(number("theta"))
+        columns["initial.omega3"] = np.broadcast_to(spin, tops.shape)
+        columns.pop("initial.psi_dot", None)
+    return columns
+
+
+def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
+    """An axis as the page takes it."""
+    label = greek(attrs["long_name"]) + (f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else "")
+    log = axis.log and bool(np.nanmin(numbers) > 0)
+    return {
+        "key": axis.key,
+        "label": label,
+        "log": log,
+        "sampled": axis.sampled,
+        "numbers": encoded(numbers, "<f8"),
+    }
+
+
+def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
+    """A column as the page takes it."""
+    flags = attrs.get("flag_meanings", "").split()
+    words = "class" if name == "class" else greek(attrs["long_name"]).partition(";")[0]
+    unit = "" if attrs["units"] == "1" else units_text(attrs["units"])
+    return {
+        "name": name,
+        "words": words,
+        "unit": unit,
+        **({"names": flags} if flags else {}),
+        "values": encoded(values, "<f4"),
+    }

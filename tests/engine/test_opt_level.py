@@ -1,0 +1,57 @@
+"""How hard LLVM tries: as an environment variable says, and never for a minute."""
+
+from typing import Any
+
+import pytest
+
+from tippetop.engine import compiled
+from tippetop.engine.opt_level import OPT_LEVEL, opt_level
+from tippetop.engine.taylor import driver_of, fingerprint
+from tippetop.errors import InputError
+from tippetop.scenario import build
+
+
+def test_it_is_that_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(OPT_LEVEL)
+    assert opt_level() == 3
+    monkeypatch.setenv(OPT_LEVEL, "1")
+    assert opt_level() == 1
+
+
+@pytest.mark.parametrize("text", ["", "4", "-1", "fast"])
+def test_another_word_is_refused_in_a_sentence(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(OPT_LEVEL, text)
+    with pytest.raises(InputError, match="`TIPPETOP_OPT_LEVEL` must be 0, 1, 2 or 3, but is"):
+        opt_level()
+
+
+def test_a_run_is_not_resumed_under_another_level(monkeypatch: pytest.MonkeyPatch) -> None:
+    driver = driver_of(build.load("rolling-cylinder"))
+    monkeypatch.setenv(OPT_LEVEL, "0")
+    quick = fingerprint(driver)
+    monkeypatch.setenv(OPT_LEVEL, "3")
+    assert fingerprint(driver) != quick
+
+
+class Reached(Exception):
+    """The integrator would be made now."""
+
+
+@pytest.mark.parametrize(
+    ("preset", "level"), [("leine-glocker-drilling", 0), ("leine-glocker-stem", 3), ("rolling", 3)]
+)
+def test_equations_so_long_that_llvm_would_take_a_minute_are_compiled_at_once(
+    preset: str, level: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    levels = []
+
+    def made(*_: Any, opt_level: int, **__: Any) -> None:
+        levels.append(opt_level)
+        raise Reached
+
+    monkeypatch.setenv(OPT_LEVEL, "3")
+    monkeypatch.setattr(compiled.hy, "taylor_adaptive", made)
+    compiled.compiled.cache_clear()
+    with pytest.raises(Reached):
+        driver_of(build.load(preset))
+    assert levels == [level]

@@ -1,0 +1,98 @@
+"""The time that a sweep will take is measured: tops of it are run, and what they made stands for the rest."""
+
+import itertools
+from typing import Any
+
+import numpy as np
+import pytest
+from touching import BOUNCE
+
+from tippetop.ensembles import ensemble
+from tippetop.runs import measuring as runs
+from tippetop.sweeps import chunk, measuring
+from tippetop.sweeps.plan import Plan
+from tippetop.sweeps.summary import lines
+
+
+OMEGA = {"of": "initial.omega3", "linspace": [100.0, 175.0]}
+
+
+def lanes(n: int, until: float = 0.3, **more: Any) -> Plan:
+    return Plan.from_tables(
+        {"scenario": "inverting", "axis": [OMEGA | {"n": n}], "set": {"run": {"until": until}}} | more
+    )
+
+
+def bouncing(*omegas: float) -> Plan:
+    return Plan.from_tables({"scenario": BOUNCE, "axis": [{"of": "initial.omega3", "values": list(omegas)}]})
+
+
+class Steps:
+    """A clock that a step of an integrator moves by a millisecond, and nothing else."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch):
+        self.steps, measure = 0, chunk.measure
+
+        def counted(*arguments: Any) -> Any:
+            outcomes = measure(*arguments)
+            self.steps += outcomes.steps_made
+            return outcomes
+
+        monkeypatch.setattr(chunk, "measure", counted)
+
+    def __call__(self) -> float:
+        return 1e-3 * self.steps
+
+
+@pytest.mark.parametrize("until", [0.3, 3.0])
+def test_the_steps_of_some_stand_for_those_of_all(until: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a clock that counts steps, a short sweep is measured whole and a long one by its beginning."""
+    plan = lanes(24, until)
+    whole = ensemble.measure(ensemble.vary(plan.base, plan.columns(np.arange(24)))).steps_made
+    clock = Steps(monkeypatch)
+    found = measuring.measured(plan, clock)
+    assert found["tops_measured"] == measuring.SOME
+    assert found["core_seconds"] == pytest.approx(1e-3 * whole + measuring.WRITING, rel=0.15)
+    assert clock.steps < 4 * 16 / 24 * whole
+
+
+def test_tops_that_cannot_be_take_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = Plan.from_tables({"scenario": "inverting", "axis": [{"of": "parameters.m", "values": [-1.0, -2.0]}]})
+    found = measuring.measured(plan, Steps(monkeypatch))
+    assert (found["tops_measured"], found["core_seconds"]) == (0, measuring.WRITING)
+
+
+def test_of_tops_whose_contact_opens_some_are_run_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No further one is begun after 2 s; those that cannot be count for nothing."""
+    plan, clock = bouncing(*range(50, 90)), itertools.count(step=0.25)
+    took = {"seconds": 0.5, "compiling": 0.0}
+    monkeypatch.setattr(runs, "measured", lambda problem, steps, clock: took)
+    found = measuring.measured(plan, lambda: float(next(clock)))
+    assert found["core_seconds"] == pytest.approx(40 * 0.5 + measuring.WRITING * plan.chunks)
+    assert found["tops_measured"] == measuring.BUDGET / 0.25
+    half = measuring.measured(bouncing(60.0, float("nan")), lambda: 0.0)
+    assert half["core_seconds"] == pytest.approx(0.5 + measuring.WRITING)
+
+
+def test_a_bouncing_top_is_measured() -> None:
+    found = measuring.measured(bouncing(50.0, 60.0))
+    assert found["tops_measured"] == 2
+    assert found["core_seconds"] > 10 * 2 * 30 * 0.8e-6  # what a lane would take
+
+
+def test_chunks_of_bouncing_tops_are_small() -> None:
+    """Each takes a tenth of a second, not a millisecond: what a failure costs stays seconds."""
+    plan = Plan.from_tables({"scenario": BOUNCE, "axis": [OMEGA | {"n": 1000}]})
+    assert 0.5 < plan.chunk * 0.1 < 8
+
+
+def test_the_contact_of_a_sweep_is_told() -> None:
+    base = {"contact": {"restitution": "energetic", "e_n": 0.5}, "stem": {"r": 0.005, "h": 0.013}}
+    facts: dict[str, Any] = {
+        **{"status": "finished", "tops": 1, "tops_done": 1, "chunks": {"done": 1}, "dimensions": ["a"], "shape": [1]},
+        **{"counts": {}, "drift": {}, "runs": [], "faults": [], "failed": {}, "versions": {}},
+        "plan": {"axis": [], "scenario": base},
+    }
+    told = dict(lines(facts))
+    assert told["contact"] == "restitution = energetic, e_n = 0.5"
+    assert told["stem"] == "r = 0.005, h = 0.013"

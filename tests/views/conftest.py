@@ -1,0 +1,47 @@
+"""A real browser for the tests of pages: Debian's chromium with software WebGL, without a network."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+READY = "window.tippetop && window.tippetop.ready"
+SMALL = {"width": 480, "height": 640}
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
+    if CHROMIUM is None:
+        pytest.skip("no chromium: apt-get install chromium")
+    with playwright.sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="session")
+def open_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+    """Opens a page from a file, with the network off; `faults` of the tab is what went wrong, or was asked for."""
+    folder = tmp_path_factory.mktemp("pages")
+
+    def open_it(text: str, **options: Any) -> Any:
+        path = folder / f"{len(list(folder.iterdir()))}.html"
+        path.write_text(text, encoding="utf-8")
+        context = browser.new_context(viewport=SMALL, reduced_motion="reduce", **options)
+        context.set_offline(True)
+        context.set_default_timeout(120_000)
+        tab = context.new_page()
+        tab.faults = []
+        tab.on("console", lambda message: tab.faults.append(message.text) if "GPU stall" not in message.text else None)
+        tab.on("pageerror", lambda error: tab.faults.append(str(error)))
+        tab.on("request", lambda request: tab.faults.append(request.url[:99]) if request.url != path.as_uri() else None)
+        tab.goto(path.as_uri())
+        tab.wait_for_function(READY)
+        return tab
+
+    return open_it

@@ -1,0 +1,98 @@
+"""The playground integrates by the formulas of the package: it is held against the engine, in a browser."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.views.given import given
+from tippetop.views.playground import playground
+
+
+pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_playground_of_the_docs_is_the_one_of_the_formulas() -> None:
+    """Else: tippetop view --playground --out docs/playground.html --overwrite."""
+    assert (ROOT / "docs" / "playground.html").read_text(encoding="utf-8") == playground()
+
+
+def test_one_thing_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    assert outcome(["view", "--out", str(tmp_path / "x.html")]) == 2
+    assert "give a store, or --playground" in capsys.readouterr().err
+    assert outcome(["view", "--playground", "--out", str(tmp_path / "x.html")]) == 0
+    assert (tmp_path / "x.html").read_text(encoding="utf-8") == playground()
+
+
+@pytest.fixture(scope="module")
+def tab(open_page: Any) -> Any:
+    return open_page(playground())
+
+
+def in_page(tab: Any, problem: tt.Problem, times: np.ndarray) -> np.ndarray:
+    """theta at some times, integrated in the page."""
+    about = given(problem)
+    start = {name: float(value) for name, value in about["initial"].items()}
+    numbers = {**about["parameters"], **about["friction"]}
+    top = {"law": about["law"], "parameters": numbers, "initial": start, "atRest": about["atRest"]}
+    return np.array(tab.evaluate("([top, times]) => tippetop.thetas(top, times)", [top, times.tolist()]), dtype=float)
+
+
+def test_the_canonical_inversion_is_that_of_the_engine(tab: Any) -> None:
+    times = np.linspace(0.05, 10.0, 200)
+    run = tt.run("inverting", until=10.0, output_times=times)
+    difference = np.abs(in_page(tab, run.problem, times) - run.trajectory.theta.values)
+    assert difference.max() < 1e-6
+    assert tab.faults == []
+
+
+def test_twenty_tops_are_those_of_the_engine(tab: Any) -> None:
+    rng = np.random.default_rng(20)
+    worst = []
+    for i in range(20):
+        m, R, alpha, gamma = (
+            rng.uniform(0.005, 0.1),
+            rng.uniform(0.01, 0.04),
+            rng.uniform(0.05, 0.5),
+            rng.uniform(0.7, 1.2),
+        )
+        I3 = rng.uniform(0.25, 0.5) * m * R**2
+        top = tt.TippeTop(m=m, R=R, alpha=alpha, I1=gamma * I3, I3=I3, g=9.81)
+        law = tt.Viscous(mu=rng.uniform(0.05, 1)) if i % 4 else tt.Coulomb(mu=rng.uniform(0.1, 0.5), eps=0.02)
+        start = dict(theta=rng.uniform(0.05, 3.0), omega3=rng.uniform(-200, 200), theta_dot=rng.uniform(-3, 3))
+        start |= dict(phi=rng.uniform(-3, 3), phi_dot=rng.uniform(-3, 3), nu_x=rng.uniform(-0.3, 0.3), psi=1.0)
+        times = np.linspace(0.02, 2.0, 100)
+        run = tt.run(top, law, start=start, until=2.0, output_times=times, on_liftoff="continue")
+        found = in_page(tab, run.problem, times)
+        worst.append(np.abs(found - run.trajectory.theta.values).max())
+    assert max(worst) < 1e-5, worst
+
+
+def test_sliders_change_the_motion_and_its_thresholds(tab: Any) -> None:
+    verdict, cell = tab.locator("[data-part=verdict]"), tab.locator("[data-part=thresholds] td")
+    assert "inverted" in verdict.inner_text()
+    expected = tt.thresholds(tt.load("inverting"))["lambda_s"].value
+    assert float(cell.nth(5).inner_text()) == pytest.approx(1e6 * expected, rel=1e-3)
+    spin = tab.locator("[data-part=slider-omega3]")
+    spin.evaluate("e => { e.value = 40; e.dispatchEvent(new Event('input')); }")
+    tab.wait_for_function("document.querySelector('[data-part=verdict]').textContent.includes('upright')")
+    assert "omega3 = 14" in tab.locator("[data-part=scenario]").text_content()
+    tab.locator("[data-part=law]").select_option("coulomb")
+    tab.wait_for_function("document.querySelector('[data-part=scenario]').textContent.includes('eps = 0.01')")
+    tab.locator("[data-part=preset]").select_option("leine-glocker")
+    tab.wait_for_function("document.querySelector('[data-part=verdict]').textContent.includes('passed 90° at 1.05')")
+    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert tab.faults == []
+
+
+def test_the_scenario_for_the_engine_is_the_top_of_the_page(tab: Any, tmp_path: Path) -> None:
+    tab.locator("[data-part=preset]").select_option("inverting")
+    path = tmp_path / "mine.toml"
+    path.write_text(tab.locator("[data-part=scenario]").text_content(), encoding="utf-8")
+    there, here = tt.load(path), tt.load("inverting")
+    assert there.parameters == pytest.approx(here.parameters)
+    assert (there.initial, there.friction, there.until) == (here.initial, here.friction, here.until)

@@ -1,0 +1,78 @@
+"""The page of a sweep: its map, the line of a top, and its motion, integrated in the page."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.sweeps.plan import Plan
+from tippetop.views.sweep import changes, is_movable, page_of_sweep
+
+
+PLAN = {
+    "scenario": "leine-glocker",
+    "set": {"run": {"until": 0.6}},
+    "axis": [
+        {"of": "initial.psi_dot", "values": [20.0, 180.0, 260.0]},
+        {"of": "friction.mu", "geomspace": [0.1, 0.9], "n": 3},
+        {"of": "parameters.alpha", "values": [0.1, 0.2]},
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("swept") / "S.zarr"
+    tt.sweep(Plan.from_tables(PLAN), path)
+    return path
+
+
+def test_tops_differ_as_the_plan_says() -> None:
+    plan = Plan.from_tables(PLAN)
+    tops = np.arange(plan.n)
+    columns = changes(plan, tops)
+    assert set(columns) == {"initial.omega3", "friction.mu", "parameters.alpha"}
+    for top in (0, 7, 17):
+        problem = plan.problem(top)
+        assert columns["initial.omega3"][top] == problem.initial["psi_dot"]
+        assert columns["friction.mu"][top] == problem.friction.mu
+        assert columns["parameters.alpha"][top] == problem.parameters["alpha"]
+
+
+def test_only_what_a_page_can_integrate_moves() -> None:
+    assert is_movable(tt.load("rolling"))
+    assert not is_movable(tt.load("leine-glocker-stem"))
+    assert not is_movable(tt.load("modified-cylinder"))
+
+
+def test_a_sweep_becomes_one_file(store: Path, tmp_path: Path) -> None:
+    assert outcome(["view", str(store), "--out", str(tmp_path / "S.html")]) == 0
+    assert (tmp_path / "S.html").read_text(encoding="utf-8") == page_of_sweep(store)
+
+
+def test_a_cell_has_its_line_and_its_motion(store: Path, open_page: Any) -> None:
+    """Whose inclination at the end is that of the sweep."""
+    table = tt.open(store)
+    tab = open_page(page_of_sweep(store))
+    assert tab.locator("[data-part=legend]").inner_text().count("(") == len(set(table["class"].values[1::2]))
+    for top in (1, 9, 17):
+        tab.evaluate("top => tippetop.sweep.choose(top, true)", top)
+        assert f"Top {top}:" in tab.locator("[data-part=top]").inner_text()
+        end = tab.evaluate("t => tippetop.pose(t).theta", float(table.t_end[top]))  # of liftoff, between samples
+        assert end == pytest.approx(float(table.theta_end[top]), abs=2e-5)
+        assert tab.evaluate("tippetop.end") == pytest.approx(float(table.t_end[top]), abs=2e-3)
+    tab.locator("[data-part=map]").click(position={"x": 60, "y": 40})
+    assert tab.evaluate("tippetop.sweep.map.chosen") == 5, "least spin, most friction, the larger alpha"
+    tab.locator("[data-part=map]").press("ArrowRight")
+    assert tab.evaluate("tippetop.sweep.map.chosen") == 11
+    tab.locator("[data-part='further-parameters.alpha']").evaluate(
+        "e => { e.value = 0; e.dispatchEvent(new Event('input')); }"
+    )
+    assert tab.evaluate("tippetop.sweep.map.chosen") == 10
+    tab.locator("[data-part=column]").select_option("theta_end")
+    assert "rad" in tab.locator("[data-part=legend]").inner_text()
+    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert tab.faults == []
