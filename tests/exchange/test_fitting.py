@@ -101,7 +101,7 @@ def test_numbers_that_say_the_same_are_named(film: Path) -> None:
     free = ["parameters.m", "parameters.I1", "parameters.I3"]
     found = tt.fit(film, tt.load("inverting", ["initial.theta=0.5"]), free, starts=1)
     assert not found.converged
-    assert "cannot be told apart" in found.reason
+    assert "cannot be distinguished" in found.reason
 
 
 def test_the_command_prints_json_and_writes_a_scenario(

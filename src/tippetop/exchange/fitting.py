@@ -30,7 +30,7 @@ WIDEST = float(np.log(20))  # how far the logarithm of a number may go from wher
 MARGIN = 1e-6  # by which a start lies within the bounds, in the size of the number
 NOISY = 4.0  # standard errors of a correlation between neighbouring residuals that noise does not have
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
-SAME = 0.99  # a correlation that nobody tells apart
+SAME = 0.99  # a correlation of numbers that cannot be distinguished
 QUANTILE = 0.975
 
 
@@ -409,7 +409,7 @@ class _Search:
             for j in range(i):
                 if abs(correlations[i, j]) > SAME:
                     reasons.append(
-                        f"`{names[j]}` and `{names[i]}` cannot be told apart: correlation {correlations[i, j]:.4f}."
+                        f"`{names[j]}` and `{names[i]}` cannot be distinguished: correlation {correlations[i, j]:.4f}."
                     )
         excess = self._neighbours(inside)
         if excess >= NOISY:

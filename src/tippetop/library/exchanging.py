@@ -99,7 +99,7 @@ class Fitted:
     problem : Problem
         The scenario with the fitted numbers: `tippetop.run` takes it.
     residuals : dict of ndarray
-        Measured less predicted, by kind of measurement, (rows, parts), SI.
+        What was measured less what is predicted, by kind of measurement, (rows, parts), SI.
     """
 
     def __init__(self, before: Problem, observation: Any, result: Any):
