@@ -29,7 +29,7 @@ from ..problem import (
     column_names,
 )
 from ..sampling import EvenTimes, ListedTimes
-from .contact import contact_faults, contact_tables, rules_of, system_with_contact
+from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
 from .quantities import worked_out
 from .reading import override, read
 from .schema import RunTable, scenario_model
@@ -72,12 +72,13 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     known_columns = column_names(system, form, run.orientation is not False, run.precision)
     asked = TURN if run.columns is None else run.columns
     values = scenario.friction.model_dump() if system.frictional else {}
+    rules = rules_of(scenario, system)
     built = Problem(
         system=system,
         form=form,
         parameters=parameters,
         friction=law.record(**{name: values[name] for name in law.parameters}),
-        initial=initial,
+        initial=on_stem(initial, parameters.get("R", 0.0), rules),
         until=run.until,
         times=_times(run),
         events=events,
@@ -89,7 +90,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         stop_when=run.stop_when,
         columns=None if run.columns is None else tuple(name for name in known_columns if name in asked),
         orientation=run.orientation if run.orientation is not None else any(name in TURN for name in asked),
-        contact=rules_of(scenario, system),
+        contact=rules,
         origin=origin,
     )
     faults = [

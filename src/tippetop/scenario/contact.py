@@ -67,6 +67,10 @@ def contact_tables(problem: Problem) -> dict[str, dict[str, Any]]:
     return {"contact": contact, **({"stem": {"r": rules.r, "h": rules.h}} if rules.stem else {})}
 
 
+HIGHEST = 1e6  # gap of a start, by the radius: beyond it a landing has no digits
+LEAST_PATCH = 1e-9  # radius of the contact disc, by that of the sphere
+
+
 def contact_faults(problem: Problem) -> list[str]:
     """What a contact that opens cannot be asked, in sentences."""
     if problem.contact is None:
@@ -78,6 +82,15 @@ def contact_faults(problem: Problem) -> list[str]:
         faults.append('`run.output` must not be "keyframes" where the contact may change its phase.')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
+    body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
+    R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
+    if gap > HIGHEST * R:
+        faults.append(f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, but is {gap:g}.")
+    if isinstance(problem.friction, Contensou) and not LEAST_PATCH * R <= problem.friction.patch <= R:
+        faults.append(
+            f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to parameters.R = {R:.6g}, but is "
+            f"{problem.friction.patch:g}."
+        )
     rules = problem.contact
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
         return faults  # which are found already
@@ -89,14 +102,28 @@ def contact_faults(problem: Problem) -> list[str]:
 UNDER = 1e-9  # of the radius: a stem that is deeper under the plane is no rounding
 
 
+def on_stem(initial: dict[str, Any], R: float, rules: ContactLaw | None) -> dict[str, Any]:
+    """The start with the gap at which the stem touches, where none is given and the sphere on the plane would put the
+    stem under it."""
+    if rules is None or not rules.stem or "gap" in initial:
+        return initial
+    least = _least_gap(initial, R, rules)
+    return {**initial, "gap": least} if least > 0 else initial
+
+
+def _least_gap(initial: dict[str, Any], R: float, rules: ContactLaw) -> float:
+    """Height of the sphere above the plane where the stem touches it [m]; negative where the sphere does first."""
+    return rules.r - R - rules.h * math.cos(float(initial.get("theta", 0.0)))
+
+
 def _under(problem: Problem) -> list[str]:
     """A stem may not start under the plane."""
     rules, start = problem.contact, problem.initial
     assert rules is not None
-    if not rules.stem or "theta" not in start:
+    if not rules.stem:
         return []
     R, gap = problem.body().R, float(start.get("gap", 0.0))
-    least = rules.r - R - rules.h * math.cos(float(start["theta"]))
+    least = _least_gap(start, R, rules)
     if not gap < least - UNDER * R:
         return []
     return [f"`initial.gap` must be at least {least:.17g}, but is {gap:g}: the stem would be under the plane."]
