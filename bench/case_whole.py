@@ -1,6 +1,5 @@
 """What a whole run costs beside its motion, and how many processors it takes: in one process, after the first run."""
 
-import os
 import statistics
 import time
 from collections.abc import Callable
@@ -42,7 +41,7 @@ def compare(quick: bool) -> dict[str, Any]:
             "seconds": {what: statistics.median(times) for what, times in seconds.items()},
             "whole / motion": ratio(seconds["whole"], seconds["motion"]),
             "rows / motion": ratio(seconds["rows"], seconds["motion"]),
-            "processor / wall": processors(partial(_often, problem)),
+            **processors(partial(_often, problem)),
         }
         if name == HAND:
             entry["rows / by hand"] = ratio(seconds["rows"], seconds["by hand"])
@@ -73,9 +72,9 @@ def _often(problem: Problem) -> None:
         Integration(problem).run(Nowhere())
 
 
-def processors(work: Callable[[], Any]) -> float:
-    """Processor time over wall time."""
-    before, clock = os.times(), time.perf_counter()
+def processors(work: Callable[[], Any]) -> dict[str, float]:
+    """Processor time over wall time; and, where others keep the processors busy, over that of the thread that works."""
+    before, mine, clock = time.process_time(), time.thread_time(), time.perf_counter()
     work()
-    wall, after = time.perf_counter() - clock, os.times()
-    return (after.user + after.system - before.user - before.system) / wall
+    wall, alone, spent = time.perf_counter() - clock, time.thread_time() - mine, time.process_time() - before
+    return {"processor / wall": spent / wall, "all threads / one": spent / alone}

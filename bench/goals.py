@@ -112,7 +112,8 @@ def _rows_by_hand(result: dict[str, Any]) -> tuple[str, bool]:
 
 def _processors(result: dict[str, Any]) -> tuple[str, bool]:
     most = max(entry["processor / wall"] for entry in result["runs"].values())
-    return f"{most:.3g} at most", most <= 1.1
+    threads = max(entry.get("all threads / one", 1.0) for entry in result["runs"].values())
+    return f"{most:.3g} at most; all threads / the one that works {threads:.3g}", max(most, threads) <= 1.1
 
 
 def _stored(way: str, most: float) -> Any:
@@ -130,7 +131,11 @@ def _python(result: dict[str, Any]) -> tuple[str, bool]:
 
 
 def _workers(result: dict[str, Any]) -> tuple[str, bool]:
-    return f"{result['efficiency_of_2_workers']:.2f}", result["efficiency_of_2_workers"] >= 0.95
+    said = f"{result['efficiency_of_2_workers']:.2f}"
+    if "processor_of_1_and_2_workers" in result:
+        one, two = result["processor_of_1_and_2_workers"]
+        said += f" by the wall; {one / two:.2f} by the processor's time"
+    return said, result["efficiency_of_2_workers"] >= 0.95
 
 
 def _overhead(result: dict[str, Any]) -> tuple[str, bool]:
@@ -213,6 +218,7 @@ GOALS: tuple[tuple[str, str, str, Any], ...] = (
     ("two workers of a sweep, efficiency", ">= 0.95", "sweep", _workers),
     ("dask and the store of a sweep, added to the tops alone", "<= 5 %", "sweep", _overhead),
     ("stored with keyframes / equations alone", "<= 1.25 times", "storing", _stored("keyframes", 1.25)),
+    ("stored at 1 kHz, three columns / equations alone", "<= 2 times", "storing", _stored("three", 2)),
     ("stored at 1 kHz, all columns / equations alone", "<= 4 times", "storing", _stored("stored", 4)),
     ("against SciPy's solve_ivp with a jitted right-hand side", ">= 200 times", "inversion", _scipy),
     ("against heyoka written by hand (no events, no store)", ">= 1.3 times", "inversion", _plain),

@@ -156,7 +156,8 @@ def formulations(result: dict[str, Any]) -> str:
 
 def storing(result: dict[str, Any]) -> str:
     """Seconds of runs at 1 kHz."""
-    words = {"bare": "equations only", "followed": "followed", "keyframes": "with keyframes", "stored": "with all rows"}
+    words = {"bare": "equations only", "followed": "followed", "keyframes": "with keyframes"}
+    words |= {"three": "three columns", "stored": "all columns"}
     ways = [way for way in words if all(way in r["seconds"] for r in result["runs"].values())]
     rows = [
         [

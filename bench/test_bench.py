@@ -14,6 +14,7 @@ from tippetop.scenario import build
 from . import report
 from .case_precision import reference
 from .cases import COMPARISONS
+from .coulomb_by_steps import inversion
 from .dop853 import Compiled
 from .equal import common, ratio, seconds
 from .minimal import COMPILER, Minimal
@@ -166,3 +167,10 @@ def test_a_missing_peer_is_told() -> None:
     sections = report.sections(results)
     assert "| DOP853, SciPy |  |  |  |  | missing: no-such-package is not installed |" in sections["inversion"]
     assert "not measured: DOP853, SciPy is missing" in sections["goals"]
+
+
+def test_a_step_that_is_too_long_turns_a_top_over_that_would_stick() -> None:
+    """Cohen's top under Coulomb's law itself sticks at 0.0288 s; by fixed steps it inverts, the later the shorter."""
+    problem = build.load("cohen-coulomb")
+    long, longer = (inversion(problem, step, 2.2)[0] for step in (2e-3, 4e-3))
+    assert 0.5 < longer < long < 2.2

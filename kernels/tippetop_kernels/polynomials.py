@@ -106,18 +106,24 @@ def crossings(p, positive, zeros, work, monotone):
     while True:
         radius = 0.5 / 2.0**level
         _shift(p, (2 * at + 1) * radius, radius, work)
-        rest, bend = 0.0, 0.0
-        for k in range(len(p) - 1, 1, -1):
+        rest, bend, curl = 0.0, 0.0, 0.0
+        for k in range(len(p) - 1, 2, -1):
             rest += abs(work[k])
             bend += k * abs(work[k])
-        rest += abs(work[1])
-        if abs(work[0]) > rest or abs(work[1]) > bend or level == DEPTH:
-            end = value(work, 1.0)
-            now = end > 0
-            if now != positive and count < len(zeros):
-                zeros[count] = (2 * at + 1 + _zero(work, -1.0, 1.0, value(work, -1.0), end)) * radius
-                count += 1
-            positive = now
+            curl += k * (k - 1) * abs(work[k])
+        rest += abs(work[1]) + abs(work[2])
+        bend += 2 * abs(work[2])
+        plain = abs(work[0]) > rest or abs(work[1]) > bend or level == DEPTH
+        if plain or 2 * abs(work[2]) > curl:  # at most one zero, or at most one turn
+            turn, low = -1.0 if plain else _turn(work, radius), -1.0
+            for high in (turn, 1.0):
+                if high > low:
+                    end = value(work, high)
+                    now = end > 0
+                    if now != positive and count < len(zeros):
+                        zeros[count] = (2 * at + 1 + _zero(work, low, high, value(work, low), end)) * radius
+                        count += 1
+                    positive, low = now, high
             at += 1
             while at % 2 == 0 and level > 0:  # up to the next interval
                 at //= 2
@@ -150,6 +156,29 @@ def _shift(p, middle, radius, work):
     for k in range(1, n):
         power *= radius
         work[k] *= power
+
+
+@kernel
+def _turn(p, radius):
+    """Where p, with one turn on [-1, 1] at most, turns: -1 where it does not there, or goes less far beyond zero than
+    two zeros that are as near as intervals are small."""
+    x, low, high = 0.0, -1.0, 1.0
+    for _ in range(60):
+        f, slope, curve = jet(p, x)
+        if (slope > 0) == (p[2] > 0):
+            high = x
+        else:
+            low = x
+        after = x - slope / (2 * curve)
+        if not low <= after <= high:
+            after = 0.5 * (low + high)
+        if abs(after - x) <= 1e-9:
+            x = after
+            break
+        x = after
+    f, _, curve = jet(p, x)
+    beyond = f * curve < 0 and abs(f) * radius * radius > abs(curve) * 0.25 / 4.0**DEPTH
+    return x if beyond and -1.0 < x < 1.0 else -1.0
 
 
 @kernel

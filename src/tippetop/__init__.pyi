@@ -26,12 +26,12 @@ from .library.laws import Viscous as Viscous
 from .library.many import ensemble as ensemble
 from .library.registering import register as register
 from .library.run import Run as Run
-from .library.run import StoredRun as StoredRun
 from .library.running import datasets as datasets
 from .library.running import integrate as integrate
 from .library.running import open as open
 from .library.running import resume as resume
 from .library.running import run as run
+from .library.stored_run import StoredRun as StoredRun
 from .library.theory import linear_modes as linear_modes
 from .library.theory import nutation as nutation
 from .library.theory import reconstruct as reconstruct

@@ -111,7 +111,8 @@ def _waited(session: int) -> float:
     for folder in Path("/proc").glob("[0-9]*"):
         try:
             if os.getsid(int(folder.name)) == session:
-                nanoseconds += int((folder / "schedstat").read_text().split()[1])
+                threads = (folder / "task").glob("*/schedstat")
+                nanoseconds += sum(int(thread.read_text().split()[1]) for thread in threads)
         except (OSError, IndexError):  # it has ended, or this kernel does not tell
             continue
     return nanoseconds * 1e-9

@@ -2,12 +2,15 @@
 
 import json
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import tippetop
 from tippetop import cli
 from tippetop.cli import main
 from tippetop.engine.one_run import CompiledDriver
@@ -129,3 +132,8 @@ def test_what_was_interrupted_is_resumed_with_0(
     assert code_of(["resume", "STORE", "--json"], nothing) == 0
     assert json.loads(capsys.readouterr().out)["status"] == "finished"
     assert code_of(["resume", "STORE"], nothing) == 5, "a finished run has nothing to resume"
+
+
+def test_the_module_is_the_command() -> None:
+    done = subprocess.run([sys.executable, "-m", "tippetop", "--version"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip()) == (0, tippetop.__version__)

@@ -29,6 +29,25 @@ def test_known_roots_are_found_and_no_others(rng: np.random.Generator) -> None:
         assert now == (value(p, 1.0) > 0)
 
 
+def test_two_zeros_that_nearly_meet_are_found(rng: np.random.Generator) -> None:
+    """Where a function just dips beyond zero, as v^2 - 1e-12 does: both zeros, to what rounding leaves of them; none
+    where they are nearer than a millionth."""
+    for gap in (1e-1, 1e-3, 1e-5, 3e-6, 6e-7, 1e-8):
+        for sign in (1.0, -1.0):
+            middle = rng.uniform(0.05, 0.95)
+            others = np.polynomial.polynomial.polyfromroots(rng.choice([-1, 1], 4) * rng.uniform(1.5, 4, 4))
+            pair = np.array([middle**2 - gap**2 / 4, -2 * middle, 1.0])
+            p = np.zeros(20)
+            p[:7] = sign * np.polynomial.polynomial.polymul(pair, others / abs(others[0]))
+            zeros, now = found(p, bool(p[0] > 0))
+            assert now == (p[0] > 0)
+            assert len(zeros) == (2 if gap > 1e-6 else 0), gap
+            if len(zeros):
+                np.testing.assert_allclose(
+                    zeros, middle + np.array([-0.5, 0.5]) * gap, rtol=0, atol=1e-15 / gap + 1e-15
+                )
+
+
 def test_a_zero_between_two_steps_counts_once() -> None:
     """The step before ended negative, this one starts positive: rounding put the zero between them."""
     p = np.array([1e-17, 1.0, 0.0])

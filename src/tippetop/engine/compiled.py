@@ -1,5 +1,6 @@
 """A system becomes an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
 
+import math
 import re
 import threading
 from collections.abc import Callable
@@ -34,12 +35,15 @@ class Compiled(NamedTuple):
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
     agrees
         Filled by `is_same_step`: whether the code makes the step that heyoka makes.
+    places
+        What its runs in doubles work in, for each thread: see `one_run`.
     """
 
     integrator: Any
     rows: EventRows
     machine: MachineCode | None
     agrees: list[bool]
+    places: threading.local
 
 
 HUGE = 100_000  # terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
@@ -90,6 +94,8 @@ def compiled(
     for event in system.events:
         function = hy.expression(0.0) + event.formula(scalars, body)
         source = _source(function, equations, partial(_at_zero, event, system, variables, friction))
+        if not source and event.extremes and (integral := _integral_of(event, system, variables, friction)):
+            source = integral, 1, INTEGRAL_SCALE, 0.0
         sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
         if not source:
             equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
@@ -103,7 +109,7 @@ def compiled(
         options |= {"tol": kind(tolerance), "fp_type": kind}
         integrator = hy.taylor_adaptive(equations, np.zeros(len(equations), dtype=number), **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
-    return Compiled(integrator, event_rows(system.events, sources, axis), machine, [])
+    return Compiled(integrator, event_rows(system.events, sources, axis), machine, [], threading.local())
 
 
 def _source(
@@ -129,6 +135,31 @@ def _at_zero(event: Event, system: System, variables: Variables, friction: Any, 
     with np.errstate(all="ignore"):  # the others mean nothing
         q, _ = variables.split(list(state))
         return float(event.formula(variables.form.scalars(q, body), body))
+
+
+STATES = 3  # at which a rate is compared
+ALIKE = 1e-11  # relative: formulas of one quantity differ by rounding, others do not agree in so many digits
+
+
+def _integral_of(event: Event, system: System, variables: Variables, friction: Any) -> int:
+    """Index of the integral whose rate is an event function, if it is written in other words: their values agree for
+    random bodies in random states. 0 if there is none. So the normal force, which is dear, is not integrated twice."""
+    random = np.random.default_rng(len(variables.names))
+    alike = np.ones(len(variables.integrals), bool)
+    for _ in range(STATES):
+        numbers = iter(random.uniform(0.5, 1.0, 100).tolist())
+        body = system.body_of(
+            {name: next(numbers) for name in system.parameters}, friction(*(0.1,) * len(friction._fields))
+        )
+        angles = system.angles._make([next(numbers) for _ in system.angles])
+        theta = getattr(angles, "theta", 0.7)
+        with np.errstate(all="ignore"):
+            q = variables.form.of_angles(angles, math.sin(theta), math.cos(theta), body)
+            carried = variables.carried(*(next(numbers) for _ in variables.integrals))
+            wanted = float(event.formula(variables.form.scalars(q, body), body))
+            rates = np.array([float(integral.rate(q, carried, body)) for integral in variables.integrals])
+        alike &= np.abs(rates - wanted) <= ALIKE * abs(wanted)
+    return variables.moving + int(np.argmax(alike)) if alike.any() else 0
 
 
 def _machine(integrator: Any) -> MachineCode | None:

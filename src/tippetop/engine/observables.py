@@ -29,15 +29,14 @@ class Observables:
         body = problem.internal_body
         self.body = _cast(body, lambda leaf: _widened(np.array(leaf), self._wide)[()])
         self._pars = np.array(leaves(self.body), dtype=float)
-        self._row = b""  # the row that was read last
-        self._of_row: dict[str, np.ndarray] = {}  # what it says
+        self._last: tuple[bytes, dict[str, np.ndarray]] = b"", {}  # the row that was read last, and what it says
 
     def state(self, rows: np.ndarray) -> tuple[Any, Any]:
         """The state record of the rows and the record of their integrals, in internal units."""
         return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
 
     def scalars(self, rows: np.ndarray) -> Any:
-        """The scalars of the rows, in internal units."""
+        """The scalars of the rows, or of one row, in internal units."""
         return self.form.scalars(self.state(rows)[0], self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
@@ -46,9 +45,10 @@ class Observables:
         if len(rows) != 1:
             return self._evaluated(rows)
         row = np.asarray(rows).tobytes()
-        if row != self._row:
-            self._row, self._of_row = row, self._evaluated(rows)
-        return dict(self._of_row)
+        last = self._last  # at once: another thread may read rows too
+        if row != last[0]:
+            self._last = last = row, self._evaluated(rows)
+        return dict(last[1])
 
     def _evaluated(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         polar = np.empty((0, len(rows)))
@@ -74,14 +74,14 @@ class Observables:
     def _compiled(self, function: Any, rows: np.ndarray) -> np.ndarray:
         """The outputs of a compiled function of rows, (outputs, n)."""
         rows = np.asarray(rows, dtype=float)
-        outputs = np.empty((function.nouts, len(rows)))
-        for start in range(0, len(rows), BLOCK):
-            part = rows[start : start + BLOCK].T
+        parts = [rows[start : start + BLOCK].T for start in range(0, len(rows) or 1, BLOCK)]
+        outputs = []
+        for part in parts:
             block = _whole_batches(part, function.batch_size)
             pars = np.empty((function.nparams, block.shape[1]))
             pars[:] = self._pars[: function.nparams, None]
-            outputs[:, start : start + BLOCK] = function(block, pars=pars)[:, : part.shape[1]]
-        return outputs
+            outputs.append(function(block, pars=pars)[:, : part.shape[1]])
+        return outputs[0] if len(outputs) == 1 else np.concatenate(outputs, axis=1)
 
     def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
         """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN exactly at a pole;

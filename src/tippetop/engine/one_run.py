@@ -1,5 +1,6 @@
 """One run in doubles, driven by the compiled step."""
 
+import weakref
 from typing import Any
 
 import numpy as np
@@ -8,28 +9,62 @@ from ..mechanics.operand import leaves
 from ..problem import Problem
 from .compiled import Compiled
 from .driver import Rows, drive, new_motion, no_rows
-from .slices import STATUSES, Driver, Passages, Request, Slice
+from .slices import RULES, STATUSES, Driver, Passages, Request, Slice, new_room
 from .status import Status
+
+
+PLACES = 4  # that a thread keeps of an integrator, 0.4 MB each
+
+
+class Place:
+    """The arrays of a run, and the loop that is bound to their addresses: to bind them takes longer than 50 steps, so
+    that a run takes those of one that is gone.
+
+    Parameters
+    ----------
+    compiled
+        The integrator, with machine code.
+    """
+
+    def __init__(self, compiled: Compiled):
+        assert compiled.machine is not None
+        self.taken_by: Any = None  # a weak reference to a driver
+        self.motion, self.room = new_motion(compiled.integrator, 1), new_room(compiled)
+        self.nothing = no_rows(len(self.motion.state))
+        machine = compiled.machine
+        self.drive = drive.on(machine.step, machine.dense, self.motion, *self.room)
+        self.drive_on = drive.on(machine.step, machine.dense, self.motion, *self.room, self.nothing, RULES)
+
+
+def place_for(driver: "CompiledDriver", compiled: Compiled) -> Place:
+    """A place that no other driver of this thread has, as long as there is this one."""
+    places: list[Place] = compiled.places.__dict__.setdefault("places", [])
+    place = next((place for place in places if place.taken_by() is None), None)
+    if place is None:
+        place = Place(compiled)
+        if len(places) < PLACES:
+            places.append(place)
+    place.taken_by = weakref.ref(driver)
+    return place
 
 
 class CompiledDriver(Driver):
     """Drives a run by the machine code of its step."""
 
     def __init__(self, problem: Problem, compiled: Compiled):
-        super().__init__(problem, compiled)
-        assert compiled.machine is not None
-        self.motion = new_motion(compiled.integrator, 1)
+        self.place = place_for(self, compiled)
+        super().__init__(problem, compiled, self.place.room)
+        self.motion = self.place.motion
+        for zeroed in (self.motion.state, self.motion.high, self.motion.low):
+            zeroed[:] = 0.0
         pars = [float(leaf) for leaf in leaves(problem.internal_body)][: len(self.motion.pars)]
         self.motion.pars[:, 0] = pars  # it reads none beyond
         self.motion.state[: self.variables, 0] = problem.start()
         self.motion.end[0] = float(self.end)
-        self.nothing = no_rows(len(self.motion.state))
-        machine, watch = compiled.machine, (self.rows, self.tallies, self.log, self.samples, self.scratch)
-        self._drive = drive.on(machine.step, machine.dense, self.motion, *watch)
 
     def prepare(self) -> None:
         """Compiles the loop, if it is not yet compiled."""
-        self._drive(self.nothing, self.rules, 0)
+        self.place.drive_on(0)
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
@@ -39,7 +74,7 @@ class CompiledDriver(Driver):
         while True:
             rows = self._asked(request)
             left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
-            steps += self._drive(rows, self.rules, left)
+            steps += self.place.drive_on(left) if rows is self.place.nothing else self.place.drive(rows, RULES, left)
             filled = int(rows.filled[0])
             if filled:
                 request.take(rows.times[:filled], rows.states[:filled, : self.variables])
@@ -65,9 +100,9 @@ class CompiledDriver(Driver):
         if request.steps or not len(self.times):
             self.times = request.wanted()
         if not len(self.times):
-            return self.nothing
+            return self.place.nothing
         states = np.empty((len(self.times), len(self.motion.state)))
-        return Rows(self.times, states, np.zeros(1, np.int64), request.steps, self.nothing.out)
+        return Rows(self.times, states, np.zeros(1, np.int64), request.steps, self.place.nothing.out)
 
     def end_at(self, end: Any) -> None:
         """Puts the end of the run at an internal time."""

@@ -17,7 +17,11 @@ from .tallies import (
     T_LEAST,
     T_MOST,
     EventRows,
+    PassageLog,
+    Samples,
+    Scratch,
     StopRules,
+    Tallies,
     new_log,
     new_samples,
     new_scratch,
@@ -78,6 +82,29 @@ class Request(Protocol):
         """Takes rows: internal times (k,), states (k, variables)."""
 
 
+class Room(NamedTuple):
+    """What the observer of a run reads and writes: arrays that stay where they are, and serve one run after another."""
+
+    rows: EventRows
+    tallies: Tallies
+    log: PassageLog
+    samples: Samples
+    scratch: Scratch
+
+
+def new_room(compiled: Compiled) -> Room:
+    """Room for the runs of an integrator."""
+    rows = compiled.rows._replace(events=compiled.rows.events.copy())
+    n, size = len(compiled.integrator.state), compiled.integrator.order + 1
+    log = new_log(1024 + len(rows.events) * size, n)
+    samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
+    return Room(rows, new_tallies(rows, 1), log, samples, new_scratch(size, 1))
+
+
+RULES = StopRules(-1, 0, 0.0, ENDLESS, EVERY, FIRST)
+"""Of a single run: only an event ends it before its time."""
+
+
 class Driver(ABC):
     """Makes the steps of one run, and knows what the observer found in them.
 
@@ -87,21 +114,21 @@ class Driver(ABC):
         The run.
     compiled
         Its integrator.
+    room
+        Of that integrator, for this run alone while it lasts.
     """
 
-    def __init__(self, problem: Problem, compiled: Compiled):
+    rules = RULES
+
+    def __init__(self, problem: Problem, compiled: Compiled, room: Room):
         self.problem, self.compiled = problem, compiled
         self.variables = len(problem.variables.names)  # the others are integrals of event functions
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
-        self.rows = watched(compiled.rows, problem)
-        self.rules = StopRules(-1, 0, 0.0, ENDLESS, EVERY, FIRST)
-        n, order = len(compiled.integrator.state), compiled.integrator.order
-        self.tallies = new_tallies(self.rows, 1)
+        self.rows, self.tallies, self.log, self.samples, self.scratch = room
+        watch(self.rows.events, compiled.rows.events, problem)
         self.at_start = event_functions(problem.alone)[0]  # the event functions
+        self.tallies.functions[:] = 0.0
         reset(self.tallies, self.rows, 0, *signs_of(self.at_start))
-        self.log = new_log(1024 + len(self.rows.events) * (order + 1), n)
-        self.samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
-        self.scratch = new_scratch(order + 1, 1)
         self.times = np.zeros(0)  # of rows that are wanted and not yet made
 
     sentence = ""  # why the contact ended the run, where it did
@@ -179,14 +206,13 @@ class Driver(ABC):
         self.tallies.kept[:, 0] = kept["kept"]
 
 
-def watched(rows: EventRows, problem: Problem) -> EventRows:
-    """The events that a problem asks for: turnings are many, and nothing else needs them; they are found if logged."""
-    records = rows.events.copy()
-    for record, event in zip(records, problem.system.events, strict=True):
-        record["watched"] = not event.sense or event.name in problem.events
-        if problem.on_liftoff != "stop":  # then no event ends a run
-            record["ends"] = 0
-    return rows._replace(events=records)
+def watch(records: np.ndarray, events: np.ndarray, problem: Problem) -> None:
+    """Puts into `records` the events that a problem asks for: turnings are many, and nothing else needs them; they are
+    found if logged."""
+    records[:] = events
+    records["watched"] = [not event.sense or event.name in problem.events for event in problem.system.events]
+    if problem.on_liftoff != "stop":  # then no event ends a run
+        records["ends"] = 0
 
 
 def event_functions(problems: Problems) -> np.ndarray:

@@ -10,7 +10,6 @@ from ..awaiting import awaited
 from ..mechanics.operand import leaves
 from ..problem import Problem
 from .compiled import MOST_COMPILED, Compiled, compiled, is_same_step
-from .contact.driver import ContactDriver
 from .one_run import CompiledDriver
 from .opt_level import DEFAULT, opt_level
 from .slices import Driver
@@ -41,6 +40,8 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     Driver
     """
     if problem.contact is not None:
+        from .contact.driver import ContactDriver  # a twentieth of a start, which other runs do without
+
         return ContactDriver(problem, lambda leg: driver_of(leg, stop))  # type: ignore[return-value]
     key = _key(problem)
     if key in _known:

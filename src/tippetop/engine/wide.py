@@ -15,7 +15,7 @@ from ..mechanics.operand import leaves
 from ..problem import Problem
 from .compiled import Compiled
 from .observer import follow
-from .slices import STATUSES, Driver, Passages, Request, Slice
+from .slices import STATUSES, Driver, Passages, Request, Slice, new_room
 from .status import Status
 from .tallies import new_log
 
@@ -28,7 +28,7 @@ class SliceDriver(Driver):
     """Drives a run by heyoka's own loop."""
 
     def __init__(self, problem: Problem, compiled: Compiled):
-        super().__init__(problem, compiled)
+        super().__init__(problem, compiled, new_room(compiled))
         self.integrator = copy.deepcopy(compiled.integrator)
         pars = leaves(problem.internal_body)[: len(self.integrator.pars)]  # it has none beyond the last that it reads
         self.integrator.pars[:] = [problem.number(leaf) for leaf in pars]

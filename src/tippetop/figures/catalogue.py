@@ -84,6 +84,14 @@ FIGURES: dict[str, RunFigure] = {
         over_time=True,
         compares=True,
     ),
+    "film": RunFigure(
+        "eight poses of the body on one line, by their times",
+        "figures.film:film",
+        "runs.shape:with_shape",
+        needs="orientation",
+        uses=("theta", "axis", "orientation", "z"),
+        drawn_for="runs that keep the orientation",
+    ),
     "states": _of_tippe_tops(
         "figures.stability:states", "asymptotic states over lambda, and the run among them; also of a scenario"
     ),

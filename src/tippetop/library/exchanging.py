@@ -83,7 +83,7 @@ def compare(
 def _reference(source: Any) -> Any:
     """The problem of a scenario, a run, or the store of one. Raises InputError."""
     if isinstance(source, str | Path) and Path(source).is_dir():
-        from .run import StoredRun
+        from .stored_run import StoredRun
 
         return StoredRun(source).problem
     problem = problem_behind(source)

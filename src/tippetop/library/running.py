@@ -18,8 +18,9 @@ from ..runs.run import solve
 from ..store import root
 from .bodies import Top
 from .laws import Friction
-from .run import Run, StoredRun
+from .run import Run
 from .scenarios import problem_of
+from .stored_run import StoredRun
 
 
 if TYPE_CHECKING:

@@ -167,7 +167,7 @@ CONTENSOU = Law(
     {
         "mu": _COULOMB,
         "patch": Parameter(METRE, "radius of the contact disc", above=0),
-        "mu_r": Parameter(METRE, "rolling resistance: torque per normal force; 0 for none", least=0),
+        "mu_r": Parameter(METRE, "rolling resistance: torque per normal force", least=0, default=0.0),
     },
     "Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz pressure",
 )

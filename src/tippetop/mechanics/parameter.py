@@ -19,6 +19,7 @@ class Parameter:
     least: float | None = None  # must be at least
     below: float | None = None  # must be less than
     most: float | None = None  # must be at most
+    default: float | None = None  # where it is left out; None: it must be given
 
     def _bounds(self) -> list[tuple[str, float, Callable]]:
         """The bounds that are set: what a value must be, the limit, and how a value breaks it."""

@@ -33,6 +33,8 @@ class Lines(NamedTuple):
 
     def where(self, keep: np.ndarray) -> "Lines":
         """Some of them."""
+        if keep.all():
+            return self
         return Lines(*(values[keep] for values in self))
 
 
@@ -75,10 +77,9 @@ class EventLog:
             kept={k.name: 0 if k.what == "count" else None for event in self.events.values() for k in event.kept},
         )
 
-    def _value(self, kind: str, rows: np.ndarray) -> np.ndarray:
-        """The function of an event at rows (n, variables), internal units."""
-        values = self.events[kind].formula(self.view.scalars(rows), self.view.body)
-        return np.broadcast_to(np.asarray(values, float), (len(rows),))
+    def _value(self, kind: str, state: np.ndarray) -> float:
+        """The function of an event in a state (variables,), internal units."""
+        return float(self.events[kind].formula(self.view.scalars(state), self.view.body))
 
     # --- a slice --------------------------------------------------------------------------------------------------
 
@@ -115,12 +116,11 @@ class EventLog:
 
     def _remember(self, passages: Lines, rows: np.ndarray) -> None:
         """What events keep of their passages, whatever kinds are logged; `rows` are those of the log, or -1."""
+        happened = set(passages.event.tolist())
         for number, event in enumerate(self.events.values()):
-            if not (event.kept or event.lasting):
+            if number not in happened or not (event.kept or event.lasting):
                 continue
             mine = passages.event == number
-            if not mine.any():
-                continue
             for kept in event.kept:
                 meant = mine & (passages.sign == kept.direction) if kept.direction else mine
                 self._keep(kept.name, kept.what, passages.seconds[meant])
@@ -137,9 +137,9 @@ class EventLog:
     def _table(self, logged: Lines, turning: np.ndarray) -> EventTable:
         """Rows of the log; the swings continue from the turning before."""
         swing = np.full(logged.theta.shape, np.nan)
-        swing[turning] = np.abs(np.diff(logged.theta[turning], prepend=self.tally.before))
-        if turning.any():
-            self.tally.before = float(logged.theta[turning][-1])
+        if len(angles := logged.theta[turning]):
+            swing[turning] = np.abs(angles - np.concatenate([[self.tally.before], angles[:-1]]))
+            self.tally.before = float(angles[-1])
         for number, count in enumerate(np.bincount(logged.kind, minlength=len(self.kinds)).tolist()):
             self.tally.counts[self.kinds[number]] += count
         known = ~self.is_open[logged.event]
@@ -164,7 +164,7 @@ class EventLog:
 
     def _holds(self, event: Event, last: np.ndarray) -> bool:
         """Whether a lasting event has happened, and its function is still beyond its zero."""
-        return event.name in self.tally.lasting and self._value(event.name, last)[0] * event.direction > 0
+        return event.name in self.tally.lasting and self._value(event.name, last[0]) * event.direction > 0
 
     def finish(self, last: np.ndarray) -> list[int]:
         """Rows that the end of the run, in the state `last`, shows to be significant."""

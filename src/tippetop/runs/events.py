@@ -77,10 +77,10 @@ class Confirmation:
 
     def _all_count(self, theta: np.ndarray, sign: np.ndarray) -> bool:
         """Whether each turning confirms the one before: minima and maxima in turn, all swings above the floor."""
-        if not len(theta) or not np.all(sign):
+        if not len(theta) or not sign.all():
             return False
         every, ways = (np.append(self.theta, theta), np.append(self.sign, sign)) if self.sign else (theta, sign)
-        return bool(np.all(ways[1:] == -ways[:-1]) and np.all(ways[1:] * np.diff(every) <= -NOISE_FLOOR))
+        return bool((ways[1:] == -ways[:-1]).all() and (ways[1:] * (every[1:] - every[:-1]) <= -NOISE_FLOOR).all())
 
     def _next(self, row: int, theta: float, sign: int) -> list[tuple[int, float]]:
         before = (self.row, self.theta)

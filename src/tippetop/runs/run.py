@@ -68,6 +68,11 @@ def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], di
     return integration.status, integration.last[0], integration.report(), kept, settled
 
 
+def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
+    """Pieces as one array: of a single one, itself."""
+    return pieces[0] if len(pieces) == 1 else np.concatenate([empty, *pieces])
+
+
 def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:
     """Integrates a problem to its end, gathering rows and events in memory.
 
@@ -97,8 +102,8 @@ def solve(problem: Problem, progress: Callable[[Integration], None] | None = Non
         problem,
         integration.status,
         integration.reason(),
-        np.concatenate([np.zeros(0), *memory.times]),
-        np.concatenate([integration.first[:0], *memory.states]),
+        _joined(memory.times, np.zeros(0)),
+        _joined(memory.states, integration.first[:0]),
         memory.table(),
         integration.last[0],
         integration.report(),

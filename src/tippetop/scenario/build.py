@@ -11,22 +11,26 @@ from pydantic import ValidationError
 from ..arguments import path_of
 from ..errors import InputError, suggestion
 from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
+from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
+from ..mechanics.units import Unit
 from ..problem import (
     AUTO,
     KEYFRAME_STEPS,
     PRECISIONS,
     ROUNDING,
     TURN,
+    UNTIL,
     Problem,
     choice,
     column_faults,
     column_names,
 )
 from ..sampling import EvenTimes, ListedTimes
-from .contact import contact_faults, contact_tables, rules_of, system_with_contact
+from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
+from .quantities import worked_out
 from .reading import override, read
 from .schema import RunTable, scenario_model
 from .sentences import scenario_sentence
@@ -51,6 +55,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     law = tables["friction"].get("law") if isinstance(tables.get("friction"), dict) else None
     if isinstance(law, str) and law not in system.laws:
         load_entry_points()
+    tables = worked_out(tables, units_of(system, tables))
     shape = scenario_model(system)
     try:
         scenario: Any = shape.model_validate(tables)
@@ -67,12 +72,13 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     known_columns = column_names(system, form, run.orientation is not False, run.precision)
     asked = TURN if run.columns is None else run.columns
     values = scenario.friction.model_dump() if system.frictional else {}
+    rules = rules_of(scenario, system)
     built = Problem(
         system=system,
         form=form,
         parameters=parameters,
         friction=law.record(**{name: values[name] for name in law.parameters}),
-        initial=initial,
+        initial=on_stem(initial, parameters.get("R", 0.0), rules),
         until=run.until,
         times=_times(run),
         events=events,
@@ -84,7 +90,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         stop_when=run.stop_when,
         columns=None if run.columns is None else tuple(name for name in known_columns if name in asked),
         orientation=run.orientation if run.orientation is not None else any(name in TURN for name in asked),
-        contact=rules_of(scenario, system),
+        contact=rules,
         origin=origin,
     )
     faults = [
@@ -97,6 +103,22 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     if faults:
         raise InputError(faults)
     return built
+
+
+def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
+    """What the numbers of a scenario measure, by table and key: where a text may stand for one."""
+    friction = tables.get("friction")
+    given = friction.get("law") if isinstance(friction, dict) else None
+    law = system.laws.get(given) if isinstance(given, str) else None
+    rules = {
+        "parameters": system.parameters,
+        "friction": law.parameters if law else {},
+        "initial": system.initial,
+        "stem": STEM,
+        "contact": CONTACT,
+        "run": {"until": UNTIL, "output_step": UNTIL},
+    }
+    return {table: {name: rule.unit for name, rule in its.items()} for table, its in rules.items()}
 
 
 def system_of(tables: dict[str, Any]) -> System:

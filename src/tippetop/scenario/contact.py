@@ -4,11 +4,11 @@ import math
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.contact.phases.rules import ContactLaw
+from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
 from ..mechanics.contact.uniqueness import painleve_bound
-from ..mechanics.friction import Contensou, SetValued
+from ..mechanics.friction import LAWS, Contensou, SetValued
 from ..mechanics.system import System
-from ..mechanics.systems.with_contact import BODIES, with_contact
+from ..mechanics.systems.with_contact import ABOVE, BODIES, with_contact
 from ..problem import Problem
 
 
@@ -24,14 +24,25 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     if law == "contensou":
         asked.append('`friction.law = "contensou"`')
     if not (asked or (dry and system.name in BODIES)):
+        initial = tables.get("initial")
+        above = [name for name in ABOVE if isinstance(initial, dict) and name in initial]
+        if above and system.name in BODIES:
+            raise InputError(
+                [
+                    f"`initial.{above[0]}` must stand with a contact that may open: give [contact], [stem], Coulomb's "
+                    'law without eps, or run.on_liftoff = "fly".'
+                ]
+            )
         return system
+    if "stem" in tables and system.name != "tippe-top":
+        raise InputError([f"`stem` must be of a tippe-top, but the system is {system.name}."])
     what = asked[0] if asked else '`friction.law = "coulomb"` without eps'
     if system.name not in BODIES:
         raise InputError([f"{what} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
     if BODIES[system.name] is not system:
         raise InputError([f"{what} must stand without events and columns of one's own, but some are given."])
-    if "stem" in tables and system.name != "tippe-top":
-        raise InputError([f"`stem` must be of a tippe-top, but the system is {system.name}."])
+    if isinstance(law, str) and law in system.laws and law not in LAWS:
+        raise InputError([f'`friction.law` must not be "{law}" where the contact may open, by {what}.'])
     kind = "dry" if dry else "drilling" if law == "contensou" else "smooth"
     if kind == "drilling" and system.name != "tippe-top":
         raise InputError([f'`friction.law = "contensou"` must be of a tippe-top, but the system is {system.name}.'])
@@ -56,6 +67,10 @@ def contact_tables(problem: Problem) -> dict[str, dict[str, Any]]:
     return {"contact": contact, **({"stem": {"r": rules.r, "h": rules.h}} if rules.stem else {})}
 
 
+HIGHEST = 1e6  # gap of a start, by the radius: beyond it a landing has no digits
+LEAST_PATCH = 1e-9  # radius of the contact disc, by that of the sphere
+
+
 def contact_faults(problem: Problem) -> list[str]:
     """What a contact that opens cannot be asked, in sentences."""
     if problem.contact is None:
@@ -67,6 +82,18 @@ def contact_faults(problem: Problem) -> list[str]:
         faults.append('`run.output` must not be "keyframes" where the contact may change its phase.')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
+    body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
+    R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
+    if gap > HIGHEST * R:
+        faults.append(f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, but is {gap:g}.")
+    if isinstance(problem.friction, Contensou) and not LEAST_PATCH * R <= problem.friction.patch <= R:
+        faults.append(
+            f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to parameters.R = {R:.6g}, but is "
+            f"{problem.friction.patch:g}."
+        )
+    rules = problem.contact
+    if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
+        return faults  # which are found already
     if isinstance(problem.friction, SetValued | Contensou):
         faults += _unique(problem)
     return faults + _under(problem)
@@ -75,14 +102,28 @@ def contact_faults(problem: Problem) -> list[str]:
 UNDER = 1e-9  # of the radius: a stem that is deeper under the plane is no rounding
 
 
+def on_stem(initial: dict[str, Any], R: float, rules: ContactLaw | None) -> dict[str, Any]:
+    """The start with the gap at which the stem touches, where none is given and the sphere on the plane would put the
+    stem under it."""
+    if rules is None or not rules.stem or "gap" in initial:
+        return initial
+    least = _least_gap(initial, R, rules)
+    return {**initial, "gap": least} if least > 0 else initial
+
+
+def _least_gap(initial: dict[str, Any], R: float, rules: ContactLaw) -> float:
+    """Height of the sphere above the plane where the stem touches it [m]; negative where the sphere does first."""
+    return rules.r - R - rules.h * math.cos(float(initial.get("theta", 0.0)))
+
+
 def _under(problem: Problem) -> list[str]:
     """A stem may not start under the plane."""
     rules, start = problem.contact, problem.initial
     assert rules is not None
-    if not rules.stem or "theta" not in start:
+    if not rules.stem:
         return []
     R, gap = problem.body().R, float(start.get("gap", 0.0))
-    least = rules.r - R - rules.h * math.cos(float(start["theta"]))
+    least = _least_gap(start, R, rules)
     if not gap < least - UNDER * R:
         return []
     return [f"`initial.gap` must be at least {least:.17g}, but is {gap:g}: the stem would be under the plane."]

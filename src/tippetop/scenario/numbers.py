@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from ..errors import InputError
 from ..mechanics.system import Parameter
+from .quantities import worked_out
 from .schema import table_model
 from .sentences import error_sentence
 
@@ -24,8 +25,10 @@ def plain(value: Any) -> Any:
 
 def checked(table: str, parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> dict[str, float]:
     """The numbers of a table as floats. Raises InputError, which names every one that is wrong, as for TOML."""
+    units = {table: {name: parameter.unit for name, parameter in parameters.items()}}
+    values = worked_out({table: plain(values)}, units)[table]
     try:
-        return _model(table, tuple(parameters.items())).model_validate(plain(values)).model_dump()
+        return _model(table, tuple(parameters.items())).model_validate(values).model_dump()
     except ValidationError as error:
         names = list(parameters)
         raise InputError(

@@ -11,6 +11,8 @@ from ..errors import InputError, suggestion
 
 MOST_PARTS = 64  # of a dotted key: the parser takes 13 s for one of 20 000
 PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
+QUANTITY = r"[-+0-9.eE/*^()]+ *[^\W\d_°%][^\"'\[\]{}=,#]*|[-+0-9.]+ *[°%]|[-+\w.(]+( *[-+*/^()]+ *[-+\w.()]+)+\)*"
+"""What may stand without quotes after `--set key=`, and is no TOML: 20 g, 3/10, 2/5*m*R^2."""
 LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-])(?:{PART}[ \t]*+\.[ \t]*+){{{MOST_PARTS},}}")
 
 
@@ -87,9 +89,14 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
         try:
             value = text.strip() if word else _parsed(f"value = {text}")["value"]
         except ValueError:
-            raise InputError(
-                [f'--set {key} must be given a TOML value (5, 0.3, true, "word", [1.0, 2.0]), but is `{_short(text)}`.']
-            ) from None
+            if not re.fullmatch(QUANTITY, text.strip()):
+                raise InputError(
+                    [
+                        f'--set {key} must be given a TOML value (5, 0.3, true, "word", [1.0, 2.0]), '
+                        f"but is `{_short(text)}`."
+                    ]
+                ) from None
+            value = text.strip()
         table = changed.setdefault(parts[0], {}) if len(parts) == 2 else changed
         if not isinstance(table, dict):
             raise InputError([f"--set {key} must name a key of a table, but `{parts[0]}` is not a table."])

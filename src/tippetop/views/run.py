@@ -9,11 +9,11 @@ import numpy as np
 from ..columns import flagged
 from ..errors import InputError, StoreError
 from ..runs.attributes import headline_of
+from ..runs.shape import body_of, is_planar, shape
 from ..store import chunks
 from . import formulas, pages, thinning
 from .given import encoded
 from .samples import needed, plain, samples
-from .shape import body_of, is_planar, shape
 
 
 MOST = 200_000  # samples of a page: 20 MB; with more it would not open within two seconds

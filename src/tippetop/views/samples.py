@@ -11,7 +11,7 @@ from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross
 from ..mechanics.system import System
 from ..mechanics.systems import find
-from .shape import body_of, is_fixed, is_planar
+from ..runs.shape import body_of, is_fixed, is_planar
 
 
 Columns = Mapping[str, np.ndarray]

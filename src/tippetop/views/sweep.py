@@ -8,13 +8,13 @@ import numpy as np
 from ..columns import greek, units_text
 from ..errors import InputError
 from ..problem import Problem
+from ..runs.shape import shape
 from ..scenario import build
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
 from ..sweeps.summary import column, open_sweep
 from . import formulas, pages
 from .given import encoded, given
-from .shape import shape
 
 
 MOST = 100_000  # tops of a page

@@ -174,7 +174,10 @@ class ContactDriver:
         first[: len(q)] = q
         part = new_leg(self.problem, kind, self.balls[ball], first)
         part = new_leg(self.problem, kind, self.balls[ball], first[: len(part.variables.names)])
-        self.drivers[kind, ball] = self.make(part), Carried(self.problem, part)
+        with np.errstate(
+            invalid="ignore", divide="ignore"
+        ):  # of friction that drills the state may be of another region
+            self.drivers[kind, ball] = self.make(part), Carried(self.problem, part)
 
     def _watch(self, driver: Driver) -> None:
         """Looks for the other ball, unless it has just left."""

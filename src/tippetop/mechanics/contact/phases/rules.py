@@ -8,6 +8,7 @@ from ...parameter import Parameter
 from ...units import METRE, ONE
 
 
+LEAST_RADIUS, LONGEST = 1e-9, 1e6  # of a stem's ball, and of a stem, by the radius of the sphere: the rest is a slip
 RESTITUTIONS = ("energetic", "poisson", "newton")
 
 
@@ -46,6 +47,12 @@ def stem_faults(R: float, r: float, h: float) -> list[str]:
     """What is wrong with a stem on a sphere of radius R, in sentences. [contact 6]"""
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]
+    if not r > LEAST_RADIUS * R:
+        return [
+            f"`stem.r` must be greater than {LEAST_RADIUS:g} parameters.R = {LEAST_RADIUS * R:.6g}, but is {r:.6g}."
+        ]
+    if not h < LONGEST * R:
+        return [f"`stem.h` must be less than {LONGEST:g} parameters.R = {LONGEST * R:.6g}, but is {h:.6g}."]
     if not h > R - r:
         return [f"`stem.h` must exceed R - r = {R - r:.6g}, or the stem never touches the plane, but is {h:.6g}."]
     return []

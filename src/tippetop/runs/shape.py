@@ -22,7 +22,7 @@ def body_of(attrs: dict[str, Any]) -> Body:
     law = getattr(system.laws.get(friction.get("law")), "record", Frictionless)
     body = system.body_of(attrs["parameters"], law(**{name: friction[name] for name in law._fields}))
     if not isinstance(body, Body):
-        raise InputError([f"a page is made of tops and cylinders only; this is {a_system(attrs['system'])}."])
+        raise InputError([f"only tops and cylinders can be shown; this is {a_system(attrs['system'])}."])
     return body
 
 
@@ -63,3 +63,8 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
         "weight": b.m * b.g,
         "fixed": kind == "heavy" and is_fixed(attrs),
     }
+
+
+def with_shape(trajectory: Any, events: Any, attrs: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """What the film strip of a run is made of: its rows, its attributes, its body."""
+    return trajectory, attrs, shape(attrs)

@@ -1,0 +1,121 @@
+"""A film strip: the top as it stands at eight times, on one line."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from . import raycast
+from .labels import title
+from .sphere import busy
+from .style import figure, ink
+from .thinning import span
+
+
+POSES = 8
+PIXELS = 320  # the height of a pose
+GAP = 0.12  # between two poses
+SHADOW = 0.8  # of half a pose: how far a shadow reaches beyond it
+
+
+def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes | None = None) -> Axes:
+    """Eight poses of the body by their times: evenly spread over the part of the run in which it turns over, if it
+    does, else over the whole.
+
+    `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the body as
+    `runs.shape.shape` gives it.
+    """
+    rows = _rows(trajectory)
+    scenes = [_scene(trajectory, shape, row) for row in rows]
+    reach, bottom, top = _extent(scenes)
+    if ax is None:
+        width = 12.0
+        ax = figure(
+            width,
+            0.6
+            + 0.19 * len(title(attrs).splitlines())
+            + width / (len(rows) * (2 * reach + GAP) + SHADOW * reach) * (top - bottom),
+        ).subplots()
+    step = 2 * reach + GAP
+    for i, scene in enumerate(scenes):
+        right = reach + SHADOW * reach
+        seen = raycast.picture(scene, -reach, right, bottom, top, PIXELS)
+        ax.imshow(seen, extent=(i * step - reach, i * step + right, bottom, top), interpolation="antialiased", zorder=2)
+    t, theta = trajectory["time"].values[rows], trajectory["theta"].values[rows]
+    between = float(np.min(np.diff(t))) if len(t) > 1 else 1.0
+    decimals = max(0, 1 - int(np.floor(np.log10(max(between, 1e-12)))))
+    words = [
+        f"t = {when:.{decimals}f} s\nθ = {f'{np.degrees(angle):.1f}'.replace('-', '−')}°"
+        for when, angle in zip(t, theta, strict=True)
+    ]
+    ax.set_xticks(np.arange(len(rows)) * step, words)
+    ax.set_yticks([])
+    ax.grid(visible=False)
+    ax.spines[["left", "top", "right"]].set_visible(False)
+    ax.spines["bottom"].set_color(ink().quiet)
+    ax.tick_params(axis="x", color=ink().quiet, labelsize=9)
+    ax.set(xlim=(-reach - GAP / 2, (len(rows) - 1) * step + (1 + SHADOW) * reach), ylim=(bottom, top), aspect="equal")
+    ax.set_title(title(attrs))
+    if scenes[0].kind != "heavy":
+        ax.set_title("grey dot: centre of mass", loc="right", fontsize=9, color=ink().quiet)
+    return ax
+
+
+def _rows(trajectory: Any) -> np.ndarray:
+    """The rows that are drawn."""
+    t = trajectory["time"].values
+    first, last = busy(trajectory["axis"].values, t) if "axis" in trajectory else span(t)
+    wanted = np.linspace(max(first, t[0]), min(last, t[-1]), POSES)
+    return np.unique(np.clip(np.searchsorted(t, wanted), 0, len(t) - 1))
+
+
+def _scene(trajectory: Any, shape: dict[str, Any], row: int) -> raycast.Scene:
+    """The body at a row, in units of itself."""
+    unit = shape["unit"]
+    axes = _matrix(trajectory["orientation"].values[row])
+    third = axes[:, 2]
+    balls = [(ball["offset"] / unit, ball["radius"] / unit) for ball in shape["balls"]]
+    if "z" in trajectory:
+        height = float(trajectory["z"].values[row]) / unit
+    elif shape["fixed"]:
+        height = -balls[0][0] * third[2]
+    else:  # the lowest point is on the floor
+        height = max(radius - offset * third[2] for offset, radius in balls)
+    mass = np.array([0.0, 0.0, height])
+    tip = None
+    if shape["kind"] == "heavy":
+        tip = mass + balls[0][0] * third
+        mass, tip = mass - tip * (1, 1, 0), tip * (0, 0, 1)  # the tip stays in the middle
+    else:
+        mass = mass - balls[0][0] * third * (1, 1, 0)  # the ball does
+    places = [(mass + offset * third, radius) for offset, radius in balls]
+    across, along = (half / unit for half in shape["ellipsoid"])
+    return raycast.Scene(shape["kind"], axes, mass, places, (across, along), tip)
+
+
+def _matrix(quaternion: np.ndarray) -> np.ndarray:
+    """The rotation of a unit quaternion w, x, y, z: its columns are the body axes in space."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def _extent(scenes: list[raycast.Scene]) -> tuple[float, float, float]:
+    """Half the width of every pose, its bottom and its top in the picture."""
+    points: list[tuple[np.ndarray, float]] = []
+    for scene in scenes:
+        if scene.kind == "heavy":
+            end = scene.mass + (scene.ellipsoid[1] + 0.3) * scene.axes[:, 2]
+            points += [(scene.mass, max(scene.ellipsoid)), (end, 0.06)]
+            points += [(scene.tip, 0.06)] if scene.tip is not None else []
+        else:
+            points += [(centre, radius * (1.25 if scene.kind == "cylinder" else 1.0)) for centre, radius in scene.balls]
+    reach = max(float(np.hypot(*centre[:2])) + radius for centre, radius in points)
+    height = [(float(centre @ raycast.UP), radius) for centre, radius in points]
+    bottom = min(min(y - radius for y, radius in height), -0.45 * min(reach, 1.0))
+    return reach + 0.1, bottom - 0.05, max(y + radius for y, radius in height) + 0.08

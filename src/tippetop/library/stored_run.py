@@ -1,0 +1,108 @@
+"""A run in a store as an object: what a `Run` in memory offers, read when it is needed."""
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..arguments import finite, path_of
+from ..errors import InputError
+from ..mechanics.systems import find
+from ..problem import Problem
+from ..runs import attributes
+from ..runs.phases import NAMES
+from ..runs.run import Solution
+from ..runs.summary import lines
+from ..scenario import build
+from ..store import chunks, root
+from .run import Run, Window
+
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..mechanics.system import System
+
+
+class StoredRun(Run):
+    """A run in a store, finished or not: a `Run` whose tables are read when needed."""
+
+    def __init__(self, path: str | Path):
+        self.path = path_of("path", path).absolute()  # the process may go elsewhere
+        self.attributes  # noqa: B018 - raises StoreError if there is none
+
+    @property
+    def solution(self) -> Solution:  # type: ignore[override]
+        """Not kept in a store."""
+        raise AttributeError("a stored run has labelled tables only: see trajectory and events")
+
+    @cached_property
+    def problem(self) -> Problem:
+        """What was integrated, built again from the store. Raises InputError if this process does not know it."""
+        return build.stored(self.attributes)
+
+    @cached_property
+    def attributes(self) -> dict[str, Any]:
+        """The root attributes of the store."""
+        return root.attributes(self.path)
+
+    @cached_property
+    def _datasets(self) -> "dict[str, xr.Dataset]":
+        names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
+        return {name: root.open_group(self.path, name) for name in names}
+
+    def replay(self, start: float, until: float, step: float, *, accept_other_version: bool = False) -> "xr.Dataset":
+        """Integrates a part of the run again, from the nearest keyframe.
+
+        Parameters
+        ----------
+        start, until : float
+            Times of the first and the last row [s].
+        step : float
+            Time between two rows [s].
+        accept_other_version : bool
+            Whether to replay what other versions or another processor made: bits may differ.
+
+        Returns
+        -------
+        xarray.Dataset
+            As `trajectory`: the rows that the run would have stored at these times, bit by bit.
+
+        Raises
+        ------
+        InputError
+            If the times are not within the run, or too many for the memory.
+        StoreError
+            If the run is not finished, has no keyframes and a start too far away, or is of other versions.
+
+        Examples
+        --------
+        >>> import tippetop as tt
+        >>> run = tt.run("inverting", until=1e5, output="keyframes", out="RUN.zarr")
+        >>> run.replay(5e4, 5e4 + 1.0, 1e-3).theta.plot()
+        """
+        from ..runs import replay
+
+        times = [finite(name, value) for name, value in (("start", start), ("until", until), ("step", step))]
+        columns = replay.columns(self.path, *times, accept_other_version=accept_other_version)
+        return attributes.dataset(columns, self.attributes)
+
+    def _problem(self) -> Problem | None:
+        return None
+
+    def _system(self) -> "System | None":
+        return find(self.attributes["system"])
+
+    def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
+        return chunks.for_figures(self.path, self.attributes, window)
+
+    def _page(self, start: float | None, until: float | None) -> str:
+        from ..views.run import page_of_store
+
+        return page_of_store(self.path, self.attributes, start, until)
+
+    def _lines(self) -> list[tuple[str, str]]:
+        return lines(self.summary)
+
+    def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """A stored run is saved already. Raises InputError."""
+        raise InputError([f"the run is in the store `{self.path}` already: copy that."])

@@ -1,0 +1,86 @@
+"""A run works where another has worked: with the bits of a first run, and never where one still is."""
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tippetop.engine.compiled import _integral_of
+from tippetop.engine.one_run import PLACES, CompiledDriver
+from tippetop.engine.taylor import driver_of
+from tippetop.runs.integration import Integration
+from tippetop.runs.run import solve
+from tippetop.runs.sinks import Nowhere
+from tippetop.scenario import build, reading
+
+
+def made(until: float, *sets: str) -> CompiledDriver:
+    driver = driver_of(build.load("inverting", list(sets), until))
+    assert isinstance(driver, CompiledDriver)
+    return driver
+
+
+def test_drivers_that_live_share_nothing() -> None:
+    """More of them than places are kept."""
+    drivers = [made(0.1, f"initial.theta=0.{i + 1}") for i in range(PLACES + 2)]
+    for i, one in enumerate(drivers):
+        np.testing.assert_array_equal(one.state[: one.variables], one.problem.start())
+        for other in drivers[:i]:
+            assert not np.shares_memory(one.motion.state, other.motion.state)
+            assert not np.shares_memory(one.log.states, other.log.states)
+            assert not np.shares_memory(one.rows.events, other.rows.events)
+
+
+def test_a_place_serves_again_and_another_thread_has_its_own() -> None:
+    made(0.1)
+    here = made(0.1).place
+    assert made(0.1).place is here, "none lives that has it"
+    there = []
+    thread = threading.Thread(target=lambda: there.append(made(0.1).place))
+    thread.start()
+    thread.join()
+    assert there[0] is not here
+
+
+def test_a_run_has_the_bits_of_a_first_run_wherever_it_works() -> None:
+    """After a longer one, with other events, that a liftoff ended: rows, events, report, and what a store keeps."""
+    problem = build.load("inverting", until=2.0)
+    first = solve(problem)
+    long = build.load("inverting", ["initial.omega3=300.0", "run.events=[]", "run.orientation=true"], until=8.0)
+    assert solve(long).status.value == "liftoff"
+    again = solve(problem)
+    np.testing.assert_array_equal(again.rows, first.rows)
+    np.testing.assert_array_equal(again.events.time, first.events.time)
+    assert again.report == first.report
+    assert repr(again.last_slice) == repr(first.last_slice)
+
+
+@pytest.mark.parametrize("preset", [name for name in reading.presets() if build.load(name).contact is None])
+def test_the_normal_force_is_integrated_once(preset: str) -> None:
+    """Its impulse is a column: no other integral follows it, however the formulas are written."""
+    names = [str(variable) for variable, _ in driver_of(build.load(preset)).equations()]
+    assert "impulse" in names
+    assert "integral_liftoff" not in names
+
+
+def test_what_is_nearly_the_normal_force_is_integrated_itself() -> None:
+    problem = build.load("heavy-top")
+    variables, law = problem.variables, problem.friction.__class__
+    event = next(event for event in problem.system.events if event.extremes)
+    assert variables.names[_integral_of(event, problem.system, variables, law)] == "impulse"
+    near = replace(event, formula=lambda s, b: event.formula(s, b) * (1 + 1e-9))
+    assert _integral_of(near, problem.system, variables, law) == 0
+
+
+def test_the_extremes_of_a_run_are_those_of_its_column() -> None:
+    """Of the heavy top the impulse is written otherwise than the column `normal_force`: they are one number."""
+    problem = build.load("heavy-top", ["run.output_step=0.0005"], until=2.0)
+    run = Integration(problem)
+    run.run(Nowhere())
+    force = run.report()["normal_force"]
+    column = solve(problem).columns()["normal_force"].values
+    assert force["min"] == pytest.approx(column.min(), rel=1e-6)
+    assert force["max"] == pytest.approx(column.max(), rel=1e-6)
+    assert force["min"] <= column.min() + 1e-13
+    assert force["max"] >= column.max() - 1e-13

@@ -1,0 +1,94 @@
+"""Numbers as people write them: exact arithmetic, units, sentences."""
+
+import math
+from fractions import Fraction
+
+import pytest
+
+import tippetop as tt
+from tippetop.errors import InputError
+from tippetop.mechanics.units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, RADIAN_PER_SECOND, Unit
+from tippetop.scenario import build
+from tippetop.scenario.quantities import number_of
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("3/10", ONE, Fraction(3, 10)),
+        ("-(1 + 2)^2 / 3", ONE, Fraction(-3)),
+        ("20 g", KILOGRAM, Fraction(20, 1000)),
+        ("2 * 3 g", KILOGRAM, Fraction(6, 1000)),
+        ("5 g", KILOGRAM, Fraction(5, 1000)),
+        ("1 inch", METRE, Fraction(254, 10000)),
+        ("20 g cm^2", INERTIA, Fraction(20, 10**7)),
+        ("1e3 cm/s^2", METRE_PER_SECOND2, Fraction(10)),
+        ("7 %", ONE, Fraction(7, 100)),
+        ("180 deg", RADIAN, math.pi),
+        ("90°", RADIAN, math.pi / 2),
+        ("60 rpm", RADIAN_PER_SECOND, 2 * math.pi),
+        ("1 rev/s", RADIAN_PER_SECOND, 2 * math.pi),
+        ("pi/4", RADIAN, math.pi / 4),
+    ],
+)
+def test_a_text_is_the_double_nearest_to_the_exact_number(text: str, unit: Unit, value: object) -> None:
+    assert number_of(text, "parameters.k", unit) == float(value)
+
+
+def test_parameters_are_products_of_others() -> None:
+    names = {"m": 0.02, "R": ("2 cm", METRE), "b": ("m*R", ONE)}
+    assert number_of("235/625*m*R^2", "parameters.I1", INERTIA, names) == float(
+        Fraction(235, 625) * Fraction("0.02") * Fraction("0.02") ** 2
+    )
+    assert number_of("2*b", "parameters.k", ONE, names) == 0.0008
+    with pytest.raises(InputError, match="must not depend on itself"):
+        number_of("a", "parameters.k", ONE, {"a": ("b", ONE), "b": ("a", ONE)})
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("20 cm", "must be in kg or what can be converted to it"),
+        ("20 flurbs", '"flurbs" is no unit'),
+        ("2*Q", "has 'Q'"),
+        ("1/0", "divides by zero"),
+        ("9**9**9", "whole powers up to 12"),
+        ("2^0.5", "whole powers"),
+        ("__import__('os').getpid()", "must be a number, arithmetic"),
+        ("[1, 2]", "must be a number, arithmetic"),
+        ("m.real", "must be a number, arithmetic"),
+        ("lambda: 1", "must be a number, arithmetic"),
+        ("True", "must be a number, arithmetic"),
+        ("", "must be a number, arithmetic"),
+        ("(" * 150, "must be a number, arithmetic"),
+        ("1" * 201, "at most 200 characters"),
+        ("1e400", "is no unit"),
+    ],
+)
+def test_what_is_no_number_is_a_sentence(text: str, words: str) -> None:
+    with pytest.raises(InputError) as found:
+        number_of(text, "parameters.m", KILOGRAM, {"m": 1.0})
+    assert words in str(found.value)
+    assert "parameters.m" in str(found.value)
+
+
+def test_hertz_could_be_turns_or_radians() -> None:
+    with pytest.raises(InputError, match="could be turns or radians"):
+        number_of("25 Hz", "initial.omega3", RADIAN_PER_SECOND)
+
+
+def test_a_scenario_and_its_assignments_take_them() -> None:
+    words = ["m=20 g", "alpha=3/10", "I3=2/5*m*R^2", 'I1="131/350 * m * R^2"']
+    assigned = [*(f"parameters.{word}" for word in words), "initial.omega3=1480 rpm", "run.until=2 s"]
+    problem = build.load("inverting", assigned)
+    assert problem.parameters == pytest.approx(build.load("inverting").parameters, rel=1e-15)
+    assert problem.initial["omega3"] == pytest.approx(1480 * 2 * math.pi / 60, rel=1e-15)
+    assert problem.until == 2.0
+    with pytest.raises(InputError) as found:
+        build.load("inverting", ["parameters.m=20 cm", "initial.theta=1 kg"])
+    assert len(found.value.sentences) == 2
+
+
+def test_records_take_them_too() -> None:
+    top = tt.TippeTop(m="20 g", R="2 cm", alpha="3/10", I1="131/350*m*R^2", I3="2/5*m*R^2", g=9.82)
+    assert (top.m, top.R, top.I3) == (0.02, 0.02, 3.2e-6)
