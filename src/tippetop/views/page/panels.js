@@ -61,14 +61,18 @@ export class ThetaPanel {
   draw(motion, log, pose, span, colours) {
     const { chart } = this;
     const wound = log.wound;
-    const low = wound ? log.thetas[0] : Math.max(0, log.thetas[0] - 0.04);
-    const high = wound ? log.thetas[1] : Math.min(PI, log.thetas[1] + 0.04);
+    const [least, most] = this.range(motion, log, span);
+    const low = wound ? least : Math.max(0, least - 0.04);
+    const high = wound ? most : Math.min(PI, most + 0.04);
     const room = 0.06 * (high - low) + 1e-9;
     const degrees = ((pose.theta * 180) / PI).toFixed(1).replace("-", "−");
     chart.begin(span, [low - room, high + room], colours, `θ = ${degrees}°`);
     if (log.changes) chart.within(() => shade(chart, log, colours));
     const whole = high - low > 1.3 && !wound;
-    const ys = whole ? ANGLES : ticks(low, high, 4).map((y) => /** @type {[number, string]} */ ([y, tidy(y)]));
+    const few = chart.bottom - chart.top < 70 ? 2 : 1;
+    const ys = whole
+      ? ANGLES.filter((_, k) => k % few === 0)
+      : ticks(low, high, 4).map((y) => /** @type {[number, string]} */ ([y, tidy(y)]));
     chart.axes(colours, chart.times(), ys);
     const { context } = chart;
     chart.within(() => {
@@ -82,6 +86,23 @@ export class ThetaPanel {
       mark(chart, pose.time, colours);
       chart.dot(chart.x(pose.time), chart.y(pose.theta), colours.alarm, colours.paper);
     });
+  }
+
+  /**
+   * The least and the largest inclination of what is shown.
+   * @param {Motion} motion
+   * @param {Log} log
+   * @param {Span} span
+   */
+  range(motion, log, span) {
+    if (span[0] <= motion.start && span[1] >= motion.end) return log.thetas;
+    let [low, high] = [Infinity, -Infinity];
+    const to = Math.min(motion.index(span[1]) + 2, motion.times.length);
+    for (let i = motion.index(span[0]); i < to; i++) {
+      const theta = motion.samples[i * STRIDE + 19];
+      [low, high] = [Math.min(low, theta), Math.max(high, theta)];
+    }
+    return [low, high];
   }
 
   /**
@@ -229,7 +250,7 @@ export class WellPanel {
     chart.title = `Potential V(θ) − min V, ${this.height < 2e-4 ? "µJ" : "mJ"}`;
     /** @type {Span} */
     const range = wound ? [-PI, PI] : [0, PI];
-    const caption = valid ? `Ẽ = ${tidy(parseFloat((1e3 * level).toPrecision(4)))} mJ` : "no contact of the sphere";
+    const caption = valid ? `Ẽ = ${tidy(parseFloat((1e3 * level).toPrecision(4)))} mJ` : "";
     chart.begin(range, [low, low + 1.12 * this.height], colours, caption);
     const unit = this.height < 2e-4 ? 1e6 : 1e3;
     const ys = ticks(0, unit * 1.0 * this.height, 3);
@@ -248,7 +269,17 @@ export class WellPanel {
       xs.map(([x, text]) => [x, text === "π" ? "π = θ" : text]),
       ys.map((y) => [bottom + y / unit, tidy(y)]),
     );
-    if (!valid || !isFinite(bottom)) return;
+    if (!valid || !isFinite(bottom)) {
+      context.fillStyle = colours.quiet;
+      context.textAlign = "center";
+      context.textBaseline = "middle";
+      context.fillText(
+        "the sphere does not touch the plane",
+        (chart.left + chart.right) / 2,
+        (chart.top + chart.bottom) / 2,
+      );
+      return;
+    }
     const steps = wound ? 2 * count : count;
     const at = (/** @type {number} */ k) => range[0] + ((range[1] - range[0]) * (k + 0.5)) / steps;
     const v = (/** @type {number} */ k) => this.at(at(k), first, second);
