@@ -1,6 +1,9 @@
 /** A motion on the page: picture, plots, controls and keyboard, all at one time. */
 import { Clock, SPEEDS, speedText } from "./clock.js";
-import { AxisPanel, ForcePanel, ThetaPanel, TimeLine, WellPanel } from "./panels.js";
+import { AxisPanel } from "./axis.js";
+import { ForcePanel, ThetaPanel } from "./panels.js";
+import { TimeLine } from "./timeline.js";
+import { WellPanel } from "./well.js";
 import { ARROWS, palette } from "./palette.js";
 import { Recorder } from "./recorder.js";
 import { Scene } from "./scene.js";
