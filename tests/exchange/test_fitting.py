@@ -40,7 +40,8 @@ def fit(film: Path) -> tt.Fitted:
 
 
 def test_numbers_are_recovered_within_their_errors(fit: tt.Fitted) -> None:
-    assert fit.converged
+    assert fit.reason.endswith("with care: it was sought from one start alone: a better fit may be elsewhere.")
+    assert not fit.converged
     for name, true in TRUE.items():
         estimate = fit.estimates[name]
         assert abs(estimate.value - true) < 4 * estimate.sigma
@@ -122,7 +123,8 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert cli.outcome([*arguments, "--json", "--out", str(out), "--figure", str(figure)]) == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["initial.theta"]["value"] - 0.5) < 0.01
-    assert said["converged"] is True
+    assert "one start alone" in str(said["reason"])
+    assert said["converged"] is False
     assert said["correlations"]["initial.theta"]["initial.theta"] == 1.0
     assert out.is_file()
     assert figure.is_file()

@@ -390,8 +390,9 @@ class _Search:
         parts = {group: off for group, (off, _) in self.observation.predicted(values).items()}
         noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
         reasons = self._reasons(inside, estimates, sigma, correlations)
-        if tried > 1 and agreed < 2:
-            reasons.append(f"only one of {tried} starts led here: a better fit may be elsewhere.")
+        if agreed < 2:
+            led = f"only one of {tried} starts led here" if tried > 1 else "it was sought from one start alone"
+            reasons.append(f"{led}: a better fit may be elsewhere.")
         converged = not reasons
         reasons.insert(0, "the numbers fit: what is left is noise." if converged else "the fit must be read with care:")
         return Fit(estimates, correlations, converged, reasons, parts, noise, self.observation.t, self.evaluations)
