@@ -50,7 +50,7 @@ def number(x: float) -> str:
 
 def machine(results: dict[str, Any]) -> str:
     """What it was measured on, and how long each case took."""
-    any_of = next(iter(results.values()))["machine"]
+    any_of = max(results.values(), key=lambda result: len(result["machine"]["versions"]))["machine"]
     versions = ", ".join(f"{name} {version}" for name, version in any_of["versions"].items())
     rows = [
         [
@@ -58,11 +58,15 @@ def machine(results: dict[str, Any]) -> str:
             "quick" if result["quick"] else "full",
             f"{result['took']:.0f}",
             ", ".join(map(str, result["machine"]["load_average"])),
+            result["machine"]["processor"],
         ]
         for name, result in results.items()
     ]
-    said = f"{any_of['processor']}, {any_of['processors']} processors; Python {any_of['python']}, {versions}."
-    return f"{said}\n\n" + table(["case", "", "took [s]", "load average before"], rows)
+    said = f"{any_of['processors']} processors; Python {any_of['python']}, {versions}."
+    if any(result["machine"]["load_average"][0] > result["machine"]["processors"] for result in results.values()):
+        said += " Where the load average is above the number of processors the machine was shared: ratios of processor"
+        said += " seconds count there, and what is by the wall clock does not."
+    return f"{said}\n\n" + table(["case", "", "took [s]", "load average before", "processor"], rows)
 
 
 def goal_table(results: dict[str, Any]) -> str:

@@ -9,7 +9,9 @@ from .library.bodies import TippeTop as TippeTop
 from .library.derivatives import Sensitivities as Sensitivities
 from .library.derivatives import sensitivities as sensitivities
 from .library.exchanging import Comparison as Comparison
+from .library.exchanging import Fitted as Fitted
 from .library.exchanging import compare as compare
+from .library.exchanging import fit as fit
 from .library.landscapes import band as band
 from .library.landscapes import marked_lines as marked_lines
 from .library.landscapes import minimal_surface as minimal_surface

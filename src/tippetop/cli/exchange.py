@@ -84,6 +84,82 @@ def _print(result: Any, content: dict[str, Any], as_json: bool) -> None:
     print(json.dumps(content, allow_nan=False) if as_json else str(result))
 
 
+def fit(
+    data: str,
+    scenario: str,
+    *,
+    free: str,
+    set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    loss: str = "linear",
+    starts: int = 4,
+    marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quaternion: str | None = None,
+    up: str = "z",
+    figure: Path | None = None,
+    out: Path | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Json = False,
+) -> int:
+    """Fit numbers of a scenario to a measured motion: tippetop fit DATA SCENARIO --free friction.mu,initial.omega3.
+
+    Parameters
+    ----------
+    data
+        CSV or Parquet. The header names columns and units: t [s], theta [deg], axis_x, axis_y, axis_z, q_w ... q_z,
+        omega3 [rpm], x [mm], marker_x [mm] ... Empty cells are gaps.
+    scenario
+        TOML file, preset, or the store of a run: what is not free is as it stands there, the rest is a first guess.
+    free
+        What is fitted: dotted names with commas, time.offset [s] and time.scale of the table's clock among them.
+    set_
+        Change a value: table.key=value. May be repeated.
+    loss
+        linear, or soft_l1, huber, cauchy, which outliers hardly move.
+    starts
+        How many starts are followed: the scenario's own, and the best of 128 others.
+    marker
+        Where the marker is on the body: x,y,z [m] in body axes from the centre of mass; with columns marker_x ...
+    quaternion
+        The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
+    up
+        The letter of the vertical, and of the body's axis of symmetry: z or y.
+    figure
+        Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or say --overwrite).
+    out
+        Write the scenario with the fitted numbers to this TOML file; must not exist yet (or say --overwrite).
+    overwrite
+        Replace files that exist.
+    as_json
+        Print the result as one JSON object.
+    """
+    from ..arguments import whole
+    from ..exchange import fit_text, measured
+    from ..exchange.fitting import names_of
+    from ..exchange.motion import Convention
+    from ..store import files
+    from ..store.root import finite
+    from .plot import check_picture
+
+    if figure is not None:
+        check_picture(figure, "--figure", overwrite)
+    problem = _problem(scenario, set_)
+    place = fit_text.marker_of(marker)
+    observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place)
+    result = measured.fitted(observation, loss, whole("--starts", starts))
+    text = fit_text.lines(result, observation)
+    if out is not None:
+        scenario_text = fit_text.toml(problem, result)
+        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+            scratch.write_text(scenario_text, encoding="utf-8")
+    if figure is not None:
+        from ..figures import catalogue
+
+        drawing = catalogue.fit(result.t, observation.groups, result.residuals, text)
+        catalogue.write(drawing, figure, overwrite=overwrite)
+    print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else "\n".join(text))
+    return 0
+
+
 def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int:
     """Writes the body of a scenario, its start and friction for a simulator."""
     from ..exchange.simulators import text_of
@@ -96,4 +172,4 @@ def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int
     return 0
 
 
-COMMANDS: list[Any] = [compare]
+COMMANDS: list[Any] = [compare, fit]

@@ -232,10 +232,12 @@ class Tangents:
         What moves.
     tolerance
         Of the integrator; 0 is the rounding unit.
+    most
+        Steps per internal unit of time beyond which a motion counts as one that cannot be integrated; 0: any number.
     """
 
-    def __init__(self, kind: Kind, tolerance: float = 0.0):
-        self.kind, self.tolerance = kind, tolerance
+    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0):
+        self.kind, self.tolerance, self.most = kind, tolerance, most
 
     def states(
         self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray, needs: tuple[str, ...] | None = None
@@ -280,12 +282,14 @@ class Tangents:
 
     def _block(self, motion: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Rows of the lanes of one batch. A lane that breaks down ends all of them: then each is followed alone."""
-        together = awaited(partial(_followed, motion, begin, pars, times), "the variational equations are integrated")
+        together = awaited(
+            partial(_followed, motion, begin, pars, times, self.most), "the variational equations are integrated"
+        )
         lanes = times.shape[1]
-        if lanes > 1 and np.isnan(together).any():
+        if lanes > 1 and not self.most and np.isnan(together).any():
             for lane in range(lanes):
                 same = np.full(lanes, lane)
-                alone = _followed(motion, begin[:, same], pars[:, same], times[:, same])
+                alone = _followed(motion, begin[:, same], pars[:, same], times[:, same], self.most)
                 together[:, :, lane] = alone[:, :, lane]
         return together
 
@@ -323,15 +327,18 @@ class Tangents:
         return compiled_readings(self.kind, names, timed).needs
 
 
-def _followed(motion: tuple[Any, np.ndarray], begin: np.ndarray, pars: np.ndarray, times: np.ndarray) -> Any:
+def _followed(
+    motion: tuple[Any, np.ndarray], begin: np.ndarray, pars: np.ndarray, times: np.ndarray, most: float
+) -> np.ndarray:
     """Rows (rows, variables, lanes) of one batch; NaN where it ended early."""
     integrator, places = motion
     integrator.set_time(0.0)
     integrator.state[:] = begin[places]
     integrator.pars[:] = pars[: len(integrator.pars)]
+    limit = {"max_steps": int(most * float(np.abs(times).max()) + 100)} if most else {}
     if np.any(times[0] != 0.0):
-        integrator.propagate_until(np.ascontiguousarray(times[0]))
-    if any(outcome != hy.taylor_outcome.time_limit for outcome, *_ in integrator.propagate_res) and np.any(times[0]):
-        return np.full((len(times), len(places), times.shape[1]), np.nan)
-    _, rows = integrator.propagate_grid(np.ascontiguousarray(times))
+        integrator.propagate_until(np.ascontiguousarray(times[0]), **limit)
+        if any(outcome != hy.taylor_outcome.time_limit for outcome, *_ in integrator.propagate_res):
+            return np.full((len(times), len(places), times.shape[1]), np.nan)
+    _, rows = integrator.propagate_grid(np.ascontiguousarray(times), **limit)
     return np.array(rows)

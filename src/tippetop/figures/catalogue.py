@@ -307,6 +307,15 @@ def comparison(motions: Any, title: str) -> Any:
         return comparison(motions, title)
 
 
+def fit(*arguments: Any) -> Any:
+    """The figure of a fit, as `figures.fit` takes it."""
+    from .fit import fit
+    from .style import styled
+
+    with styled():
+        return fit(*arguments)
+
+
 def figure_of_sweep(kind: str, store: Path, look: Look = PLAIN) -> Any:
     """One kind of figure of a sweep. Raises InputError, StoreError."""
     from ..sweeps import maps

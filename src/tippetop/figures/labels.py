@@ -44,7 +44,7 @@ PRECISIONS = {"double": "64-bit numbers", "longdouble": "80-bit numbers", "quad"
 TABLES = ("parameters", "friction", "contact", "stem", "initial")
 WIDTH = 95  # letters of a line
 MOST_NUMBERS = 2  # of bodies that differ in more, the names are given
-RUN_KEYS = ("precision", "tolerance", "on_liftoff")
+RUN_KEYS = ("precision", "tolerance")
 
 
 def number(value: float, digits: int = 6) -> str:
@@ -104,8 +104,10 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """The attributes of several runs as far as all have the same, for their common title."""
     first = runs[0]
     common: dict[str, Any] = {"title": first["title"], "units": first.get("units", {})}
-    if any(attrs["title"] != first["title"] for attrs in runs):
+    if any(attrs.get("system") != first.get("system") for attrs in runs):
         common["title"] = f"{len(runs)} runs"
+    elif any(attrs["title"] != first["title"] for attrs in runs):
+        common["title"] = first["title"].partition(",")[0]
     for name in ("initial", "friction"):
         if name == "friction" and len({str(attrs.get(name, {}).get("law")) for attrs in runs}) > 1:
             continue  # the same letter in another law is another number
@@ -121,11 +123,13 @@ def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
     """For each run the words that tell it from the others: what its scenario has and theirs have not; its name as well,
     where there is no difference."""
     tables = [name for name in TABLES if any(attrs.get(name, {}) != runs[0].get(name, {}) for attrs in runs)]
+    if not all("contact" in attrs for attrs in runs):
+        tables = [name for name in tables if name != "contact"]  # it follows from the friction law
     words = []
     for attrs, called in zip(runs, names, strict=True):
         units: dict[str, str] = attrs.get("units", {})
         parts: list[str] = []
-        if any(other["title"] != attrs["title"] for other in runs):
+        if any(other.get("system") != attrs.get("system") for other in runs):
             parts.append(attrs["title"])
         if any(other.get("form") != attrs.get("form") for other in runs):
             parts.append(f"{attrs.get('form')} form")
@@ -146,6 +150,8 @@ def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
             if len({str(value) for value in given}) > 1:
                 value = attrs.get("run", {}).get(key)
                 parts.append(PRECISIONS.get(str(value), f"{key.replace('_', ' ')} {value}"))
+        if attrs.get("status", "finished") != "finished":
+            parts.append(f"ends: {attrs['status']}".replace("-", " "))
         words.append(", ".join(parts))
     return [
         word if word and words.count(word) == 1 else ": ".join(filter(None, [name, word]))

@@ -4,10 +4,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import path_of
+from ..arguments import path_of, whole
 from ..errors import InputError
+from ..exchange import fit_text, measured
+from ..exchange.fitting import names_of
 from ..exchange.motion import Convention
 from ..exchange.verdict import Verdict, judged
+from ..problem import Problem
 from .sources import problem_behind
 
 
@@ -78,6 +81,113 @@ def compare(
     problem = _reference(reference)
     convention = Convention(quaternion, up)
     return Comparison(*judged(problem, [path_of("others", file) for file in files], convention))
+
+
+class Fitted:
+    """Numbers of a scenario that fit a measured motion. `tippetop.fit` makes it; it prints itself.
+
+    Attributes
+    ----------
+    estimates : dict of Estimate
+        By dotted name: `value`, `sigma`, `low` and `high` (95 %), SI.
+    correlations : ndarray
+        (free, free), in the order of `estimates`.
+    converged : bool
+        Whether what is left is noise, and the data decide every number.
+    reason : str
+        What must be known of it, in sentences.
+    problem : Problem
+        The scenario with the fitted numbers: `tippetop.run` takes it.
+    residuals : dict of ndarray
+        What was measured less what is predicted, by kind of measurement, (rows, parts), SI.
+    """
+
+    def __init__(self, before: Problem, observation: Any, result: Any):
+        self._before, self._observation, self._fit = before, observation, result
+        self.estimates, self.correlations = result.estimates, result.correlations
+        self.converged, self.reason, self.residuals = result.converged, " ".join(result.reason), result.residuals
+
+    @property
+    def problem(self) -> Problem:
+        """The scenario with the fitted numbers. Raises InputError where they break together."""
+        return fit_text.fitted_problem(self._before, self._fit)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain data, as `tippetop fit --json` prints it."""
+        return fit_text.plain(self._fit)
+
+    def to_toml(self) -> str:
+        """A scenario that runs."""
+        return fit_text.toml(self._before, self._fit)
+
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
+        """Data, fit and residuals as a figure; saved where a path is given."""
+        from ..figures import catalogue
+
+        figure = catalogue.fit(self._fit.t, self._observation.groups, self.residuals, str(self).split("\n"))
+        if path is not None:
+            catalogue.check_format(path_of("path", path))
+            catalogue.write(figure, path_of("path", path), overwrite=overwrite)
+        return figure
+
+    def __str__(self) -> str:
+        return "\n".join(fit_text.lines(self._fit, self._observation))
+
+    def __repr__(self) -> str:
+        return f"<Fitted {', '.join(self.estimates)}: {'converged' if self.converged else 'to be read with care'}>"
+
+
+def fit(
+    data: str | Path,
+    scenario: Any,
+    free: str | Sequence[str],
+    *,
+    loss: str = "linear",
+    starts: int = 4,
+    marker: Sequence[float] | None = None,
+    quaternion: str | None = None,
+    up: str = "z",
+) -> Fitted:
+    """Fits numbers of a scenario to a measured motion, by least squares with exact derivatives.
+
+    Parameters
+    ----------
+    data : path
+        CSV or Parquet whose header names columns and units, as for `compare`; gaps are allowed.
+    scenario : str, path, Run, Problem or mapping
+        What is not free is as it stands there; what is free starts there.
+    free : str or list of str
+        Dotted names, such as "friction.mu", "parameters.I1", "initial.omega3"; "time.offset" and "time.scale" of the
+        table's clock.
+    loss : str
+        "linear", or "soft_l1", "huber", "cauchy", which outliers hardly move.
+    starts : int
+        How many starts are followed: the scenario's own, and the best of 128 others.
+    marker : three floats, optional
+        Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body axes [m].
+    quaternion, up : str
+        As for `compare`.
+
+    Returns
+    -------
+    Fitted
+
+    Raises
+    ------
+    InputError
+        If the table, a name or the scenario is wrong, or a free number does nothing to what was measured.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> print(tt.fit("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
+    """
+    problem = _reference(scenario)
+    place = None if marker is None else fit_text.marker_of(",".join(str(float(part)) for part in marker))
+    observation = measured.observation_of(
+        problem, path_of("data", data), names_of(free), Convention(quaternion, up), place
+    )
+    return Fitted(problem, observation, measured.fitted(observation, loss, whole("starts", starts)))
 
 
 def _reference(source: Any) -> Any:

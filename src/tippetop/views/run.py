@@ -18,6 +18,7 @@ from .samples import needed, plain, samples
 
 MOST = 200_000  # samples of a page: 20 MB; with more it would not open within two seconds
 MOST_EVENTS = 20_000
+WIDEST = 64  # rows from one sample to the next, before the attitude asks for more
 DEGREE = np.pi / 180
 TOO_FAR = 0.2 * DEGREE  # between rows: a page that shows less says so
 
@@ -108,7 +109,7 @@ def gathered(
         columns = {name: values[within] for name, values in piece.items()}
         t, some = columns["time"], samples(columns, attrs)
         rough = max(rough, thinning.between(t, some))
-        few = thinning.kept(t, some, max(thinning.FEW - total, 2))
+        few = thinning.kept(t, some, max(thinning.FEW - total, len(t) // WIDEST))
         times.append(t[few])
         kept.append(some[few])
         total, last = total + len(few), t[-1]

@@ -121,7 +121,7 @@ export class Scene {
       for (let i = 0; i < n; i++) {
         wide = Math.max(wide, Math.hypot(floor[3 * i] - middle[0], floor[3 * i + 1] - middle[1]));
       }
-      this.camera.distance = Math.min(13, Math.max(body.kind === "heavy" ? 9 : 7.5, 7 + 1.3 * wide));
+      this.camera.distance = Math.min(12, Math.max(body.kind === "heavy" ? 8.4 : 6.6, 5.8 + 1.3 * wide));
       if (wide > 3) this.camera.mode = "follow";
     }
   }

@@ -1,6 +1,9 @@
 /** A motion on the page: picture, plots, controls and keyboard, all at one time. */
 import { Clock, SPEEDS, speedText } from "./clock.js";
-import { AxisPanel, ForcePanel, ThetaPanel, TimeLine, WellPanel } from "./panels.js";
+import { AxisPanel } from "./axis.js";
+import { ForcePanel, ThetaPanel } from "./panels.js";
+import { TimeLine } from "./timeline.js";
+import { WellPanel } from "./well.js";
 import { ARROWS, palette } from "./palette.js";
 import { Recorder } from "./recorder.js";
 import { Scene } from "./scene.js";
@@ -96,11 +99,16 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** Finds out how fast this computer draws. */
+  /** Finds out how fast this computer draws: on few pixels first, for some draw without a graphics card. */
   measure() {
-    this.scene.quality = QUALITIES[1];
+    const few = QUALITIES[QUALITIES.length - 1];
+    this.scene.quality = few;
     this.scene.timed(() => this.draw(0)); // compiles
-    this.frames.one = this.scene.timed(() => this.draw(0));
+    this.frames.one = this.scene.timed(() => this.draw(0)) / few.pixels ** 2;
+    if (this.frames.one < SLOW[1]) {
+      this.scene.quality = QUALITIES[1];
+      this.frames.one = this.scene.timed(() => this.draw(0));
+    }
     this.quality = SLOW.filter((limit) => this.frames.one > limit).length;
   }
 

@@ -1,0 +1,91 @@
+"""What a fit says: as plain data, as text, and as a scenario that runs."""
+
+from typing import Any
+
+from ..errors import InputError
+from ..problem import Problem
+from ..scenario import build
+from .fitting import Fit
+from .observation import TIMES, Observation
+
+
+def plain(fit: Fit) -> dict[str, Any]:
+    """The object that `tippetop fit --json` prints."""
+    names = list(fit.estimates)
+    rows = zip(names, fit.correlations.tolist(), strict=True)
+    correlations = {name: dict(zip(names, row, strict=True)) for name, row in rows}
+    return {
+        "estimates": {name: estimate._asdict() for name, estimate in fit.estimates.items()},
+        "correlations": correlations,
+        "converged": fit.converged,
+        "reason": " ".join(fit.reason),
+        "noise": fit.noise,
+        "rows": len(fit.t),
+        "evaluations": fit.evaluations,
+    }
+
+
+def lines(fit: Fit, observation: Observation) -> list[str]:
+    """The result in lines: each number with its standard error and 95 % interval, then what must be known."""
+    width = max(len(name) for name in fit.estimates)
+    rows = []
+    for name, e in fit.estimates.items():
+        unit = observation.rule(name).unit.symbol
+        text = f"{name:{width}}  {e.value:.8g} +- {e.sigma:.2g}{'' if unit == '1' else ' ' + unit}"
+        rows.append(f"{text}   (95 %: {e.low:.8g} to {e.high:.8g})")
+    units = {"place": "m", "marker": "m", "omega3": "rad/s"}
+    noise = ", ".join(f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items())
+    return [*rows, f"what is left: {noise} (root mean square)", *fit.reason]
+
+
+def fitted_problem(problem: Problem, fit: Fit) -> Problem:
+    """The scenario with the numbers that were fitted. Raises InputError where they break together."""
+    return build.problem(tables(problem, fit))
+
+
+def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
+    """The tables of the scenario with the numbers that were fitted."""
+    changed = build.resolved(problem)
+    for name, estimate in fit.estimates.items():
+        if name not in TIMES:
+            table, _, key = name.partition(".")
+            changed[table] = {**changed[table], key: estimate.value}
+    return changed
+
+
+def toml(problem: Problem, fit: Fit) -> str:
+    """A scenario that runs, as TOML, with the standard errors as comments."""
+    changed = tables(problem, fit)
+    text = ["# Fitted by tippetop. " + " ".join(fit.reason)]
+    text += [f"{key} = {_value(value)}" for key, value in changed.items() if not isinstance(value, dict)]
+    for name, table in changed.items():
+        if not isinstance(table, dict):
+            continue
+        text += ["", f"[{name}]"]
+        for key, value in table.items():
+            estimate = fit.estimates.get(f"{name}.{key}")
+            note = f"  # +- {estimate.sigma:.2g}" if estimate else ""
+            text.append(f"{key} = {_value(value)}{note}")
+    clock = [f"# {name} = {e.value:.9g} +- {e.sigma:.2g}" for name, e in fit.estimates.items() if name in TIMES]
+    return "\n".join([*text, *clock]) + "\n"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_value, value))}]"
+    return repr(float(value)) if isinstance(value, float) else str(value)
+
+
+def marker_of(text: str | None) -> tuple[float, float, float] | None:
+    """Three numbers [m] with commas. Raises InputError."""
+    if text is None:
+        return None
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError([f"the marker must be three lengths x,y,z [m], but is {text!r:.40}."]) from None
+    return x, y, z

@@ -1,0 +1,58 @@
+"""A table of measurements and a scenario become a fit."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from ..problem import Problem
+from .fitting import Fit, fit
+from .motion import Convention, motion
+from .observation import Observation
+from .table import Table, read
+
+
+MOST_ROWS = 100_000  # that a fit takes
+
+
+def observation_of(
+    problem: Problem,
+    data: str | Path,
+    free: Sequence[str],
+    convention: Convention,
+    marker: tuple[float, float, float] | None,
+) -> Observation:
+    """What was measured, beside what a scenario predicts.
+
+    Raises
+    ------
+    InputError
+        If the table, the names or the conventions are wrong.
+    """
+    table = read(data)
+    if len(table.t) > MOST_ROWS:
+        raise InputError([f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."])
+    return Observation(problem, free, motion(table, convention), *_marker(table, convention, marker))
+
+
+def _marker(
+    table: Table, convention: Convention, marker: tuple[float, float, float] | None
+) -> tuple[np.ndarray | None, np.ndarray | None]:
+    """Where a marker is on the body, and where it was."""
+    names = [f"marker_{c}" for c in "xyz"]
+    if not any(table.has(name) for name in names):
+        if marker is not None:
+            raise InputError([f"`{table.path}` must have the columns {', '.join(names)} for a marker, but has none."])
+        return None, None
+    if not table.has(*names):
+        raise InputError([f"`{table.path}` must have the columns {', '.join(names)}, all of them, but lacks some."])
+    if marker is None:
+        raise InputError(["the place of the marker on the body must be given (--marker x,y,z, metres in body axes)."])
+    rows = table.stacked(*names)
+    return np.array(marker), rows if convention.up == "z" else rows[:, [2, 0, 1]]
+
+
+def fitted(observation: Observation, loss: str, starts: int) -> Fit:
+    """The fit of an observation. Raises InputError."""
+    return fit(observation, loss, starts)

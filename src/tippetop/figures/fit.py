@@ -1,0 +1,61 @@
+"""A fit that is read at once: what was measured, the curve that fits, and what is left."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .style import QUIET, RUN, UPPER, figure
+
+
+NAMES = {"theta": "θ [rad]", "phi": "φ [rad]", "omega3": "ω₃ [rad/s]", "place": "place [m]", "marker": "marker [m]",
+         "axis": "axis", "orientation": "turn [rad]"}  # fmt: skip
+PARTS = "xyz"
+
+
+def fit(t: np.ndarray, measured: dict[str, np.ndarray], residuals: dict[str, np.ndarray], text: list[str]) -> Figure:
+    """For each kind of measurement: the data and the curve, the residuals and their histogram.
+
+    Parameters
+    ----------
+    t
+        (rows,) [s].
+    measured, residuals
+        Name -> (rows, parts); NaN in gaps.
+    text
+        Lines that stand below: the numbers.
+    """
+    fig = figure(9.5, 1.3 + 3.6 * len(measured) + 0.2 * len(text))
+    boxes: Any = fig.subplots(
+        2 * len(measured), 2, width_ratios=[4, 1], height_ratios=[2, 1] * len(measured), squeeze=False
+    )
+    for k, (name, seen) in enumerate(measured.items()):
+        (above, words), (below, counts) = boxes[2 * k], boxes[2 * k + 1]
+        off = residuals[name]
+        colors = (RUN, UPPER, "#6d28d9", "#0f766e")
+        for i in range(off.shape[1]):
+            color = colors[i % len(colors)]
+            if name != "orientation":
+                above.plot(t, seen[:, i], ".", ms=3, color=QUIET, label="measured" if not i else None)
+                above.plot(
+                    t, seen[:, i] - off[:, i], color=color, lw=1.2, label=f"fit {PARTS[i] if off.shape[1] > 1 else ''}"
+                )
+            below.plot(t, off[:, i], ".", ms=2.5, color=color)
+            counts.hist(off[np.isfinite(off[:, i]), i], bins=30, orientation="horizontal", color=color, alpha=0.6)
+        size = float(np.sqrt(np.nanmean(off**2)))
+        below.axhspan(-2 * size, 2 * size, color=QUIET, alpha=0.15, lw=0)
+        below.set(ylabel="left", xlabel="t [s]", ylim=(-4.5 * size, 4.5 * size))
+        counts.set(ylim=(-4.5 * size, 4.5 * size), xticks=[], yticklabels=[])
+        above.set(ylabel=NAMES.get(name, name), xticklabels=[])
+        if name == "orientation":
+            above.set_axis_off()
+        else:
+            above.legend(fontsize=8)
+        words.set_axis_off()
+        words.text(0, 0.5, f"root mean square\n{size:.3g}\n{np.isfinite(off).sum()} numbers", va="center", fontsize=9)
+    fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize=8, family="monospace")
+    return fig
+
+
+def _label(i: int, off: np.ndarray) -> str:
+    return f"fit {PARTS[i]}" if off.shape[1] > 1 else "fit"

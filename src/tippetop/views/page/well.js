@@ -1,0 +1,135 @@
+/** The plot of the effective potential. */
+import { Chart, ticks, tidy } from "./chart.js";
+import { ANGLES } from "./panels.js";
+
+/** @typedef {import("./palette.js").Palette} Palette */
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./motion.js").Pose} Pose */
+/** @typedef {[number, number]} Span */
+
+const PI = Math.PI;
+
+/** The potential V(theta; momenta), its level, and the ball that rolls in it. */
+export class WellPanel {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {(z: number, first: number, second: number) => number} potential
+   */
+  constructor(canvas, potential) {
+    this.chart = new Chart(canvas, "");
+    this.potential = potential;
+    this.height = 0;
+  }
+
+  /**
+   * The scale, from the whole motion: how far the level is above the bottom.
+   * @param {Motion} motion
+   */
+  take(motion) {
+    const depths = [];
+    for (let k = 0; k < 80; k++) {
+      const i = Math.round((k * (motion.times.length - 1)) / 79);
+      const [first, second, level] = motion.at(i, "well");
+      const bottom = Math.min(...this.values(first, second, 121).filter(isFinite));
+      if (isFinite(level) && isFinite(bottom)) depths.push(level - bottom);
+    }
+    this.height = 1.8 * Math.max(1e-12, ...depths);
+  }
+
+  /**
+   * @param {number} first
+   * @param {number} second
+   * @param {number} count
+   */
+  values(first, second, count) {
+    return Array.from({ length: count }, (_, k) => this.at((PI * (k + 0.5)) / count, first, second));
+  }
+
+  /**
+   * @param {number} theta
+   * @param {number} first
+   * @param {number} second
+   */
+  at(theta, first, second) {
+    return this.potential(Math.cos(theta), first, second);
+  }
+
+  /**
+   * @param {Pose} pose
+   * @param {Palette} colours
+   * @param {boolean} wound whether theta goes on beyond 0 and π
+   * @param {boolean} valid whether there is a potential now
+   */
+  draw(pose, colours, wound, valid) {
+    const { chart } = this;
+    const { context } = chart;
+    const [first, second, level] = pose.well;
+    const count = Math.max(60, Math.round(chart.right - chart.left) || 60);
+    const values = this.values(first, second, count);
+    const bottom = Math.min(...values.filter(isFinite));
+    const low = bottom - 0.12 * this.height;
+    chart.title = `Potential V(θ) − min V, ${this.height < 2e-4 ? "µJ" : "mJ"}`;
+    /** @type {Span} */
+    const range = wound ? [-PI, PI] : [0, PI];
+    const caption = valid ? `Ẽ = ${tidy(parseFloat((1e3 * level).toPrecision(4)))} mJ` : "";
+    chart.begin(range, [low, low + 1.12 * this.height], colours, caption);
+    const unit = this.height < 2e-4 ? 1e6 : 1e3;
+    const ys = ticks(0, unit * 1.0 * this.height, 3);
+    /** @type {[number, string][]} */
+    const xs = wound
+      ? [
+          [-PI, "−π"],
+          [-PI / 2, "−π/2"],
+          [0, "0"],
+          [PI / 2, "π/2"],
+          [PI, "π = θ"],
+        ]
+      : ANGLES;
+    chart.axes(
+      colours,
+      xs.map(([x, text]) => [x, text === "π" ? "π = θ" : text]),
+      ys.map((y) => [bottom + y / unit, tidy(y)]),
+    );
+    if (!valid || !isFinite(bottom)) {
+      context.fillStyle = colours.quiet;
+      context.textAlign = "center";
+      context.textBaseline = "middle";
+      context.fillText(
+        "the sphere does not touch the plane",
+        (chart.left + chart.right) / 2,
+        (chart.top + chart.bottom) / 2,
+      );
+      return;
+    }
+    const steps = wound ? 2 * count : count;
+    const at = (/** @type {number} */ k) => range[0] + ((range[1] - range[0]) * (k + 0.5)) / steps;
+    const v = (/** @type {number} */ k) => this.at(at(k), first, second);
+    chart.within(() => {
+      context.fillStyle = colours.fill;
+      context.beginPath();
+      for (let k = 0; k < steps; k++) {
+        const value = v(k);
+        if (value < level) {
+          context.lineTo(chart.x(at(k)), chart.y(value));
+        } else {
+          context.lineTo(chart.x(at(k)), chart.y(level));
+        }
+      }
+      context.closePath();
+      context.fill();
+      context.strokeStyle = colours.run;
+      context.lineWidth = 1.6;
+      context.beginPath();
+      for (let k = 0; k < steps; k++) context.lineTo(chart.x(at(k)), Math.max(chart.y(v(k)), -1e4));
+      context.stroke();
+      context.strokeStyle = colours.upper;
+      context.lineWidth = 1.2;
+      context.setLineDash([5, 3]);
+      chart.stroke(chart.left, chart.y(level), chart.right, chart.y(level));
+      context.setLineDash([]);
+      const theta = wound ? pose.theta - 2 * PI * Math.round(pose.theta / (2 * PI)) : pose.theta;
+      const place = chart.y(this.at(theta, first, second));
+      chart.dot(chart.x(theta), Math.max(place - 6, chart.top), colours.alarm, colours.paper, 6);
+    });
+  }
+}
