@@ -156,6 +156,8 @@ def _rows(store: Path, place: Path, tops: int, rng: np.random.Generator) -> Verd
         return Verdict("wrong", "a top ends after its time")
     if not ran.any() or "theta_end" not in table:
         return Verdict("same")
+    if "theta" not in checked.base.initial:
+        return Verdict("same", "without theta none can be nudged")
     top = int(rng.choice(np.flatnonzero(ran)))
     return _alone(checked, top, float(table["theta_end"][top]), int(status[top]))
 

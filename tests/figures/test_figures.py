@@ -250,6 +250,7 @@ def test_a_well_is_drawn_with_its_level_and_turning_angles(factor: float | None)
 def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple) -> None:
     figure = drawn(kind, inverting)
     labels = [axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes if axes.get_visible()]
+    labels += [tick.get_text() for axes in figure.axes[:1] for tick in axes.get_xticklabels() if kind == "film"]
     assert any(labels), kind
     texts = [figure.get_suptitle(), *(axes.get_title(loc=loc) for axes in figure.axes for loc in ("left", "center"))]
     assert any(texts), kind

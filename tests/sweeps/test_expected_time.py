@@ -8,6 +8,7 @@ import pytest
 from touching import BOUNCE
 
 from tippetop.ensembles import ensemble
+from tippetop.ensembles.outcomes import statuses_of
 from tippetop.runs import measuring as runs
 from tippetop.sweeps import chunk, measuring
 from tippetop.sweeps.plan import Plan
@@ -96,3 +97,9 @@ def test_the_contact_of_a_sweep_is_told() -> None:
     told = dict(lines(facts))
     assert told["contact"] == "restitution = energetic, e_n = 0.5"
     assert told["stem"] == "r = 0.005, h = 0.013"
+
+
+def test_a_top_that_its_contact_ended_has_a_word() -> None:
+    """Before, `info` of such a sweep was a traceback: the number of its status had no meaning."""
+    assert "ended" in statuses_of(bouncing(60.0).base.system)
+    assert "ended" not in statuses_of(lanes(2).base.system)

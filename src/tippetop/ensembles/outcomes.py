@@ -73,8 +73,10 @@ def _extremes(system: System) -> dict[str, Form]:
 
 
 def statuses_of(system: System) -> tuple[str, ...]:
-    """The words of the column `status`, by number; ENDED only where an event of the system needs it."""
-    own = any(event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events)
+    """The words of the column `status`, by number; ENDED only where an event or the contact needs it."""
+    own = system.contact is not None or any(
+        event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events
+    )
     last = Status.ENDED if own else Status.INVALID
     return tuple(status.value for status in Status if status.code <= last.code)
 
