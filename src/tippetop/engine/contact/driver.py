@@ -29,6 +29,9 @@ from .transitions import Change, Transitions
 
 MOST_CHANGES = 10_000  # of phase in a run
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
+QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
+"""Formulas of a phase are asked of states of another, such as the region of a patch that drills; what is no number in
+the motion itself ends the run."""
 
 
 class _Asked:
@@ -64,6 +67,7 @@ class ContactDriver:
         How the contact ends the run before its first step; None: it does not.
     """
 
+    @QUIET
     def __init__(self, problem: Problem, make: Any):
         self.problem, self.make = problem, make
         self.variables = len(problem.variables.names)
@@ -109,6 +113,7 @@ class ContactDriver:
         """No event function says that a run ends at once: the phase of the start is chosen."""
         return np.ones(len(self.problem.system.events))
 
+    @QUIET
     def prepare(self) -> None:
         """Compiles the equations of the phases that most runs have."""
         moment = self.moment
@@ -227,6 +232,7 @@ class ContactDriver:
 
     # --- steps ----------------------------------------------------------------------------------------------------
 
+    @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps, through as many phases as they take."""
         asked, log, samples, steps = _Asked(self, request), RunPassages(self.problem), [], 0
