@@ -84,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         code = complain(["interrupted while it was loaded."], _received[0])  # an import makes an ImportError of it
     except SystemExit as stopped:
         if stopped.code == TERMINATED and _received:
-            complain(["terminated; what is finished is kept."], TERMINATED)
+            complain(["terminated; what was written to disk stays."], TERMINATED)
         code = stopped.code if isinstance(stopped.code, int) else BUG
     code = streams.finished(code)
     if awaiting.abandoned():
