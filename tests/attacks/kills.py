@@ -131,11 +131,19 @@ def _potential(folder: Path, _: Path) -> list[object]:
 
 
 def _export(to: str) -> Callable[[Path, Path], list[object]]:
-    return lambda folder, stores: ["export", stores / "run" / "R.zarr", "--to", to, "--out", folder / f"a.{to}"]
+    return lambda folder, stores: [
+        "export",
+        stores / "run" / "R.zarr",
+        "--to",
+        to,
+        "--out",
+        folder / f"a.{to}",
+        "--overwrite",
+    ]
 
 
 def _plot(kind: str) -> Callable[[Path, Path], list[object]]:
-    return lambda folder, stores: ["plot", stores / "run" / "R.zarr", kind, "--out", folder / "a.png"]
+    return lambda folder, stores: ["plot", stores / "run" / "R.zarr", kind, "--out", folder / "a.png", "--overwrite"]
 
 
 TARGETS = {
