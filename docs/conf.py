@@ -1,0 +1,35 @@
+"""How Sphinx makes the book: python -m sphinx -W -b html docs build/book."""
+
+import tippetop
+
+
+project = "tippetop"
+author = "tippetop developers"
+copyright = "2026, tippetop developers"
+version = release = tippetop.__version__
+
+extensions = [
+    "myst_nb",  # pages are notebooks: every number and picture is computed while the book is made
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinx-mathjax-offline",  # formulas without a network
+]
+myst_enable_extensions = ["amsmath", "attrs_inline", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+nb_execution_mode = "cache"
+nb_execution_cache_path = "../build/book-cache"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+numpydoc_show_class_members = False
+autodoc_typehints = "none"
+autosummary_generate = True
+
+html_theme = "furo"
+html_title = f"tippetop {version}"
+html_extra_path = ["playground.html"]
+html_show_sourcelink = False
+exclude_patterns = ["_build"]
