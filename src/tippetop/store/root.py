@@ -121,18 +121,26 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     Raises
     ------
     StoreError
-        If there is no such store or group.
+        If there is no such store or group; or, when data are read, if a part of a finished store is gone by then.
     """
     import xarray as xr
 
     attrs = attributes(path_of("path", path))
     refuse_other_rows(path, attrs)
+    place: Any = _sealed(path) if seal.SEAL in attrs else Path(path)
     attrs = {name: value for name, value in attrs.items() if name != seal.SEAL}  # it says nothing of the data
     try:
-        table = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        table = xr.open_zarr(place, group=group, consolidated=False, chunks=None).assign_attrs(attrs)
         return with_coordinates(table)
     except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+
+
+def _sealed(path: str | Path) -> Any:
+    """A finished store for zarr, which is read when data are asked for: of one that is gone by then, an error."""
+    from .sealed import SealedStore  # zarr: a run that is not stored does without
+
+    return SealedStore(Path(path).absolute(), read_only=True)
 
 
 def loaded(dataset: Any, path: str | Path) -> Any:
