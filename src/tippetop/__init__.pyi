@@ -26,6 +26,8 @@ from .library.laws import Modified as Modified
 from .library.laws import Stribeck as Stribeck
 from .library.laws import Viscous as Viscous
 from .library.many import ensemble as ensemble
+from .library.registering import LAWS as LAWS
+from .library.registering import SYSTEMS as SYSTEMS
 from .library.registering import register as register
 from .library.run import Run as Run
 from .library.running import datasets as datasets
@@ -41,12 +43,10 @@ from .library.theory import regime as regime
 from .library.theory import thresholds as thresholds
 from .mechanics.events import Event as Event
 from .mechanics.events import Kept as Kept
-from .mechanics.friction import LAWS as LAWS
 from .mechanics.friction import Law as Law
 from .mechanics.system import Parameter as Parameter
 from .mechanics.system import Quantity as Quantity
 from .mechanics.system import System as System
-from .mechanics.systems import SYSTEMS as SYSTEMS
 from .mechanics.units import Unit as Unit
 from .problem import Problem as Problem
 from .runs.results import Summary as Summary

@@ -6,7 +6,7 @@ import inspect
 import math
 import os
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -49,6 +49,20 @@ def instance(name: str, value: Any, kind: type, words: str) -> None:
     """Raises InputError if the argument is not of this kind; `words` say what it must be."""
     if not isinstance(value, kind):
         raise InputError([f"`{name}` must be {words}, but is {value!r:.60}."])
+
+
+def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
+    """Names of numbers as the dotted keys that they stand for: `mu` for `friction.mu`; an unknown one as it is. Raises
+    InputError for a name that stands in several tables."""
+    keys, sentences, known = [], [], list(known)
+    for name in names:
+        fits = [key for key in known if key == name or key.partition(".")[2] == name]
+        if len(fits) > 1:
+            sentences.append(f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables.")
+        keys.append(fits[0] if fits else str(name))
+    if sentences:
+        raise InputError(sentences)
+    return keys
 
 
 def named_arguments(function: F) -> F:

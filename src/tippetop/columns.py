@@ -59,7 +59,7 @@ def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
         What needs them, the beginning of the sentence.
     """
     if missing := ", ".join(f"`{name}`" for name in names if name not in kept):
-        raise InputError([f"{subject} must have {missing}, but the run does not keep that: see its `run.columns`."])
+        raise InputError([f"{subject} must have {missing}, which the run has not kept: see its `run.columns`."])
 
 
 LETTERS = ("xyz", "wxyz")

@@ -35,7 +35,10 @@ def a_system(name: str) -> str:
 
 
 class Interrupted(Exception):
-    """The run was asked to stop, and stopped at a commit: its store can be resumed."""
+    """The run, or the sweep, was asked to stop (`stop` was set), and stopped where its store can be resumed."""
+
+    def __init__(self, text: str = "it was asked to stop, and stopped where its store can be resumed."):
+        super().__init__(text)
 
 
 class StoreError(OSError):
@@ -59,7 +62,8 @@ class Unfinished(Exception):
 
 
 def names_its_faults(formula: Callable, words: str) -> Callable:
-    """A formula of the user, whose exceptions become an InputError that names it, with the exception as its cause.
+    """A formula of the user, whose exceptions become an InputError that names it, with the exception as its cause; and
+    so does None, what a function without `return` gives. `of` is what it is of.
 
     Parameters
     ----------
@@ -72,8 +76,12 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
     @functools.wraps(formula)
     def named(*arguments: Any) -> Any:
         try:
-            return formula(*arguments)
+            value = formula(*arguments)
         except Exception as error:
             raise InputError([f"the formula of {words} fails: {type(error).__name__}: {error}"]) from error
+        if value is None:
+            raise InputError([f"the formula of {words} must return a number, but returns None."])
+        return value
 
+    named.of = words  # type: ignore[attr-defined]
     return named

@@ -213,11 +213,11 @@ def test_what_is_not_finite_is_undefined():
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: surface.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6), "Argument `D` must ascend, but does not."),
-        (lambda: surface.minimal_surface(CANONICAL, [], 1e-6), "Argument `D` must be a number or a one-dimensional"),
+        (lambda: surface.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6), "`D` must ascend, but does not."),
+        (lambda: surface.minimal_surface(CANONICAL, [], 1e-6), "`D` must be a number or a one-dimensional"),
         (
             lambda: surface.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
-            "Argument `lambda` must be a number or a one-dim",
+            "`lambda` must be a number or a one-dim",
         ),
         (lambda: surface.minimal_surface({}, 1e-4, 1e-6), "`parameters.m` must be given, but is missing"),
         (lambda: bodies.top({**CANONICAL, "g": np.nan}), "`parameters.g` must be finite, greater than 0, but is nan"),

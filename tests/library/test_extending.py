@@ -167,6 +167,27 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
         tt.run("inverting", columns=[tt.Quantity("theta", "", tt.Unit(0, 0, 0, "1"), "", own.spin_energy)])
 
 
+def test_a_stored_run_with_records_of_ones_own_goes_on(own, tmp_path: Path) -> None:
+    """It is continued, certified and replayed with the records that it was made with; nothing of it is lost."""
+    mine = {"events": [own.EIGHTH], "columns": [own.SPIN_ENERGY]}
+    run = tt.run("inverting", **mine, start={"theta": 0.8}, until=0.1, out=tmp_path / "run.zarr")
+    assert run.certify(0.05).theta < 1e-12
+    assert "spin_energy" in run.replay(0.0, 0.05, 0.01)
+    opened = tt.open(tmp_path / "run.zarr", **mine)
+    assert opened.problem.system is run.problem.system
+    with pytest.raises(tt.InputError, match=r"the run has `eighth`, `spin_energy`, which tippe-top has not: give the"):
+        tt.resume(tmp_path / "run.zarr", until=0.2)
+    with pytest.raises(tt.InputError, match=r"the run has `spin_energy`, which tippe-top has not: give the"):
+        tt.resume(tmp_path / "run.zarr", until=0.2, events=[own.EIGHTH])
+    with pytest.raises(tt.InputError, match="must be given, but `eighth` is a name"):
+        tt.resume(tmp_path / "run.zarr", until=0.2, events=["eighth"])
+    longer = tt.resume(tmp_path / "run.zarr", until=0.2, **mine)
+    whole = tt.run("inverting", **mine, start={"theta": 0.8}, until=0.2)
+    assert longer.events.equals(whole.events)
+    np.testing.assert_array_equal(longer.trajectory.spin_energy, whole.trajectory.spin_energy)
+    assert tt.run("inverting", start=tmp_path / "run.zarr", until=0.01).trajectory.sizes["time"] == 11
+
+
 def test_names_of_events_and_columns_are_new_words(own) -> None:
     """A name that a table has already would replace its column; one with a blank or a slash breaks a store."""
     for name, sentence in (

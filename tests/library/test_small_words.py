@@ -44,7 +44,7 @@ def test_a_run_has_its_law_and_a_rolling_one_none(run: tt.Run) -> None:
 
 def test_what_is_no_top_is_refused_in_a_sentence() -> None:
     for source, sentence in (
-        ("rolling-cylinder", "must be a TippeTop or a HeavyTop, but is that of a rolling cylinder"),
+        ("rolling-cylinder", "must be a TippeTop or a HeavyTop, but is that of the system rolling-cylinder"),
         (3.0, "a Run, a Problem or the name of a preset, but is 3.0"),
         (tt.Cylinder(m=1.0, R=1.0, alpha=0.1, I=0.4, g=9.8), "must be a TippeTop or a HeavyTop, but is Cylinder"),
         ("invertin", "neither a TOML file nor a preset"),

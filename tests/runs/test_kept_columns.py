@@ -117,7 +117,7 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
     run = tt.run("inverting", until=2.0, columns=["theta", "work"])
     run.plot("theta")
     for kind, name in (("drift", "energy"), ("energy", "modified_energy"), ("sphere", "axis"), ("band", "routh")):
-        with pytest.raises(InputError, match=f"what `{kind}` is drawn from must have .*`{name}`"):
+        with pytest.raises(InputError, match=f"the figure `{kind}` must have .*`{name}`"):
             run.plot(kind)
     with pytest.raises(InputError, match="the band along a run must have `routh`, `jellett`, `modified_energy`, but"):
         tt.band(run)

@@ -268,8 +268,15 @@ def base_faults(base: Problem) -> list[str]:
         Sentences; lanes need the vector form and doubles.
     """
     sentences = []
-    if not base.system.events or "ux" not in base.form.units._fields:
-        sentences.append('`form` must be "vector" or "contact" in an ensemble, of a system that has it.')
+    if not base.system.events:
+        sentences.append(f"the system of an ensemble must have an event, but `{base.system.name}` has none.")
+    if missing := [name for name in ("ux", "uy", "uz") if name not in base.form.units._fields]:
+        able = [name for name, form in base.system.forms.items() if {"ux", "uy", "uz"} <= set(form.units._fields)]
+        others = " or ".join(f'"{name}"' for name in able) or "none of this system"
+        sentences.append(
+            f"`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: {others}, but is "
+            f'"{base.form.name}", which has no {missing[0]}.'
+        )
     if base.precision != "double":
         sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')
     return sentences

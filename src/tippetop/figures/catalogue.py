@@ -229,7 +229,7 @@ def _refuse_left_out(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
     uses = {*FIGURES[kind].uses} | {*(system.integrals if "integrals" in FIGURES[kind].uses else ())}
     if "landscape" in uses and system.landscape is not None:
         uses |= {*system.landscape.columns}
-    require(sorted(uses & has), trajectory, f"what `{kind}` is drawn from")
+    require(sorted(uses & has), trajectory, f"the figure `{kind}`")
 
 
 def several(

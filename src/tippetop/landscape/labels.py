@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..errors import InputError
 from ..mechanics.system import Momentum
 from .body import Top
 
@@ -25,15 +26,15 @@ def axis(name: str, values: Any) -> np.ndarray:
 
     Raises
     ------
-    ValueError
+    InputError
         With one sentence, if it is not.
     """
     x = np.ascontiguousarray(np.atleast_1d(np.asarray(values, dtype=float)))
     if x.ndim != 1 or x.size == 0:
-        raise ValueError(f"Argument `{name}` must be a number or a one-dimensional array, but has shape {x.shape}.")
+        raise InputError([f"`{name}` must be a number or a one-dimensional array that is not empty: {x.shape}."])
     known = x[np.isfinite(x)]
     if np.any(np.diff(known) <= 0):
-        raise ValueError(f"Argument `{name}` must ascend, but does not.")
+        raise InputError([f"`{name}` must ascend, but does not."])
     return x
 
 

@@ -5,7 +5,7 @@ user's numbers, are checked once, and become tables of a scenario. So neither ha
 """
 
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..arguments import refuse_unknown
 from ..errors import InputError
@@ -13,6 +13,10 @@ from ..mechanics.friction import Frictionless
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
 from ..scenario.numbers import checked
+
+
+Given = float | str
+"""A number in SI units, or a text that stands for one: "20 g"."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,10 @@ class TippeTop(Top):
     I3: float
     g: float
 
+    if TYPE_CHECKING:  # what is checked becomes a float
+
+        def __init__(self, m: Given, R: Given, alpha: Given, I1: Given, I3: Given, g: Given) -> None: ...
+
     gliding: ClassVar[str] = "tippe-top"
     resting: ClassVar[str] = "rolling-tippe-top"
 
@@ -129,6 +137,10 @@ class HeavyTop(Top):
     I1: float
     I3: float
     g: float
+
+    if TYPE_CHECKING:
+
+        def __init__(self, m: Given, l: Given, I1: Given, I3: Given, g: Given) -> None: ...
 
     gliding: ClassVar[str] = "gliding-heavy-top"
     resting: ClassVar[str] = "heavy-top"
@@ -166,6 +178,10 @@ class Cylinder(Top):
     alpha: float
     I: float
     g: float
+
+    if TYPE_CHECKING:
+
+        def __init__(self, m: Given, R: Given, alpha: Given, I: Given, g: Given) -> None: ...
 
     gliding: ClassVar[str] = "gliding-cylinder"
     resting: ClassVar[str] = "rolling-cylinder"

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import refuse_unknown, whole
+from ..arguments import dotted_keys, refuse_unknown, whole
 from ..columns import with_coordinates
 from ..errors import InputError
 from ..problem import Problem
@@ -54,7 +54,8 @@ def sensitivities(
     source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
         As for `run`.
     wrt : list of str
-        Dotted names: "parameters.alpha", "friction.mu", "initial.omega3", ...
+        Names of numbers: "alpha", "mu", "omega3", ...; one that stands in several tables is written with its table,
+        "friction.mu", as the results name all of them.
     friction : law, mapping or list of str, optional
         As for `run`.
     order : int
@@ -95,6 +96,7 @@ def sensitivities(
     problem = source if isinstance(source, Problem) else problem_of(source, friction, **arguments)
     if problem.output == "keyframes":
         raise InputError(['`output` must keep rows for derivatives, but is "keyframes".'])
+    wrt = tuple(dotted_keys(wrt, problem.rules))
     refuse(problem, wrt)
     solution = solve(problem)
     derived = differentiate(problem, wrt, solution.times, solution.events, order)

@@ -13,6 +13,7 @@ from ..mechanics.consistency import rivals
 from ..mechanics.events import NUMBERED, Event, Kept
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import Unit
+from ..scenario import build
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
@@ -64,6 +65,25 @@ def _listed(argument: str, given: Any) -> list[Any]:
     if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping) and getattr(given, "ndim", 1) == 1:
         return list(given)
     raise InputError([f"`{argument}` must be a list, but is {given!r:.60}."])
+
+
+def of_stored(
+    attrs: dict[str, Any],
+    events: Iterable[Event] | Event | None = None,
+    columns: Iterable[Quantity] | Quantity | None = None,
+) -> System | None:
+    """The system of a stored run with the events and columns that are its maker's own; None where none are given.
+
+    Raises InputError."""
+    own_events = [] if events is None else given_events(events)
+    own_columns = [] if columns is None else given_columns(columns)
+    if named := [each for each in (*own_events, *own_columns) if isinstance(each, str)]:
+        raise InputError([f"the records that a stored run was made with must be given, but `{named[0]}` is a name."])
+    if not own_events and not own_columns:
+        return None
+    if "content" in attrs:
+        raise InputError([f"`events` and `columns` must be those of a run, but the store is a {attrs['content']}."])
+    return extended(build.system_of(attrs), tuple(own_events), tuple(own_columns))  # type: ignore[arg-type]
 
 
 def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:

@@ -10,14 +10,16 @@ from ..landscape import potential as potential_of
 from ..landscape import surface, turning
 from ..landscape.body import landscape_of
 from ..mechanics.system import System
+from ..problem import Problem
 from .bodies import Top
 from .run import Run
+from .sources import problem_behind
 
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Body = Top | Run | Mapping[str, float]
+Body = Top | Run | Problem | str | Mapping[str, Any]
 
 
 def minimal_surface(
@@ -37,8 +39,8 @@ def minimal_surface(
 
     Parameters
     ----------
-    top : TippeTop, HeavyTop, Run or mapping
-        The body; a mapping of parameters in SI units is that of `system`.
+    top : TippeTop, HeavyTop, Run, Problem, str or mapping
+        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is that of `system`.
     D, lam : float or array, ascending
         Of a tippe top: Routh's function D [kg m^2/s] and Jellett's integral lambda [kg m^3/s].
     L3, Lz : float or array, ascending
@@ -58,8 +60,8 @@ def minimal_surface(
 
     Raises
     ------
-    ValueError
-        If an axis is empty or does not ascend; InputError if a momentum is missing.
+    InputError
+        If an axis is empty or does not ascend, or a momentum is missing.
 
     Notes
     -----
@@ -87,8 +89,8 @@ def potential(
 
     Parameters
     ----------
-    top : TippeTop, HeavyTop, Run or mapping
-        The body; a mapping of parameters in SI units is that of `system`.
+    top : TippeTop, HeavyTop, Run, Problem, str or mapping
+        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is that of `system`.
     z : float or array, ascending
         cos(theta), in (-1, 1).
     D, lam, L3, Lz, first, second
@@ -101,8 +103,8 @@ def potential(
 
     Raises
     ------
-    ValueError
-        If an axis is empty or does not ascend; InputError if a momentum is missing.
+    InputError
+        If an axis is empty or does not ascend, or a momentum is missing.
 
     Notes
     -----
@@ -130,8 +132,8 @@ def turning_angles(
 
     Parameters
     ----------
-    top : TippeTop, HeavyTop, Run or mapping
-        The body; a mapping of parameters in SI units is that of `system`.
+    top : TippeTop, HeavyTop, Run, Problem, str or mapping
+        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is that of `system`.
     D, lam, L3, Lz, first, second
         As for `minimal_surface`, but of any shape: they are broadcast against one another and against the energy.
     energy : float or array
@@ -179,7 +181,7 @@ def band(
 
     Raises
     ------
-    ValueError
+    InputError
         If the system has no such landscape.
 
     Notes
@@ -200,8 +202,8 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
 
     Parameters
     ----------
-    top : TippeTop, Run or mapping
-        The body.
+    top : TippeTop, Run, Problem, str or mapping
+        The body, as for `minimal_surface`.
     lam : float or array, ascending
         Jellett's integral [kg m^3/s].
 
@@ -212,7 +214,7 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
 
     Raises
     ------
-    ValueError
+    InputError
         If the axis is empty or does not ascend.
 
     Notes
@@ -226,11 +228,11 @@ def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], 
     """Parameters and system."""
     if isinstance(top, Top):
         return top.numbers(), system or top.system()
-    if isinstance(top, Run):
-        return top.problem.parameters, system or top.problem.system
-    if isinstance(top, Mapping):
+    if isinstance(top, Mapping) and "parameters" not in top:
         return top, system or "tippe-top"
-    raise InputError([f"the body must be a TippeTop, a HeavyTop, a Run or a mapping, but is {top!r:.60}."])
+    problem = problem_behind(top)
+    assert problem is not None  # a body was looked for above
+    return problem.parameters, system or problem.system
 
 
 def _momenta(system: str | System, first: Any, second: Any, **letters: Any) -> tuple[Any, Any]:

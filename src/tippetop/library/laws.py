@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from ..arguments import refuse_unknown
 from ..errors import InputError
@@ -10,6 +10,9 @@ from ..mechanics.friction import CONTENSOU, SET_VALUED, Law
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points
 from ..scenario.numbers import checked
+
+
+Given = float | str  # as of a body
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,10 @@ class Viscous(Friction):
 
     mu: float
 
+    if TYPE_CHECKING:
+
+        def __init__(self, mu: Given) -> None: ...
+
     law: ClassVar[str] = "viscous"
 
 
@@ -86,6 +93,10 @@ class Coulomb(Friction):
 
     mu: float
     eps: float | None = None
+
+    if TYPE_CHECKING:
+
+        def __init__(self, mu: Given, eps: Given | None = None) -> None: ...
 
     law: ClassVar[str] = "coulomb"
 
@@ -120,6 +131,10 @@ class Contensou(Friction):
     patch: float
     mu_r: float = 0.0
 
+    if TYPE_CHECKING:
+
+        def __init__(self, mu: Given, patch: Given, mu_r: Given = 0.0) -> None: ...
+
     law: ClassVar[str] = "contensou"
 
     def _law(self) -> Law:
@@ -153,6 +168,10 @@ class Mixed(Friction):
     mu_coulomb: float
     eps: float
 
+    if TYPE_CHECKING:
+
+        def __init__(self, mu: Given, mu_coulomb: Given, eps: Given) -> None: ...
+
     law: ClassVar[str] = "mixed"
 
 
@@ -184,6 +203,10 @@ class Stribeck(Friction):
     v_s: float
     eps: float
 
+    if TYPE_CHECKING:
+
+        def __init__(self, mu: Given, mu_static: Given, v_s: Given, eps: Given) -> None: ...
+
     law: ClassVar[str] = "stribeck"
 
 
@@ -206,6 +229,10 @@ class Latitude(Friction):
 
     mu: float
     mu_stem: float
+
+    if TYPE_CHECKING:
+
+        def __init__(self, mu: Given, mu_stem: Given) -> None: ...
 
     law: ClassVar[str] = "latitude"
 
@@ -234,6 +261,10 @@ class Modified(Friction):
     mu: float
     v_k: float
 
+    if TYPE_CHECKING:
+
+        def __init__(self, mu: Given, v_k: Given) -> None: ...
+
     law: ClassVar[str] = "modified"
 
 
@@ -259,6 +290,10 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
     if isinstance(law, str):
         record = next((kind.__name__ for kind in Friction.__subclasses__() if kind.law == law), "Viscous")
         raise InputError([f"the friction law must be a record such as {record}(...), but is {law!r:.60}."])
+    if isinstance(law, type):
+        raise InputError([f"the friction law must be a record such as {law.__name__}(...), but is the class itself."])
+    if not isinstance(law, tuple):
+        raise InputError([f"the friction law must be a record such as Viscous(mu=0.3), but is {law!r:.60}."])
     for name, known in laws.items():
         if isinstance(law, tuple) and type(law) is known.record:
             return {"law": name, **cast(Any, law)._asdict()}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import whole
+from ..arguments import dotted_keys, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.system import System
@@ -25,7 +25,7 @@ def ensemble(
     variations: Mapping[str, Any],
     friction: Any = None,
     *,
-    until: float | None = None,
+    until: float | str | None = None,
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
     orientation: bool = False,
@@ -71,13 +71,9 @@ def ensemble(
     base = source if isinstance(source, Problem) else problem_of(source, friction, until=until, **scenario)
     if not isinstance(variations, Mapping):
         raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])
-    dotted, sentences = {}, []
-    known = list(base.rules)
+    dotted = dict(zip(dotted_keys(variations, base.rules), variations.values(), strict=True))
+    sentences = []
     for name, values in variations.items():
-        fits = [key for key in known if key == name or key.partition(".")[2] == name]
-        if len(fits) > 1:
-            sentences.append(f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables.")
-        dotted[fits[0] if fits else str(name)] = values
         if np.asarray(values).dtype.kind not in "fiu":
             sentences.append(f"`{name}` must be an array of numbers, but is {values!r:.60}.")
     if sentences:

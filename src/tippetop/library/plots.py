@@ -80,6 +80,7 @@ class Plots:
             If the file cannot be written, or is there already.
         """
         file = None if path is None else path_of("path", path)
+        kind = kind.replace("_", "-") if isinstance(kind, str) else kind  # as the methods are named
         catalogue.kind_of(kind)
         if file is not None:
             catalogue.check_format(file)
@@ -95,6 +96,8 @@ class Plots:
             raise AttributeError(f"a run has no figure `{name}`: it has {', '.join(dir(self))}")
 
         def figure(ax: "Axes | None" = None, *, beside: "Sequence[Run]" = (), **options: Any) -> "Axes":
+            if ax is not None and not hasattr(ax, "get_figure"):
+                raise InputError([f"`ax` must be Axes of matplotlib, but is {ax!r:.60}."])
             return self._axes(kind, ax, _look(options), options, beside)
 
         figure.__name__, figure.__doc__ = name, f"{FIGURES[kind].shows}. Takes and returns Axes; options as of a call."

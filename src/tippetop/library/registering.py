@@ -1,11 +1,19 @@
 """Systems and friction laws of one's own, known by name from then on."""
 
+from types import MappingProxyType
 from typing import Any
 
 from ..errors import InputError
 from ..mechanics import systems
+from ..mechanics.friction import LAWS as LAWS_OF_ALL
 from ..mechanics.friction import Law
 from ..mechanics.system import System
+
+
+SYSTEMS = MappingProxyType(systems.SYSTEMS)
+"""The systems that are known, by name; `register` adds one."""
+LAWS = MappingProxyType(LAWS_OF_ALL)
+"""The friction laws that every gliding system has, by name; `register` adds one."""
 
 
 def register(record: System | Law, name: str | None = None) -> Any:

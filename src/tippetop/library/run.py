@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..arguments import finite, in_python, path_of
 from ..errors import InputError
+from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
 from ..runs import attributes, results
@@ -15,6 +16,7 @@ from ..runs.phases import NAMES
 from ..runs.results import Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
+from ..scenario.numbers import measured
 from ..store import root
 
 
@@ -234,13 +236,13 @@ class Run:
         rows = {name: self.trajectory[name].values for name in needed(self.attributes) if name in self.trajectory}
         return page(iter([rows]), self._datasets, self.attributes, start, until)
 
-    def certify(self, window: float | None = None) -> Record:
+    def certify(self, window: float | str | None = None) -> Record:
         """Repeats the run in this and in wider numbers, and compares the two.
 
         Parameters
         ----------
         window : float, optional
-            Compare the first so many seconds only.
+            Compare the first so many seconds only; "1 ms" is fine.
 
         Returns
         -------
@@ -248,9 +250,10 @@ class Run:
             `against` (the wider precision), `window` [s], the largest difference of `theta` [rad] and of its end,
             whether both end the same way, and of the times of shared turnings [s]. It joins the summary.
         """
-        if window is not None and finite("window", window) <= 0:
+        seconds = None if window is None else measured("window", window, SECOND)
+        if seconds is not None and seconds <= 0:
             raise InputError([f"`window` must be greater than 0, but is {window!r:.60}."])
-        result = root.finite(certificate(self.problem, None if window is None else float(window)))
+        result = root.finite(certificate(self.problem, seconds))
         self.attributes["certificate"] = result
         self.__dict__.pop("summary", None)
         return Record(result)

@@ -8,15 +8,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arguments import finite, in_python, instance, named_arguments, path_of
-from ..errors import InputError
+from ..arguments import in_python, instance, named_arguments, path_of
+from ..errors import InputError, Interrupted
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
+from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..progress import Bar
 from ..runs.run import solve
+from ..scenario.numbers import measured
 from ..store import root
 from .bodies import Top
+from .extensions import of_stored
 from .laws import Friction
 from .run import Run
 from .scenarios import problem_of
@@ -39,9 +42,9 @@ def run(
     form: str | None = None,
     contact: Mapping[str, Any] | None = None,
     stem: Mapping[str, float] | None = None,
-    until: float | None = None,
-    output_step: float | None = None,
-    output_times: Sequence[float] | np.ndarray | None = None,
+    until: float | str | None = None,
+    output_step: float | str | None = None,
+    output_times: Sequence[float] | np.ndarray | Any | None = None,
     output: Literal["times", "events", "steps", "keyframes"] | None = None,
     keyframe_steps: int | None = None,
     events: Iterable[str | Event] | str | Event | None = None,
@@ -171,14 +174,16 @@ def run(
             orientation=orientation,
         )
     )
+    if stop is not None:
+        instance("stop", stop, threading.Event, "a threading.Event")
     if out is None:
         return integrate(problem, progress=progress)
     place = path_of("out", out)
     from ..runs.recording import record
 
-    with _following(progress) as follow, in_python():
+    with _following(progress) as follow, in_python(), _resumable(place):
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
-    return StoredRun(place)
+    return StoredRun(place, problem.system if problem.contact is None else None)
 
 
 def integrate(problem: Problem, *, progress: bool = False) -> Run:
@@ -205,6 +210,7 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
 @contextlib.contextmanager
 def _following(progress: bool) -> Iterator[Callable[[Any], None] | None]:
     """What is called after every slice: it moves a bar, if one is wanted."""
+    instance("progress", progress, bool, "True or False")
     if not progress:
         yield None
         return
@@ -212,13 +218,31 @@ def _following(progress: bool) -> Iterator[Callable[[Any], None] | None]:
         yield lambda integration: bar.update(integration.t_end, integration.problem.until)
 
 
-def open(path: str | Path) -> "Run | xr.Dataset":
+@contextlib.contextmanager
+def _resumable(place: Path) -> Iterator[None]:
+    """A block that may be interrupted; then it says what is kept, and how it is continued."""
+    try:
+        yield
+    except Interrupted:
+        kept = f"tippetop.resume({str(place)!r}) continues it." if place.exists() else "nothing was stored."
+        raise Interrupted(f"the run was asked to stop: {kept}") from None
+
+
+def open(
+    path: str | Path,
+    *,
+    events: Iterable[Event] | Event | None = None,
+    columns: Iterable[Quantity] | Quantity | None = None,
+) -> Any:
     """Opens a store of any kind; nothing is read before it is needed.
 
     Parameters
     ----------
     path : path-like
         The store of a run, a sweep, a minimal surface or a potential.
+    events, columns : iterable of Event and of Quantity, optional
+        The records of your own that a run was made with. What is stored is read without them; `problem`, `certify` and
+        `replay` need them.
 
     Returns
     -------
@@ -232,9 +256,10 @@ def open(path: str | Path) -> "Run | xr.Dataset":
         If there is no store of tippetop.
     """
     path = path_of("path", path)
-    content = root.attributes(path).get("content")
+    attrs = root.attributes(path)
+    content, own = attrs.get("content"), of_stored(attrs, events, columns)
     if content is None:
-        return StoredRun(path)
+        return StoredRun(path, own)
     if content == "sweep":
         from ..sweeps.summary import open_sweep
 
@@ -245,9 +270,11 @@ def open(path: str | Path) -> "Run | xr.Dataset":
 def resume(
     path: str | Path,
     *,
-    until: float | None = None,
+    until: float | str | None = None,
     stop: threading.Event | None = None,
     accept_other_version: bool = False,
+    events: Iterable[Event] | Event | None = None,
+    columns: Iterable[Quantity] | Quantity | None = None,
 ) -> StoredRun:
     """Continues an interrupted run of a store to its end, or a finished one to a later end: bit by bit one run.
 
@@ -261,6 +288,8 @@ def resume(
         As for `run`.
     accept_other_version : bool
         Whether to continue what other versions or another processor began: bits may differ, and the store names both.
+    events, columns : iterable of Event and of Quantity, optional
+        The records of your own that the run was made with: a store has their names, not their formulas.
 
     Returns
     -------
@@ -269,7 +298,7 @@ def resume(
     Raises
     ------
     InputError
-        If the run is as long as `until` already.
+        If the run is as long as `until` already; or has events or columns of your own that are not given.
     StoreError
         If the run is finished and there is no `until`, or it ended before its time, or another process writes it.
     Interrupted
@@ -277,10 +306,14 @@ def resume(
     """
     from ..runs.extending import continued
 
-    end = None if until is None else finite("until", until)
-    with in_python():
-        continued(path_of("path", path), end, stop=stop, accept_other_version=accept_other_version)
-    return StoredRun(path)
+    end = None if until is None else measured("until", until, SECOND)
+    place = path_of("path", path)
+    own = of_stored(root.attributes(place), events, columns)
+    if stop is not None:
+        instance("stop", stop, threading.Event, "a threading.Event")
+    with in_python(), _resumable(place):
+        continued(place, end, stop=stop, accept_other_version=accept_other_version, known=own)
+    return StoredRun(place, own)
 
 
 def datasets(run: Run) -> "dict[str, xr.Dataset]":

@@ -8,6 +8,7 @@ from typing import Any
 from ..errors import InputError
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
+from ..mechanics.systems import check
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import build, reading
@@ -50,6 +51,8 @@ def problem_of(
             tables["friction"] = plain(table_of(friction, chosen.laws))
         for name, numbers in (("parameters", parameters), ("contact", contact), ("stem", stem)):
             _merge(tables, name, numbers)
+        if start is not None and initial is not None:
+            raise InputError(["`start` and `initial` are the same argument: one of them must be given, but both are."])
         for name, given in (("start", start), ("initial", initial)):
             if isinstance(given, str | os.PathLike):
                 given = {"from": os.fspath(given)}
@@ -74,6 +77,9 @@ def problem_of(
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[dict[str, Any], System | None]:
     """The tables that the source gives, and the record of its system where that need not be the registered one."""
     record = system if isinstance(system, System) else None
+    for each in (record, source):
+        if isinstance(each, System):
+            check(each)
     if isinstance(source, Top):
         own = source.system(gliding=friction is not None or source.gliding == "tippe-top")
         tables: dict[str, Any] = {"system": own.name, "parameters": source.numbers()}

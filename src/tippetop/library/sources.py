@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import InputError, a_system
+from ..errors import InputError
+from ..mechanics.systems import SYSTEMS
 from ..problem import Problem
 from .bodies import Cylinder, HeavyTop, TippeTop, Top
 from .run import Run
@@ -38,9 +39,10 @@ def top_of(source: Any, *kinds: type[Top]) -> Any:
             return source
         raise InputError([f"the body must be {_words(kinds)}, but is {source!r:.60}."])
     for kind in kinds:
-        if problem.system.name in (kind.gliding, kind.resting):
+        names = (kind.gliding, kind.resting)
+        if problem.system.name in names or any(problem.system.body is SYSTEMS[name].body for name in names):
             return kind(**{name: float(value) for name, value in problem.parameters.items()})
-    raise InputError([f"the body must be {_words(kinds)}, but is that of {a_system(problem.system.name)}."])
+    raise InputError([f"the body must be {_words(kinds)}, but is that of the system {problem.system.name}."])
 
 
 def _words(kinds: tuple[type, ...]) -> str:

@@ -14,6 +14,7 @@ from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario import build
 from ..store import chunks, root
+from ..store.seal import SEAL
 from .run import Run, Window
 
 
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 class StoredRun(Run):
     """A run in a store, finished or not: a `Run` whose tables are read when needed."""
 
-    def __init__(self, path: str | Path):
+    def __init__(self, path: str | Path, own: "System | None" = None):
+        self._own = own  # its system, where that has events or columns of one's own
         self.path = path_of("path", path).absolute()  # the process may go elsewhere
         self.attributes  # noqa: B018 - raises StoreError if there is none
 
@@ -38,7 +40,7 @@ class StoredRun(Run):
     @cached_property
     def problem(self) -> Problem:
         """What was integrated, built again from the store. Raises InputError if this process does not know it."""
-        return build.stored(self.attributes)
+        return build.stored(self.attributes, known=self._own)
 
     @cached_property
     def attributes(self) -> dict[str, Any]:
@@ -83,14 +85,14 @@ class StoredRun(Run):
         from ..runs import replay
 
         times = [finite(name, value) for name, value in (("start", start), ("until", until), ("step", step))]
-        columns = replay.columns(self.path, *times, accept_other_version=accept_other_version)
-        return attributes.dataset(columns, self.attributes)
+        columns = replay.columns(self.path, *times, accept_other_version=accept_other_version, known=self._own)
+        return attributes.dataset(columns, {k: v for k, v in self.attributes.items() if k != SEAL})
 
     def _problem(self) -> Problem | None:
         return None
 
     def _system(self) -> "System | None":
-        return find(self.attributes["system"])
+        return self._own or find(self.attributes["system"])
 
     def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
         return chunks.for_figures(self.path, self.attributes, window)

@@ -1,9 +1,9 @@
 """Checks that the records of a system do not contradict one another."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from .events import Event
-from .system import System
+from .system import Parameter, System
 
 
 ONCE = {
@@ -16,7 +16,7 @@ ONCE = {
 
 def inconsistencies(system: System) -> list[str]:
     """What a system contradicts itself in: one sentence each; none of a sound one."""
-    faults = []
+    faults = _shapeless(system)
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
         if not phase.forms:
@@ -51,6 +51,28 @@ def inconsistencies(system: System) -> list[str]:
     faults += [
         f"`{system.name}` must have the quantity {n!r}, but has not." for n in system.integrals if n not in quantities
     ]
+    return faults
+
+
+FORMULAS = ("body", "body_units", "scales", "start", "checks")
+"""Fields of a system that must be functions."""
+
+
+def _shapeless(system: System) -> list[str]:
+    """Sentences on fields of a system that are not what they must be."""
+    faults = [
+        f"`{name}` of `{system.name}` must be a function, but is {getattr(system, name)!r:.60}."
+        for name in FORMULAS
+        if not callable(getattr(system, name))
+    ]
+    if not hasattr(system.angles, "_fields"):
+        faults.append(
+            f"`angles` of `{system.name}` must be a NamedTuple filled with units, but is {system.angles!r:.60}."
+        )
+    for name in ("parameters", "initial"):
+        rules = getattr(system, name)
+        if not isinstance(rules, Mapping) or not all(isinstance(rule, Parameter) for rule in rules.values()):
+            faults.append(f"`{name}` of `{system.name}` must be Parameter records by name, but is {rules!r:.60}.")
     return faults
 
 

@@ -6,12 +6,32 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from .units import Unit
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that the user gives: its unit, its meaning, and the open or closed interval it must lie in."""
+    """A number that the user gives: its unit, its meaning, and the open or closed interval it must lie in.
+
+    Parameters
+    ----------
+    unit : Unit
+        What it is given in, SI; `tippetop.mechanics.units` has those of the package.
+    long_name : str
+        What it is, in words.
+    above, least : float, optional
+        It must be greater than `above`, at least `least`.
+    below, most : float, optional
+        It must be less than `below`, at most `most`.
+    default : float, optional
+        What it is where it is left out; without, it must be given.
+
+    Raises
+    ------
+    InputError
+        If the unit is none, no number can lie in the interval, or the default does not.
+    """
 
     unit: Unit
     long_name: str
@@ -20,6 +40,23 @@ class Parameter:
     below: float | None = None  # must be less than
     most: float | None = None  # must be at most
     default: float | None = None  # where it is left out; None: it must be given
+
+    def __post_init__(self) -> None:
+        if faults := self._faults():
+            raise InputError(faults)
+
+    def _faults(self) -> list[str]:
+        """What contradicts itself, in sentences."""
+        unit: Any = self.unit
+        if not isinstance(unit, Unit):
+            return [f"`unit` of the number `{self.long_name}` must be a Unit, but is {self.unit!r:.60}."]
+        for low in (bound for bound in (self.above, self.least) if bound is not None):
+            for high in (bound for bound in (self.below, self.most) if bound is not None):
+                if low > high or (low == high and (self.above == low or self.below == high)):
+                    return [f"some number must be {self.must()[8:]}, for `{self.long_name}`, but none is."]
+        if self.default is not None and self.broken(self.default):
+            return [f"`default` of the number `{self.long_name}` {self.must()}, but is {self.default:g}."]
+        return []
 
     def _bounds(self) -> list[tuple[str, float, Callable]]:
         """The bounds that are set: what a value must be, the limit, and how a value breaks it."""

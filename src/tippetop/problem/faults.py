@@ -1,4 +1,5 @@
-"""What is wrong with the numbers of problems, in sentences: keys that vary, what breaks together, starts."""
+"""What is wrong with the numbers of problems, in sentences: keys that vary, what breaks together, starts,
+formulas of the user."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -6,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import suggestion
+from ..mechanics.friction import SLIP
 from ..mechanics.variables import INTEGRAL_SCALE
 
 
@@ -100,13 +102,21 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     pars, start = problems.pars.astype(float), problems.start.astype(float)
     body = problems.body_of_pars(pars.astype(plain))
     scalars = base.form.scalars(problems.record(start.astype(plain)), body)
-    quantities = [q.formula(scalars, body) for q in base.system.quantities]
+    quantities = [(q.formula, q.formula(scalars, body)) for q in base.system.quantities]
     finite = np.ones(problems.n, bool)
-    for value in (*pars, *start, *problems.weights, *quantities):
+    for value in (*pars, *start, *problems.weights):
         finite &= np.isfinite(np.asarray(value, dtype=float))
+    own = [] if base.contact is not None else _of_law(problems)
+    own += _of_ones_own(quantities, finite)
+    own += _of_ones_own(
+        [(e.formula, e.formula(scalars, body)) for e in base.system.events if _owner(e.formula)], finite
+    )
+    for _, value in quantities:
+        finite = finite & np.isfinite(np.asarray(value, dtype=float))
     overflow = "`parameters` and `initial` must stay finite together, but they overflow."
     moving, names = problems.variables.moving, problems.variables.names
     return [
+        *own,
         (overflow, ~finite),
         *(
             (f"`initial` must keep {name} within {1 / INTEGRAL_SCALE:.2g} of its unit (R, rad), {_CONTROLS}.", far)
@@ -116,3 +126,39 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
         (f"`initial` must allow a motion, but {h.meaning}.", ~(np.zeros(problems.n) + h.formula(scalars, body) > 0))
         for h in base.form.domains
     ]
+
+
+def _owner(formula: Any) -> str:
+    """What a formula of the user is of, "the column `mine`"; empty for those of the package."""
+    return getattr(formula, "of", "")
+
+
+def _of_ones_own(values: list[tuple[Any, Any]], valid: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """Where formulas of the user, given with their values at the start, are not finite though the numbers are."""
+    faults = []
+    for formula, value in values:
+        bad = valid & ~np.isfinite(np.asarray(value, dtype=float))
+        if _owner(formula) and bad.any():
+            what = np.broadcast_to(np.asarray(value, dtype=float), bad.shape)[bad][0]
+            faults.append((f"the formula of {_owner(formula)} must be finite at the start, but is {what}.", bad))
+    return faults
+
+
+PLACES = [(v2, z) for v2 in (0.0, 1e-6, 1e-4, 1e-2, 1.0) for z in (1.0, 0.0, -1.0)]
+"""|v_A|^2 [m^2/s^2] and cos(theta) at which a law of the user is asked."""
+
+
+def _of_law(problems: "Problems") -> list[tuple[str, np.ndarray]]:
+    """Where a friction law of the user feeds energy, or is no number: at rest or in motion, wherever the contact is."""
+    kind, n = type(problems.base.friction), problems.n
+    if not (words := _owner(SLIP.get(kind))):
+        return []
+    law = kind(**{name: np.zeros(n) + number for name, number in problems.given("friction").items()})
+    for v2, z in PLACES:
+        k = np.zeros(n) + SLIP[kind](np.full(n, v2), np.full(n, z), law)
+        if (bad := ~(np.isfinite(k) & (k >= 0))).any():
+            value = k[bad][0]
+            must = "be at least 0, or friction feeds energy," if np.isfinite(value) else "be finite,"
+            at = f"{value:g} s/m at |v_A| = {v2**0.5:g} m/s, cos(theta) = {z:g}"
+            return [(f"the coefficient k of {words} must {must} but is {at}.", bad)]
+    return []

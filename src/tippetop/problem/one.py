@@ -25,7 +25,7 @@ from .many import Problems, StartedFrom
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 KEYFRAME_STEPS = 8192  # 20 to 60 ms of computing: what a replay does before its first row; 0.1 kB a step are 10 of rows
-UNTIL = Parameter(SECOND, "end of the run", above=0)
+UNTIL = Parameter(SECOND, "end of the run", above=0, most=1e16)
 
 
 @dataclass(frozen=True, repr=False)

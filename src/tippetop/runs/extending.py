@@ -9,6 +9,7 @@ from typing import Any
 from ..columns import Column
 from ..engine.status import Status
 from ..errors import InputError, StoreError
+from ..mechanics.system import System
 from ..scenario import build
 from ..store import checkpoint, chunks, files, renaming, root, skeleton, tables
 from ..store.checkpoint import END, END_FILE, ROWS
@@ -26,9 +27,10 @@ def continued(
     *,
     stop: threading.Event | None = None,
     accept_other_version: bool = False,
+    known: System | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
     """Continues a run: an interrupted one to its end, or any to a later end, `until`; see `resuming.resume`."""
-    how: dict[str, Any] = {"stop": stop, "accept_other_version": accept_other_version}
+    how: dict[str, Any] = {"stop": stop, "accept_other_version": accept_other_version, "known": known}
     return resuming.resume(target, progress, **how) if until is None else extend(target, until, progress, **how)
 
 
@@ -39,6 +41,7 @@ def extend(
     *,
     stop: threading.Event | None = None,
     accept_other_version: bool = False,
+    known: System | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
     """Continues a run to a later end: one that is not finished to its own end first.
 
@@ -51,7 +54,7 @@ def extend(
         The store.
     until
         The end [s].
-    progress, stop, accept_other_version
+    progress, stop, accept_other_version, known
         As for `resuming.resume`.
 
     Returns
@@ -73,7 +76,8 @@ def extend(
     if attrs["status"] == Status.RUNNING.value:
         if until < attrs["run"]["until"]:
             raise _no_later(target, until, attrs)
-        result = resuming.resume(target, progress, stop=stop, accept_other_version=accept_other_version)
+        how: dict[str, Any] = {"stop": stop, "accept_other_version": accept_other_version, "known": known}
+        result = resuming.resume(target, progress, **how)
         if until == attrs["run"]["until"] or result[1]["status"] != Status.FINISHED.value:
             return result
     with contextlib.ExitStack() as held:
@@ -83,7 +87,7 @@ def extend(
                 held.callback(lock.remove)  # a store that stays as it was has no lock
             attrs = root.attributes(target)
             kept = _ending(target, attrs, until, accept_other_version)
-            integration = Integration(build.stored(attrs, until), stop)
+            integration = Integration(build.stored(attrs, until, known), stop)
             kept = _unfinished(target, integration, kept)
         return resuming.go_on(integration, lock, kept, progress, stop)
 

@@ -12,6 +12,7 @@ from ..columns import Column
 from ..engine.status import Status
 from ..engine.taylor import fingerprint
 from ..errors import InputError, StoreError
+from ..mechanics.system import System
 from ..sampling import EvenTimes
 from ..scenario import build
 from ..scenario.build import MOST_ROWS
@@ -43,9 +44,17 @@ class _Rows(Nowhere):
 
 
 def columns(
-    path: Path, start: float, until: float, step: float, *, accept_other_version: bool = False
+    path: Path,
+    start: float,
+    until: float,
+    step: float,
+    *,
+    accept_other_version: bool = False,
+    known: System | None = None,
 ) -> dict[str, Column]:
     """The rows of a stored run from `start` to `until` [s], every `step` [s], as columns in memory.
+
+    `known` is its system, where that has events or columns of one's own.
 
     Raises
     ------
@@ -54,7 +63,7 @@ def columns(
     StoreError
         The run is unfinished, damaged, has no keyframe near, or was made by other versions.
     """
-    integration = _integration(path, EvenTimes(step, until, start), accept_other_version)
+    integration = _integration(path, EvenTimes(step, until, start), accept_other_version, known)
     refuse_more_than_memory(integration.problem)
     pieces: list[tuple[np.ndarray, np.ndarray]] = []
     _make(integration, lambda times, states: pieces.append((times, states)))
@@ -120,13 +129,13 @@ def _make(integration: Integration, take: Callable[[np.ndarray, np.ndarray], Non
     integration.fill(sink)
 
 
-def _integration(path: Path, times: EvenTimes, accept_other_version: bool) -> Integration:
+def _integration(path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None) -> Integration:
     """A stored run where it has to be taken up to make its rows at these times. Raises InputError, StoreError."""
     attrs = root.attributes(path)
     if attrs["status"] == Status.RUNNING.value:
         raise StoreError(f"`{path}` must be finished to be replayed, but is not: tippetop resume {path}.")
     resuming.same_here(path, attrs, accept_other_version, "replayed")
-    problem = build.stored(attrs)
+    problem = build.stored(attrs, known=known)
     _refuse(times, max(attrs["report"]["t_end"], problem.until if attrs["status"] == Status.FINISHED.value else 0.0))
     integration = Integration(replace(problem, output="times", times=times))
     if skeleton.has_keyframes(attrs):

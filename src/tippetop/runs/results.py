@@ -14,7 +14,8 @@ class Record(Mapping[str, Any]):
     """A read-only record whose names are attributes and keys alike; tables in it are records too."""
 
     def __init__(self, values: Mapping[str, Any]):
-        self._values = {key: Record(value) if isinstance(value, Mapping) else value for key, value in values.items()}
+        own = {key: Record(value) if isinstance(value, Mapping) else value for key, value in values.items()}
+        self.__dict__["_values"] = own
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -23,6 +24,9 @@ class Record(Mapping[str, Any]):
             raise AttributeError(
                 f"there is no `{name}`: known are {', '.join(self.__dict__.get('_values', ()))}"
             ) from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"a record is read-only: `{name}` cannot be set")
 
     def __getitem__(self, name: str) -> Any:
         return self._values[name]

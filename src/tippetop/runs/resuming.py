@@ -7,6 +7,7 @@ from typing import Any
 
 from ..engine.status import Status
 from ..errors import StoreError
+from ..mechanics.system import System
 from ..scenario import build
 from ..store import checkpoint, chunks, files, skeleton, tables
 from ..store.checkpoint import CHECKPOINT, ROWS
@@ -22,11 +23,13 @@ def resume(
     *,
     stop: threading.Event | None = None,
     accept_other_version: bool = False,
+    known: System | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
     """Continues an interrupted run, in any thread: arguments and results as those of `record`.
 
     With `accept_other_version` also one that other versions or another processor began: its bits may differ from those
-    of an undisturbed run, and the store names both.
+    of an undisturbed run, and the store names both. `known` is its system, where that has events or columns of one's
+    own.
 
     Raises
     ------
@@ -47,7 +50,7 @@ def resume(
             lock = held.enter_context(Lock(target))
         files.remove_stale(target)
         kept = same_here(target, _checkpoint(target), accept_other_version)
-        integration = Integration(build.stored(attrs), stop)
+        integration = Integration(build.stored(attrs, known=known), stop)
         compare(target, integration, kept)
         return go_on(integration, lock, kept, progress, stop)
 

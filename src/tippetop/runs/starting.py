@@ -76,7 +76,7 @@ def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -
         raise InputError([_another("system", path)])
     if tables["form"] == "auto":
         tables["form"] = attrs["form"]
-    before = build.stored(attrs)
+    before = build.stored(_without_own(attrs))
     end = _end(path)
     parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]  # doubles to be added
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
@@ -97,6 +97,12 @@ def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -
             "state": dict(zip(before.variables.names, parts, strict=True)),
         },
     )
+
+
+def _without_own(attrs: dict[str, Any]) -> dict[str, Any]:
+    """The root attributes of a run without its events, and its columns that another run need not know."""
+    run = {key: value for key, value in attrs["run"].items() if key != "columns"}
+    return attrs | {"run": run | {"events": []}}
 
 
 def _another(name: str, path: Path) -> str:

@@ -88,7 +88,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         output=run.output,
         keyframe_steps=run.keyframe_steps or KEYFRAME_STEPS,
         stop_when=run.stop_when,
-        columns=None if run.columns is None else tuple(name for name in known_columns if name in asked),
+        columns=_columns(run.columns, known_columns, known),
         orientation=run.orientation if run.orientation is not None else any(name in TURN for name in asked),
         contact=rules,
         origin=origin,
@@ -103,6 +103,14 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     if faults:
         raise InputError(faults)
     return built
+
+
+def _columns(asked: list[str] | None, all_columns: tuple[str, ...], known: System | None) -> tuple[str, ...] | None:
+    """The columns that rows have, None for all; by name where the system is not the registered one, so that its store
+    says which columns it has."""
+    if asked is None and (known is None or known is find(known.name)):
+        return None
+    return tuple(name for name in all_columns if asked is None or name in asked)
 
 
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
@@ -154,10 +162,37 @@ def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
     return {name: attrs[name] for name in names if name in attrs}
 
 
-def stored(attrs: dict[str, Any], until: float | None = None) -> Problem:
-    """The Problem of a store's root attributes, or one with another end. Raises InputError."""
+def stored(attrs: dict[str, Any], until: float | None = None, known: System | None = None) -> Problem:
+    """The Problem of a store's root attributes, or one with another end. Raises InputError.
+
+    `known` is the record of its system where that has events and columns of the user's own."""
     tables = tables_of(attrs)
-    return problem(tables if until is None else ending(tables, until), origin=attrs.get("start"))
+    try:
+        return problem(tables if until is None else ending(tables, until), known, origin=attrs.get("start"))
+    except InputError:
+        if own := own_names(attrs, known):
+            raise InputError([_give(own, attrs["system"])]) from None
+        raise
+
+
+def own_names(attrs: dict[str, Any], known: System | None = None) -> list[str]:
+    """The events and columns of a stored run that its system does not have: whoever made it gave them."""
+    system = known or system_of(tables_of(attrs))
+    if "contact" in attrs:  # takes none
+        return []
+    events = {event.name for event in system.events}
+    form = system.forms.get(attrs["form"], next(iter(system.forms.values())))
+    columns = {"time", *TURN, *column_names(system, form, orientation=True, precision=attrs["precision"])}
+    run = attrs["run"]
+    return [n for n in run["events"] if n not in events] + [n for n in run.get("columns", ()) if n not in columns]
+
+
+def _give(own: list[str], system: str) -> str:
+    names = ", ".join(f"`{name}`" for name in own)
+    return (
+        f"the run has {names}, which {system} has not: give the records that it was made with, as in Python "
+        "tippetop.resume(path, events=[...], columns=[...]); tippetop.open takes them too."
+    )
 
 
 def resolved(problem: Problem) -> dict[str, Any]:

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from ..arguments import finite
 from ..errors import InputError
 from ..mechanics.system import Parameter
-from .quantities import worked_out
+from ..mechanics.units import Unit
+from .quantities import number_of, worked_out
 from .schema import table_model
 from .sentences import error_sentence
 
@@ -18,9 +20,16 @@ def plain(value: Any) -> Any:
     """The value as TOML would give it: numpy's numbers and arrays, and tuples, become Python's numbers and lists."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
+    if hasattr(value, "__array__") and not isinstance(value, str | Mapping):  # of pandas, of xarray
+        return np.asarray(value).tolist()
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def measured(name: str, value: Any, unit: Unit) -> float:
+    """An argument as a number in SI units; a text such as "1480 rpm" stands for one. Raises InputError."""
+    return number_of(value, name, unit) if isinstance(value, str) else finite(name, value)
 
 
 def checked(table: str, parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> dict[str, float]:

@@ -4,6 +4,7 @@ import ast
 import math
 import operator
 import re
+import sys
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import lru_cache
@@ -28,6 +29,8 @@ MEASURED = re.compile(
 )
 UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")  # one part of a unit
 EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
+POWER = re.compile(r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))")  # m2, s-1, m^2, m**(-1)
+SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
 
 
@@ -174,13 +177,15 @@ def _converted(value: Fraction, given: str, key: str, text: str, unit: Unit) -> 
     """The number in SI units."""
     import pint
 
+    words = given
     wanted = re.sub(r"([A-Za-z])(-?\d+)", r"\1**(\2)", unit.symbol).replace(" ", "*") if unit.symbol != "1" else ""
     if unit == RADIAN_PER_SECOND and HERTZ.search(given):
         raise InputError(
             [f'`{key}` must be in rad/s, deg/s or rpm, but "{text}" could be turns or radians per second.']
         )
+    given = POWER.sub(lambda power: f"**({power[2].strip('+')}{power[3]})", given.translate(SUPERSCRIPTS))
     if UNIT.sub("", given):  # numbers and other operations: pint would work them out, however large
-        raise InputError([f'`{key}` must {_must(unit)}, but "{given}" is no unit.'])
+        raise InputError([f'`{key}` must {_must(unit)}, but "{words}" is no unit.'])
     registry = _registry()
     try:
         measured = registry.Quantity(value, given)
@@ -188,7 +193,7 @@ def _converted(value: Fraction, given: str, key: str, text: str, unit: Unit) -> 
     except pint.DimensionalityError:
         raise InputError([f'`{key}` must {_must(unit)}, but is "{text}".']) from None
     except pint.UndefinedUnitError:
-        raise InputError([f'`{key}` must {_must(unit)}, but "{given}" is no unit.']) from None
+        raise InputError([f'`{key}` must {_must(unit)}, but "{words}" is no unit.']) from None
     except (pint.PintError, ValueError, TypeError, AttributeError, SyntaxError, AssertionError, RecursionError):
         raise InputError([_wrong(key, text)]) from None
 
@@ -238,4 +243,6 @@ def worked_out(tables: Mapping[str, Any], units: Mapping[str, Mapping[str, Unit]
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        return abs(value) <= sys.float_info.max
+    return isinstance(value, float) and math.isfinite(value)

@@ -1,0 +1,196 @@
+"""What cannot be used is refused with one sentence that names it: laws, events, columns, systems, arguments."""
+
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tippetop as tt
+from tippetop.mechanics import friction, systems
+from tippetop.mechanics.operand import formula, sqrt
+from tippetop.mechanics.system import Parameter
+from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
+from tippetop.scenario.numbers import plain
+
+
+BODY: dict[str, Any] = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
+
+
+@pytest.fixture(autouse=True)
+def forgotten() -> Iterator[None]:
+    """What is registered in a test is known in that test only."""
+    registries: list[dict] = [systems.SYSTEMS, friction.LAWS, friction.SLIP]
+    before = [dict(registry) for registry in registries]
+    yield
+    for registry, known in zip(registries, before, strict=True):
+        registry.clear()
+        registry.update(known)
+
+
+def law(name: str, coefficient: Callable) -> Any:
+    """The record of a registered law with one number, mu."""
+
+    class Own(NamedTuple):
+        mu: float
+
+    record: Any = Own
+    tt.register(tt.Law(record, {"mu": Parameter(SECOND_PER_METRE, "a number")}, "k", formula(coefficient)), name)
+    return record
+
+
+@pytest.mark.parametrize(
+    ("coefficient", "sentence"),
+    [
+        (
+            lambda v2, z, law: -law.mu,
+            r"k of the friction law `mine` must be at least 0, .* feeds energy, but is -0.3 s/m",
+        ),
+        (lambda v2, z, law: law.mu * z, r"at least 0, .* but is -0.3 s/m at \|v_A\| = 0 m/s, cos\(theta\) = -1"),
+        (lambda v2, z, law: law.mu * float("nan"), "k of the friction law `mine` must be finite, but is nan"),
+        (lambda v2, z, law: law.mu / sqrt(v2), r"must be finite, but is inf s/m at \|v_A\| = 0 m/s"),
+        (lambda v2, z, law: None, "the formula of the friction law `mine` must return a number, but returns None"),
+    ],
+)
+def test_a_law_that_feeds_energy_or_is_no_number_is_refused(coefficient: Callable, sentence: str) -> None:
+    """Before anything is said of the top: no fate, no run. Many tops, too: each that is so is invalid."""
+    mine = law("mine", coefficient)
+    with pytest.raises(tt.InputError, match=sentence) as caught:
+        tt.run("inverting", mine(0.3), until=0.1)
+    assert len(caught.value.sentences) == 1
+
+
+def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
+    mine = law("mine", lambda v2, z, law: law.mu)
+    base = tt.load("inverting", ["friction.law=mine"])
+    from tippetop.problem import Problems
+
+    valid, faults = Problems.vary(base, {"friction.mu": np.array([0.3, -0.3])}).check()
+    assert mine is type(base.friction)
+    assert valid.tolist() == [True, False]
+    assert "must be at least 0" in faults[0][1]
+
+
+@pytest.mark.parametrize(
+    ("value", "sentence"),
+    [
+        (lambda s, b: s.z * float("nan"), "the formula of the {} must be finite at the start, but is nan"),
+        (lambda s, b: 1 / (s.z - s.z), "the formula of the {} must be finite at the start, but is inf"),
+        (lambda s, b: None, "the formula of the {} must return a number, but returns None"),
+        (lambda s, b: s.nothing, "the formula of the {} fails: AttributeError"),
+    ],
+)
+def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) -> None:
+    """It was said that the parameters overflow, or that the equations are too stiff."""
+    with pytest.raises(tt.InputError, match=sentence.format("column `mine`")):
+        tt.run("inverting", until=0.1, columns=[tt.Quantity("mine", "q", JOULE, "mine", formula(value))])
+    with pytest.raises(tt.InputError, match=sentence.format("event `mine`")):
+        tt.run("inverting", until=0.1, events=[tt.Event("mine", "mine", formula(value))])
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"body": None}, "`body` of `mine` must be a function"),
+        ({"start": None}, "`start` of `mine` must be a function"),
+        ({"scales": 3}, "`scales` of `mine` must be a function"),
+        ({"angles": None}, "`angles` of `mine` must be a NamedTuple"),
+        ({"initial": {"theta": 3}}, "`initial` of `mine` must be Parameter records"),
+        ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
+        ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
+        ({"body": lambda parameters, law: 1.0}, "fail: |must give NamedTuples"),
+    ],
+)
+def test_a_system_that_has_no_body_is_refused(changes: dict[str, Any], sentence: str) -> None:
+    """Where it is registered, and where it is run."""
+    system = tt.SYSTEMS["tippe-top"].replace(name="mine", **changes)
+    with pytest.raises(tt.InputError, match=sentence):
+        tt.register(system)
+    with pytest.raises(tt.InputError, match=sentence):
+        tt.run(system, tt.Viscous(0.3), parameters=BODY, until=0.1)
+
+
+def test_the_systems_of_the_package_pass_these_checks() -> None:
+    for system in tt.SYSTEMS.values():
+        systems.check(system)
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"unit": "kg"}, "`unit` of the number `x` must be a Unit, but is 'kg'"),
+        ({"above": 3, "below": 1}, "greater than 3, less than 1, for `x`, but none is"),
+        ({"above": 1, "most": 1}, "but none is"),
+        ({"above": 0, "default": -1}, "`default` of the number `x` must be finite, greater than 0, but is -1"),
+    ],
+)
+def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(tt.InputError, match=sentence):
+        tt.Parameter(**{"unit": ONE, "long_name": "x", **given})
+    assert tt.Parameter(ONE, "x", least=1, most=1).broken(2)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
+        (lambda: tt.TippeTop(**{**BODY, "R": 10**400, "I1": "2*m"}), "`parameters.R` must be a"),
+        (lambda: tt.run("inverting", until=1e308, output_step=1e307), r"`until` must be at most 1e\+16"),
+        (lambda: tt.run("inverting", tt.Viscous), r"a record such as Viscous\(...\), but is the class"),
+        (lambda: tt.run("inverting", 0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),
+        (lambda: tt.run("inverting", start={"theta": 1}, initial={"theta": 2}), "`start` and `initial` are the same"),
+        (lambda: tt.run("inverting", stop=True), "`stop` must be a threading.Event, but is True"),  # type: ignore[arg-type]
+        (lambda: tt.run("inverting", progress="x"), "`progress` must be True or False"),  # type: ignore[arg-type]
+        (lambda: tt.minimal_surface("inverting", D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
+        (lambda: tt.minimal_surface("inverting", D=[], lam=4e-6), "`D` must be a number or"),
+        (lambda: tt.marked_lines("inverting", []), "`lambda` must be a number or"),
+        (lambda: tt.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
+    ],
+)
+def test_an_argument_that_cannot_be_used_is_named(call: Callable, sentence: str) -> None:
+    with pytest.raises(tt.InputError, match=sentence):
+        call()
+
+
+def test_what_is_known_by_name_is_changed_by_register_alone() -> None:
+    """A law that was put in by hand broke every later run."""
+    for registry in (tt.LAWS, tt.SYSTEMS):
+        with pytest.raises(TypeError):
+            registry["x"] = 3  # type: ignore[index]
+    law("mine", lambda v2, z, law: law.mu)
+    assert "mine" in tt.LAWS
+
+
+def test_a_stop_says_what_is_kept(tmp_path: Any) -> None:
+    stop = threading.Event()
+    stop.set()
+    with pytest.raises(tt.Interrupted, match="the run was asked to stop: "):
+        tt.run("inverting", until=1.0, out=tmp_path / "run.zarr", stop=stop)
+    assert "resumed" in str(tt.Interrupted())
+
+
+def test_numbers_of_other_libraries_are_numbers() -> None:
+    assert plain(pd.Series([0.1, 0.2])) == [0.1, 0.2]
+    tables = {"run": {"output_times": pd.Series([0.1, 0.2])}}
+    assert plain(tables) == {"run": {"output_times": [0.1, 0.2]}}
+
+
+def test_a_top_of_another_name_is_still_a_top() -> None:
+    """thresholds and linear_modes know the body, by whatever name the system goes; potential takes a preset's name."""
+    mine = tt.register(tt.SYSTEMS["tippe-top"].replace(name="mine"))
+    from tippetop.library.scenarios import problem_of
+
+    problem = problem_of("inverting", system=mine.name)
+    assert tt.thresholds(problem) == tt.thresholds("inverting")
+    assert tt.potential("inverting", 0.5, D=3e-4, lam=4e-6).equals(tt.potential(problem, 0.5, D=3e-4, lam=4e-6))
+
+
+def test_a_record_is_read_only() -> None:
+    from tippetop.runs.results import Record
+
+    record = Record({"a": {"b": 1}})
+    with pytest.raises(AttributeError, match="`b` cannot be set"):
+        record.a.b = 2
+    assert record.to_dict() == {"a": {"b": 1}}
