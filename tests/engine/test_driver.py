@@ -148,9 +148,8 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
     spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
-    mine = Lanes(tops, lanes)
+    mine = Lanes(tops, lanes, every=1)
     assert mine.machine is not None
-    mine.rules = mine.rules._replace(every=1)
     mine.run(iter(range(n)), seen := Seen(n, mine))
     theirs = copy.deepcopy(compiling.compiled(
         base.system, "vector", type(base.friction), "double", base.tolerance, lanes, False, False

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,19 +57,30 @@ class _Worker:
         outcomes: Outcomes,
         starts: Starts,
         functions: np.ndarray,
-        lanes: int,
+        size: int,
         ended: Callable[[], None],
         wanted: Collection[str] | None,
     ):
-        self.outcomes, self.starts, self.functions, self.ended = outcomes, starts, functions, ended
-        self.lanes = Lanes(outcomes.tops, lanes, wanted)
-        self.variables = len(outcomes.final)
-        self.events = outcomes.tops.base.system.events
-        self.processor = 0.0
+        self.outcomes, self.starts, self.ended = outcomes, starts, ended
+        self.signs, self.on_zero = signs_of(functions)
+        self.lanes = lanes = Lanes(outcomes.tops, size, wanted)
+        self.variables, self.processor, self.axis = len(outcomes.final), 0.0, lanes.rows.axis.tolist()
+        columns, events = outcomes.columns, outcomes.tops.base.system.events
+        self.lasting = [(e, event.direction) for e, event in enumerate(events) if event.lasting]
+        kept = [
+            (e if event.lasting and k.what != "count" else -1, k) for e, event in enumerate(events) for k in event.kept
+        ]
+        self.kept = [(columns[k.name], m, e) for m, (e, k) in enumerate(kept)]
+        self.extremes = [
+            (columns[f"{event.extremes}_{end}"], what, e, float(lanes.rows.events["scale"][e]))
+            for e, event in enumerate(events)
+            for end, what in (("min", LEAST), ("max", MOST))
+            if event.extremes
+        ]
 
     def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
         """Signs of the event functions of a top at its start, and which of them are on their zero."""
-        return signs_of(self.functions[top])
+        return self.signs[top], self.on_zero[top]
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         """Compares invariants with the start."""
@@ -82,24 +94,22 @@ class _Worker:
     def done(self, lane: int, status: Status) -> None:
         """Writes the row of a top that has ended. The end may confirm the turning that waits."""
         lanes, outcomes, columns = self.lanes, self.outcomes, self.outcomes.columns
-        rows, tallies, top = lanes.rows, lanes.tallies, lanes.top[lane]
-        tally, functions, final = tallies.lane[lane], tallies.functions[:, :, lane], lanes.final[lane]
-        x, y, z = final[rows.axis]
-        take_turning(tally, 0, float(np.arctan2(np.sqrt(x * x + y * y), z)))
+        top, record, final = lanes.top[lane], lanes.tallies.lane, lanes.final[lane].tolist()
+        functions, kept = lanes.tallies.functions[:, :, lane].tolist(), lanes.tallies.kept[:, lane].tolist()
+        tally = SimpleNamespace(**dict(zip(record.dtype.names, record[lane].item(), strict=True)))
+        x, y, z = (final[i] for i in self.axis)
+        take_turning.py_func(tally, 0, float(np.arctan2(np.sqrt(x * x + y * y), z)))
         outcomes.status[top] = status.code
         outcomes.final[:, top] = final[: self.variables]
-        columns["t_end"][top] = lanes.motion.end[lane] if status is Status.FINISHED else tally["t"]
+        columns["t_end"][top] = lanes.motion.end[lane] if status is Status.FINISHED else tally.t
         for name in ("turnings", "theta_min", "theta_max", "steps"):
-            columns[name][top] = tally[name]
-        lasts = [not event.lasting or event.direction * functions[SIGN, e] > 0 for e, event in enumerate(self.events)]
-        every = [(kept, lasts[e]) for e, event in enumerate(self.events) for kept in event.kept]
-        for m, (kept, counts) in enumerate(every):  # a time of what did not last to the end is none
-            columns[kept.name][top] = tallies.kept[m, lane] if counts or kept.what == "count" else np.nan
-        for e, event in enumerate(self.events):
-            if event.extremes:
-                columns[f"{event.extremes}_min"][top] = functions[LEAST, e] / rows.events["scale"][e]
-                columns[f"{event.extremes}_max"][top] = functions[MOST, e] / rows.events["scale"][e]
-        outcomes.settled[top] = all(lasts)
+            columns[name][top] = getattr(tally, name)
+        passed = {e for e, direction in self.lasting if not direction * functions[SIGN][e] > 0}
+        for column, m, lasting in self.kept:  # a time of what did not last to the end is none
+            column[top] = np.nan if lasting in passed else kept[m]
+        for column, what, e, scale in self.extremes:
+            column[top] = functions[what][e] / scale
+        outcomes.settled[top] = not passed
         self.ended()
 
     def work(self, queue: "_Queue") -> None:

@@ -16,7 +16,7 @@ from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.slices import STATUSES
 from ..engine.status import Status
-from ..engine.tallies import EventRows, StopRules, new_log, new_samples, new_scratch, new_tallies, reset
+from ..engine.tallies import EventRows, StopRules, mark_bounded, new_log, new_samples, new_scratch, new_tallies, reset
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
 
@@ -45,7 +45,7 @@ class Observer(Protocol):
 class Lanes:
     """The lanes of one integrator. `run` takes tops from a queue and tells an observer of their ends."""
 
-    def __init__(self, tops: Problems, lanes: int = LANES, wanted: Collection[str] | None = None):
+    def __init__(self, tops: Problems, lanes: int = LANES, wanted: Collection[str] | None = None, every: int = EVERY):
         base = tops.base
         law, tolerance, orientation = base.friction.__class__, base.tolerance, tops.orientation
         code = awaited(
@@ -53,14 +53,14 @@ class Lanes:
             "the equations are being compiled",
         )
         self.tops, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
-        self.rules, self.tallies = rules(base), new_tallies(self.rows, lanes)
+        self.rules, self.tallies = rules(base, every), new_tallies(self.rows, lanes)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(code.integrator, lanes)
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
-        self.samples = new_samples(SAMPLES * lanes if drifts else 0, n)
-        self.log, self.scratch, self.nothing = new_log(0, n), new_scratch(order + 1, lanes), no_rows(n)
+        self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
+        self.log, self.scratch = new_log(0, n), new_scratch(order + 1, lanes)
         self.out = np.zeros((n, lanes))  # states within a step
-        self.top = np.full(lanes, -1)  # which top is in a lane; -1: none
+        self.top = self.samples.in_lane  # which top is in a lane; -1: none
         self.final = np.zeros((lanes, n))
         self.steps_made = self.steps_possible = 0  # steps of tops, and steps that the lanes could have made
         self.pars = tops.pars[: len(self.motion.pars)]  # the integrator has none beyond the last that it reads
@@ -70,8 +70,8 @@ class Lanes:
         if self.machine is not None and not is_same_step(code, self.motion.state, self.motion.pars):
             self.machine = None
         if self.machine is not None:  # all lanes are at their ends: it makes no step
-            watch = self.rows, self.tallies, self.log, self.samples, self.scratch
-            self._loop = drive.on(self.machine.step, self.machine.dense, self.motion, *watch)
+            watch = self.rows, self.tallies, self.log, self.samples, self.scratch, no_rows(n), self.rules
+            self._drive = drive.on(self.machine.step, self.machine.dense, self.motion, *watch)
             awaited(lambda: self._drive(0), "the loop is being compiled")
         self.integrator = copy.deepcopy(code.integrator) if self.machine is None else code.integrator
 
@@ -114,7 +114,7 @@ class Lanes:
 
     def advance(self, observer: Observer) -> None:
         """Steps until a top ends, or samples are to be looked at; lanes whose top has ended are left empty (-2)."""
-        steps = self._by_heyoka() if self.machine is None else self._drive()
+        steps = self._by_heyoka() if self.machine is None else self._drive(ENDLESS)
         self.steps_possible += steps * self.lanes
         if self._is_full():
             self._look(observer)
@@ -127,13 +127,7 @@ class Lanes:
             self.steps_made += int(lane_of["steps"][lane])
             self.final[lane] = self._state_at_end(lane)
             observer.done(lane, STATUSES[int(lane_of["status"][lane])])
-        ended = (self.top >= 0) & (lane_of["status"] != Status.RUNNING.code)
-        if ended.any():
-            self._look(observer)  # the samples of a top are those of its number
-            self.top[ended] = -2
-
-    def _drive(self, most: int = ENDLESS) -> int:
-        return self._loop(self.nothing, self.rules, most)
+            self.top[lane] = -2
 
     def _by_heyoka(self) -> int:
         """The same where the machine code cannot be called: heyoka makes each step."""
@@ -150,7 +144,7 @@ class Lanes:
         return steps
 
     def _is_full(self) -> bool:
-        room = len(self.samples.lane)
+        room = len(self.samples.top)
         return room > 0 and int(self.samples.filled[0]) + self.lanes > room
 
     def _stays(self, lane: int) -> bool:
@@ -163,7 +157,7 @@ class Lanes:
     def _look(self, observer: Observer) -> None:
         count = int(self.samples.filled[0])
         if count:
-            observer.look(self.samples.states[:count].T, self.top[self.samples.lane[:count]])
+            observer.look(self.samples.states[:count].T, self.samples.top[:count])
             self.samples.filled[0] = 0
 
     def _state_at_end(self, lane: int) -> np.ndarray:
@@ -204,11 +198,12 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
         names = [kept.name for kept in event.kept] + (list(SWINGS) if event.sense else [])
         record["watched"] = bool(event.ends or event.lasting) or any(name in wanted for name in names)
         record["ranged"] &= any(f"{event.extremes}_{end}" in wanted for end in ("min", "max"))
+    mark_bounded(records)
     return rows._replace(events=records)
 
 
-def rules(base: Problem) -> StopRules:
-    """When a top ends before its time, other than by an event."""
+def rules(base: Problem, every: int) -> StopRules:
+    """When a top ends before its time, other than by an event; and how often it is sampled."""
     lasting = [i for i, event in enumerate(base.system.events) if event.lasting] if base.stop_when == "settled" else []
     way = base.system.events[lasting[0]].direction if lasting else 0
-    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, EVERY, 0)
+    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, every, 0)
