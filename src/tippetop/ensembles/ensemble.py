@@ -6,24 +6,23 @@ import threading
 import time
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import values_of
-from ..engine.observer import take_turning
 from ..engine.slices import event_functions, signs_of
 from ..engine.status import Status
-from ..engine.tallies import LEAST, MOST, SIGN
+from ..engine.tallies import EventRows
 from ..errors import InputError
 from ..problem import Problem, Problems, variation_faults
 from ..progress import reporting
 from ..scenario import build
-from .lanes import LANES, Lanes
+from .lanes import LANES, SWINGS, Lanes
 from .outcomes import Outcomes, _conclude, dataset
 from .singly import Alone, one_by_one
+from .turns import Tops, new_tops
 
 
 if TYPE_CHECKING:
@@ -36,87 +35,41 @@ Starts = dict[str, tuple[np.ndarray, np.ndarray]]  # of invariants by name: at t
 class _Queue:
     """Numbers of tops, each given to one thread."""
 
-    def __init__(self, numbers: np.ndarray):
-        self._numbers, self._lock, self.stopped = iter(numbers.tolist()), threading.Lock(), False
+    def __init__(self, numbers: np.ndarray, lanes: int, threads: int):
+        self._numbers, self._lock, self.stopped = numbers, threading.Lock(), False
+        self._lanes, self._threads = lanes, threads
 
-    def __iter__(self) -> "_Queue":
-        return self
-
-    def __next__(self) -> int:
+    def take(self, empty: int) -> np.ndarray:
+        """As many as are empty of a thread's lanes, and what they may take next: nothing at the end, so that none has
+        tops that wait and another empty lanes."""
         with self._lock:
-            if self.stopped:
-                raise StopIteration
-            return next(self._numbers)
+            waiting = min(self._lanes - empty, len(self._numbers) // (4 * self._lanes * self._threads))
+            most = 0 if self.stopped else empty + waiting
+            taken, self._numbers = self._numbers[:most], self._numbers[most:]
+            return taken
 
 
 class _Worker:
-    """A thread's lanes, and the observer that writes the rows of their tops into the common arrays."""
+    """A thread's lanes, and the observer that compares invariants of their tops."""
 
-    def __init__(
-        self,
-        outcomes: Outcomes,
-        starts: Starts,
-        functions: np.ndarray,
-        size: int,
-        ended: Callable[[], None],
-        wanted: Collection[str] | None,
-    ):
-        self.outcomes, self.starts, self.ended = outcomes, starts, ended
-        self.signs, self.on_zero = signs_of(functions)
-        self.lanes = lanes = Lanes(outcomes.tops, size, wanted)
-        self.variables, self.processor, self.axis = len(outcomes.final), 0.0, lanes.rows.axis.tolist()
-        columns, events = outcomes.columns, outcomes.tops.base.system.events
-        self.lasting = [(e, event.direction) for e, event in enumerate(events) if event.lasting]
-        kept = [
-            (e if event.lasting and k.what != "count" else -1, k) for e, event in enumerate(events) for k in event.kept
-        ]
-        self.kept = [(columns[k.name], m, e) for m, (e, k) in enumerate(kept)]
-        self.extremes = [
-            (columns[f"{event.extremes}_{end}"], what, e, float(lanes.rows.events["scale"][e]))
-            for e, event in enumerate(events)
-            for end, what in (("min", LEAST), ("max", MOST))
-            if event.extremes
-        ]
-
-    def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
-        """Signs of the event functions of a top at its start, and which of them are on their zero."""
-        return self.signs[top], self.on_zero[top]
+    def __init__(self, outcomes: Outcomes, starts: Starts, lanes: Lanes, ended: Callable[[int], None]):
+        self.outcomes, self.starts, self.lanes, self.ended = outcomes, starts, lanes, ended
+        self.processor = 0.0
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         """Compares invariants with the start."""
         every = self.outcomes.tops
-        values = invariants(every.base, values_of(every, states[: self.variables], tops))
+        values = invariants(every.base, values_of(every, states[: len(every.start)], tops))
         for name, value in values.items():
             start, size = self.starts[name]
             with np.errstate(all="ignore"):  # a top that is not finite has a drift that is none
                 np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start[tops]) / size[tops])
 
-    def done(self, lane: int, status: Status) -> None:
-        """Writes the row of a top that has ended. The end may confirm the turning that waits."""
-        lanes, outcomes, columns = self.lanes, self.outcomes, self.outcomes.columns
-        top, record, final = lanes.top[lane], lanes.tallies.lane, lanes.final[lane].tolist()
-        functions, kept = lanes.tallies.functions[:, :, lane].tolist(), lanes.tallies.kept[:, lane].tolist()
-        tally = SimpleNamespace(**dict(zip(record.dtype.names, record[lane].item(), strict=True)))
-        x, y, z = (final[i] for i in self.axis)
-        take_turning.py_func(tally, 0, float(np.arctan2(np.sqrt(x * x + y * y), z)))
-        outcomes.status[top] = status.code
-        outcomes.final[:, top] = final[: self.variables]
-        columns["t_end"][top] = lanes.motion.end[lane] if status is Status.FINISHED else tally.t
-        for name in ("turnings", "theta_min", "theta_max", "steps"):
-            columns[name][top] = getattr(tally, name)
-        passed = {e for e, direction in self.lasting if not direction * functions[SIGN][e] > 0}
-        for column, m, lasting in self.kept:  # a time of what did not last to the end is none
-            column[top] = np.nan if lasting in passed else kept[m]
-        for column, what, e, scale in self.extremes:
-            column[top] = functions[what][e] / scale
-        outcomes.settled[top] = not passed
-        self.ended()
-
-    def work(self, queue: "_Queue") -> None:
+    def work(self, queue: _Queue, tops: Tops) -> None:
         """Runs tops from the queue until there is none left."""
         clock = time.thread_time()
         try:
-            self.lanes.run(queue, self)
+            self.lanes.run(tops, queue.take, self)
             self.processor = time.thread_time() - clock
         except BaseException:
             queue.stopped = True
@@ -200,22 +153,23 @@ def _run(
     lanes: int,
     wanted: Collection[str] | None,
 ) -> None:
-    queue, lock, counted = _Queue(numbers), threading.Lock(), itertools.count(1)
+    lock, counted = threading.Lock(), itertools.count(1)
 
-    def ended() -> None:
+    def ended(count: int) -> None:
         if progress is not None:
             with lock:
-                progress(next(counted), len(numbers))
+                for _ in range(count):
+                    progress(next(counted), len(numbers))
 
-    workers = [
-        _Worker(measured, starts, functions, lanes, ended, wanted)
-        for _ in range(max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))))
-    ]
-    if len(workers) == 1:
-        workers[0].work(queue)
+    n, every = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))), measured.tops
+    workers = [_Worker(measured, starts, Lanes(every, lanes, wanted), ended) for _ in range(n)]
+    rows, queue = workers[0].lanes.rows, _Queue(numbers, lanes, n)
+    tops = new_tops(every.start, every.pars[: len(workers[0].lanes.motion.pars)], every.end, *signs_of(functions), rows)
+    if n == 1:
+        workers[0].work(queue, tops)
     else:
-        with ThreadPoolExecutor(len(workers)) as pool:
-            tasks = [pool.submit(worker.work, queue) for worker in workers]
+        with ThreadPoolExecutor(n) as pool:
+            tasks = [pool.submit(worker.work, queue, tops) for worker in workers]
             try:
                 for task in tasks:
                     task.result()
@@ -225,8 +179,28 @@ def _run(
     if any(worker.lanes.machine is None for worker in workers):
         measured.steps_by = "heyoka"
     measured.processor = sum(worker.processor for worker in workers)
-    measured.steps_made = sum(worker.lanes.steps_made for worker in workers)
+    measured.steps_made = int(tops.lane["steps"].sum())
     measured.steps_possible = sum(worker.lanes.steps_possible for worker in workers)
+    _write(measured, numbers, tops, rows)
+
+
+def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows) -> None:
+    """The rows of tops that ran in lanes."""
+    columns, lane, kept = measured.columns, tops.lane[numbers], iter(tops.kept[:, numbers])
+    sign, least, most = tops.functions[:, :, numbers]
+    measured.status[numbers], measured.final[:, numbers] = lane["status"], tops.final[:, numbers]
+    for name in ("t_end", "steps", *SWINGS):
+        columns[name][numbers] = lane["t" if name == "t_end" else name]
+    measured.settled[numbers] = True
+    for e, event in enumerate(measured.tops.base.system.events):
+        lasts = event.direction * sign[e] > 0 if event.lasting else np.ones(len(numbers), bool)
+        measured.settled[numbers] &= lasts
+        for number in event.kept:  # a time of what did not last to the end is none
+            values = next(kept)
+            columns[number.name][numbers] = values if number.what == "count" else np.where(lasts, values, np.nan)
+        if event.extremes:
+            columns[f"{event.extremes}_min"][numbers] = least[e] / rows.events["scale"][e]
+            columns[f"{event.extremes}_max"][numbers] = most[e] / rows.events["scale"][e]
 
 
 def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> Problems:
