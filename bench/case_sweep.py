@@ -26,7 +26,7 @@ def plain(document: dict[str, Any]) -> tuple[float, float]:
 
 def swept(made: Plan, client: Any) -> tuple[float, float]:
     """The same into a new store, by the workers of a client, which are warm; processor: workers and writer."""
-    its_own = mock.patch.object(sweep, "connect", lambda _: contextlib.nullcontext(client))  # only it has the keys
+    its_own = mock.patch.object(sweep, "connect", return_value=contextlib.nullcontext(client))  # only it has the keys
     with tempfile.TemporaryDirectory() as folder, its_own:
         before, clock = used(client), time.perf_counter()
         sweep.sweep(made, Path(folder) / "S.zarr", scheduler="local")
