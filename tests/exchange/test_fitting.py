@@ -10,7 +10,7 @@ import pytest
 import tippetop as tt
 from tippetop import cli
 from tippetop.errors import InputError
-from tippetop.exchange.motion import Motion
+from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
 
 
@@ -62,7 +62,7 @@ def test_a_fit_is_a_scenario_that_runs(fit: tt.Fitted, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["theta", "axis", "orientation", "place", "marker"])
 def test_jacobians_are_those_of_differences(kind: str) -> None:
     """Of every kind of measurement, by numbers of the body, the law, the start and the clock."""
-    free = ["parameters.I1", "friction.mu", "initial.omega3", "time.offset", "time.scale"]
+    free = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3", "time.offset", "time.scale"]
     t = np.array([0.02, 0.05, 0.11])
     n = len(t)
     q = np.tile([0.9, 0.1, 0.3, np.sqrt(1 - 0.91)], (n, 1))
@@ -81,6 +81,20 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
         if kind == "orientation":  # to first order in what is left
             continue
         np.testing.assert_allclose(slopes[:, :, k], expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max())
+
+
+def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
+    """Its height too, which depends on numbers of the body that are free."""
+    t, arm = np.array([0.02, 0.05, 0.11]), np.array([0.01, 0.0, 0.005])
+    free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
+    none = (None,) * 7
+    observation = Observation(tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3)))
+    off, _ = observation.predicted(free)["marker"]
+    changes = [f"{name}={value}" for name, value in free.items()]
+    run = tt.run(tt.load("inverting", changes), until=0.12, output_times=t).trajectory.sel(time=t)
+    height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
+    place = np.stack([run.x.values, run.y.values, height], axis=1)
+    np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ import heyoka as hy
 import numpy as np
 
 from ..awaiting import awaited
+from ..mechanics.contact.body import Body, height
 from ..mechanics.friction import LAWS, Law
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
@@ -178,9 +179,12 @@ class Readings(NamedTuple):
 
 
 def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """What can be read of a state, by name: columns, axes of the body, event functions."""
+    """What can be read of a state, by name: columns, the height of the centre of mass, axes of the body, event
+    functions."""
     form = kind.form
     values = observed(kind.system, form, q, carried, body)
+    if isinstance(body, Body):
+        values |= {"height": height(form.scalars(q, body).z, body)}
     if kind.orientation and form.orientation:
         axes = orientation_of(form, q, carried, body)
         names = [f"{axis}_{c}" for axis in ("first", "third") for c in "xyz"]

@@ -9,8 +9,10 @@ from ..engine.derivatives.numbers import Numbers
 from ..engine.expressions import component
 from ..engine.tangent import Tangents
 from ..errors import InputError, suggestion
+from ..mechanics import rotation
 from ..mechanics.parameter import Parameter
-from ..mechanics.units import METRE, ONE, RADIAN, SECOND
+from ..mechanics.rotation import Quaternion
+from ..mechanics.units import METRE, ONE, SECOND
 from ..problem import Problem
 from .motion import Motion
 
@@ -23,6 +25,7 @@ TIMES = {
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
 TOLERANCE = 1e-11  # of the integrator: data are never better
 MOST_STEPS = 25.0  # per internal unit of time: a canonical inversion takes 9
+CENTRE = ("x", "y", "height")
 AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 
 
@@ -68,8 +71,7 @@ class Observation:
         self.numbers = Numbers(problem, self.own)
         self.second = float(problem.scales.of(SECOND))
         self.marker, self.places = marker, places
-        columns = {c: np.array([float(problem.scales.of(u))]) for c, u in (("x", METRE), ("angle", RADIAN))}
-        self.metre = float(columns["x"][0])
+        self.metre = float(problem.scales.of(METRE))
         self.groups = _groups(problem, seen, places)
         if not self.groups:
             raise InputError(["the table must have theta, an axis, a quaternion, omega3, a place or a marker."])
@@ -87,7 +89,7 @@ class Observation:
             "omega3": ("omega3",),
             "place": ("x", "y"),
             "orientation": AXES,
-            "marker": (*AXES, "x", "y"),
+            "marker": (*AXES, *CENTRE),
         }
         return tuple(dict.fromkeys(name for group in self.groups for name in reads[group]))
 
@@ -162,10 +164,8 @@ class Observation:
             if group == "orientation":
                 return _rotation_between(seen, axes), turn
             arm = axes @ self.marker
-            height = self._height(third)
-            place = np.stack([value["x"], value["y"], height[0] / self.metre], axis=1) * self.metre
-            own = np.stack([slope["x"], slope["y"], 0 * slope["x"]], axis=1) * self.metre
-            own[:, 2] = height[1](moved[1][:, 2])
+            place = np.stack([value[name] for name in CENTRE], axis=1) * self.metre
+            own = np.stack([slope[name] for name in CENTRE], axis=1) * self.metre
             swung = np.cross(turn, arm[:, :, None], axis=1)
             return seen - place - arm, own + swung
         names = {"place": ("x", "y"), "axis": tuple(component(f"u{c}") for c in "xyz")}.get(group, (group,))
@@ -174,11 +174,6 @@ class Observation:
         moves = np.stack([slope[name] for name in names], axis=1) * size
         off = seen - model
         return (np.remainder(off + np.pi, 2 * np.pi) - np.pi if group == "phi" else off), moves
-
-    def _height(self, third: np.ndarray) -> tuple[np.ndarray, Any]:
-        """The height of the centre of mass [m], and how it moves with the axis, of the scenario's own body."""
-        body = self.numbers.problem.body()
-        return body.R - body.c * third[:, 2], lambda moved: -body.c * moved
 
 
 def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:
@@ -215,16 +210,8 @@ def _turn(first: np.ndarray, third: np.ndarray, first_moves: np.ndarray, third_m
 
 def _rotation_between(seen: np.ndarray, axes: np.ndarray) -> np.ndarray:
     """The rotation vector from predicted axes (rows, 3, 3) to measured quaternions (rows, 4), (rows, 3)."""
-    w, x, y, z = seen.T
-    there = np.stack(
-        [
-            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], axis=1),
-            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], axis=1),
-            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1),
-        ],
-        axis=1,
-    )
-    between = there @ axes.transpose(0, 2, 1)
+    there = np.array(rotation.axes(Quaternion(*seen.T)))  # (axes, space, rows)
+    between = there.transpose(2, 1, 0) @ axes.transpose(0, 2, 1)
     sine = (
         np.stack(
             [

@@ -55,7 +55,3 @@ def fit(t: np.ndarray, measured: dict[str, np.ndarray], residuals: dict[str, np.
         words.text(0, 0.5, f"root mean square\n{size:.3g}\n{np.isfinite(off).sum()} numbers", va="center", fontsize=9)
     fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize=8, family="monospace")
     return fig
-
-
-def _label(i: int, off: np.ndarray) -> str:
-    return f"fit {PARTS[i]}" if off.shape[1] > 1 else "fit"
