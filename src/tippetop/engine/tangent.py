@@ -42,7 +42,7 @@ class Kind(NamedTuple):
     flags
         Names of the initial data that are set, and are no numbers.
     order
-        1, or 2: the highest derivative.
+        0, 1 or 2: the highest derivative; 0 for motions alone.
     """
 
     system: System
@@ -238,10 +238,12 @@ class Tangents:
         Of the integrator; 0 is the rounding unit.
     most
         Steps per internal unit of time beyond which a motion counts as one that cannot be integrated; 0: any number.
+    uses
+        How often motions are asked for, about.
     """
 
-    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0):
-        self.kind, self.tolerance, self.most = kind, tolerance, most
+    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0, *, uses: int = 1):
+        self.kind, self.tolerance, self.most, self.uses = kind, tolerance, most, uses
 
     def states(
         self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray, needs: tuple[str, ...] | None = None
@@ -267,7 +269,7 @@ class Tangents:
         wanted = names if needs is None else needs
         lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
-        compact = float(np.abs(times).max(initial=0.0)) * total < SOON
+        compact = float(np.abs(times).max(initial=0.0)) * total * self.uses < SOON
         starts = awaited(lambda: compiled_starts(kind), "the start is being compiled")
         motion: Any = awaited(
             lambda: compiled_motion(kind, lanes, compact, self.tolerance, tuple(wanted)),
