@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from stores import acknowledged, assert_same, ended, files, start_process, wait_until
+from stores import TURNING, acknowledged, assert_same, ended, files, start_process, wait_until
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -16,7 +16,6 @@ from tippetop.scenario import build
 from tippetop.store import provenance, renaming, root, seal
 
 
-TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # for ever
 OUTPUT = {
     "rows": ["run.output_step=0.01"],
     "steps": ["run.output_step=", "run.output=steps"],
