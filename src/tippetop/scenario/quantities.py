@@ -16,13 +16,18 @@ from ..mechanics.units import RADIAN_PER_SECOND, Unit
 PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 LONGEST = 200  # characters
 LARGEST_POWER = 12
+MOST_BITS = 8192  # of numerator and denominator: doubles need 1075 at most
 BINARY: dict[type, Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
-MEASURED = re.compile(r"\s*(?P<number>[-+0-9.eE/*() ]*[0-9.)])\s*(?P<unit>[^\W\d_].*|°.*|%.*)", re.DOTALL)
+MEASURED = re.compile(
+    r"\s*(?P<number>[-+0-9.eE/*() ]*[0-9.)])\s*(?P<unit>(?![eE][-+]?\d)[^\W\d_].*|°.*|%.*)", re.DOTALL
+)
+UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")  # one part of a unit
+EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
 
 
@@ -52,8 +57,10 @@ def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None =
     """
     try:
         return float(_exact(text, key, unit, dict(names or {}), ()))
-    except (ZeroDivisionError, OverflowError):
-        raise InputError([f'`{key}` must be a number, but "{text}" divides by zero or is too large.']) from None
+    except ZeroDivisionError:
+        raise InputError([f'`{key}` must be a number, but "{text}" divides by zero.']) from None
+    except OverflowError:
+        raise InputError([f'`{key}` must be a number in the range of a double, but "{text}" is not.']) from None
 
 
 def _exact(text: str, key: str, unit: Unit, names: dict[str, Any], under: tuple[str, ...]) -> Fraction:
@@ -92,9 +99,12 @@ def _value(node: ast.expr, key: str, text: str, names: dict[str, Any], under: tu
         case ast.Constant(value=bool()):
             pass
         case ast.Constant(value=int() | float()):
-            literal = ast.get_source_segment(text.strip().replace("^", "**"), node)
+            literal = ast.get_source_segment(text.strip().replace("^", "**"), node) or str(node.value)
+            exponent = EXPONENT.search(literal)
+            if exponent and abs(int(exponent[1])) > MOST_BITS // 4:
+                raise OverflowError
             try:
-                return Fraction(literal) if literal else Fraction(str(node.value))
+                return Fraction(literal)
             except ValueError:
                 return Fraction(str(node.value))
         case ast.Name(id=name):
@@ -106,10 +116,19 @@ def _value(node: ast.expr, key: str, text: str, names: dict[str, Any], under: tu
             power = _value(right, key, text, names, under)
             if power.denominator != 1 or abs(power) > LARGEST_POWER:
                 raise InputError([f'`{key}` must have whole powers up to {LARGEST_POWER}, but is "{text}".'])
-            return _value(left, key, text, names, under) ** int(power)
+            base = _value(left, key, text, names, under)
+            _small(base, abs(int(power)))
+            return base ** int(power)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY:
-            return BINARY[type(op)](_value(left, key, text, names, under), _value(right, key, text, names, under))
+            return _small(BINARY[type(op)](*(_value(part, key, text, names, under) for part in (left, right))))
     raise InputError([_wrong(key, text)])
+
+
+def _small(value: Fraction, power: int = 1) -> Fraction:
+    """The number. Raises OverflowError where its power has more digits than can matter."""
+    if max(value.numerator.bit_length(), value.denominator.bit_length()) * power > MOST_BITS:
+        raise OverflowError
+    return value
 
 
 def _named(name: str, key: str, text: str, names: dict[str, Any], under: tuple[str, ...]) -> Fraction:
@@ -130,8 +149,8 @@ def _named(name: str, key: str, text: str, names: dict[str, Any], under: tuple[s
         raise InputError([f'`{key}` must not depend on itself, but "{text}" does, by {name!r}.'])
     value = names[name]
     if isinstance(value, tuple):  # a text, and what it measures
-        return _exact(value[0], f"parameters.{name}", value[1], names, (*under, name))
-    return Fraction(str(value))
+        value = names[name] = _exact(value[0], f"parameters.{name}", value[1], names, (*under, name))
+    return value if isinstance(value, Fraction) else Fraction(str(value))
 
 
 # --- units ------------------------------------------------------------------------------------------------------------
@@ -160,6 +179,8 @@ def _converted(value: Fraction, given: str, key: str, text: str, unit: Unit) -> 
         raise InputError(
             [f'`{key}` must be in rad/s, deg/s or rpm, but "{text}" could be turns or radians per second.']
         )
+    if UNIT.sub("", given):  # numbers and other operations: pint would work them out, however large
+        raise InputError([f'`{key}` must {_must(unit)}, but "{given}" is no unit.'])
     registry = _registry()
     try:
         measured = registry.Quantity(value, given)
