@@ -121,10 +121,10 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError(
             [f"more measurements than free numbers must be there, but are {count} for {len(space.names)}."]
         )
-    found = observation.predicted(space.values(space.start))
-    if not any(np.isfinite(off).any() for off, _ in found.values()):
+    predictions = observation.predicted(space.values(space.start))
+    if not any(np.isfinite(off).any() for off, _ in predictions.values()):
         raise InputError(["the scenario must move over the time of the table, but cannot."])
-    moves = np.concatenate([moves.reshape(-1, len(space.names)) for _, moves in found.values()])
+    moves = np.concatenate([moves.reshape(-1, len(space.names)) for _, moves in predictions.values()])
     sizes = np.sqrt(np.nansum((moves * space.slopes(space.start)) ** 2, axis=0))
     idle = [name for name, size in zip(space.names, sizes, strict=True) if size <= 1e-12 * max(sizes.max(), 1e-300)]
     if idle:

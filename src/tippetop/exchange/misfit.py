@@ -57,10 +57,10 @@ class Misfit:
 
         What was not measured is left out; what cannot be computed is `WORST`, and stays."""
         self.evaluations += len(points)
-        found = self.observation.predictions([self.space.values(p) for p in points], slice(0, rows), slopes=slopes)
+        parts = self.observation.predictions([self.space.values(p) for p in points], slice(0, rows), slopes=slopes)
         residuals, jacobians = [], []
         chain = np.array([self.space.slopes(p) for p in points])[:, None, :]
-        for group, (off, moves) in found.items():
+        for group, (off, moves) in parts.items():
             weight = self.weights[group]
             given = np.isfinite(self.observation.groups[group][:rows]).all(axis=1)
             r = (off[:, given] * weight).reshape(len(points), -1)
@@ -74,11 +74,11 @@ class Misfit:
 
     def rows(self, rows: int) -> np.ndarray:
         """The row of each residual of the first rows."""
-        found = []
+        rows_of = []
         for group, seen in self.observation.groups.items():
             given = np.flatnonzero(np.isfinite(seen[:rows]).all(axis=1))
-            found.append(np.repeat(given, self.observation.parts(group)))
-        return np.concatenate(found)
+            rows_of.append(np.repeat(given, self.observation.parts(group)))
+        return np.concatenate(rows_of)
 
     def weigh(self, point: np.ndarray) -> None:
         """Weighs each kind of measurement by its own noise."""

@@ -120,14 +120,14 @@ class Observation:
         """The same for many sets of values at once, along a first axis; without `slopes` the moves are None."""
         t, k = self.t[rows], len(points)
         value, slope = self._read(points, t, slopes=slopes)
-        found: dict[str, tuple[np.ndarray, Any]] = {}
+        parts: dict[str, tuple[np.ndarray, Any]] = {}
         for group, seen in self.groups.items():
             off, moves = self._residual(group, np.tile(seen[rows], (k, 1)), value, slope)
-            found[group] = (
+            parts[group] = (
                 off.reshape(k, len(t), -1),
                 moves if moves is None else moves.reshape(k, len(t), *moves.shape[1:]),
             )
-        return found
+        return parts
 
     def curves(self, values: dict[str, float]) -> dict[str, np.ndarray]:
         """What is predicted, as it was measured, by group, (rows, parts); of an orientation nothing."""

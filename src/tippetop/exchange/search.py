@@ -26,7 +26,7 @@ WIDER = 1.5  # standard errors: how far they are
 COARSE = 0.12  # step, in the coordinates of the search
 BRANCHES, APART = 3, 6.0  # of them that are improved, and how far apart these are, in standard errors of the window
 STEPS, LAST_STEPS = 6, 30  # at most, of an improvement over a window; over all of the data
-ENOUGH, EXACT = 0.05, 1e-7  # variances of the noise by which the last step of these lowers the cost at most
+COARSE_END, LAST_END = 0.05, 1e-7  # variances of the noise by which the last step of these lowers the cost at most
 LONGEST = 0.3  # step
 FAR = 0.4  # how far off other starts are
 SAMPLES = 512  # others, of which the best are followed
@@ -160,13 +160,13 @@ def _improved(misfit: Misfit, point: np.ndarray, start: np.ndarray, rows: int, *
     for _ in range(LAST_STEPS if last else STEPS):
         step = _step(misfit, point, residual, jacobian, size, damping, keep, start)
         new = misfit.space.clipped(point + step)
-        found, moves, value = at(new, size, keep)
+        residual_there, moves, value = at(new, size, keep)
         gain = cost - value
         if gain >= 0:
-            point, residual, jacobian, cost, damping = new, found, moves, value, damping / 10
+            point, residual, jacobian, cost, damping = new, residual_there, moves, value, damping / 10
         else:
             damping = max(damping, 1e-8) * 10
-        if (0 <= gain < (EXACT if last else ENOUGH) * variance) or damping > 1e6:
+        if (0 <= gain < (LAST_END if last else COARSE_END) * variance) or damping > 1e6:
             break
         variance = (cost - keep * _square(point - start)) / max(len(residual) - free, 1)
     plain = cost - keep * _square(point - start)
