@@ -49,13 +49,13 @@ class Room(NamedTuple):
     state: np.ndarray  # (5,)
     values: np.ndarray  # (5, n)
     slopes: np.ndarray
-    newer: np.ndarray
+    row: np.ndarray  # (n,)
     ends: np.ndarray  # (MOST_PARTS + 1,)
 
 
 def new_room(nodes: int, number: Any) -> Room:
     """Room for so many nodes."""
-    shapes = (9,), (7,), (5,), (5, nodes), (5, nodes), (5, nodes), (MOST_PARTS + 1,)
+    shapes = (9,), (7,), (5,), (5, nodes), (5, nodes), (nodes,), (MOST_PARTS + 1,)
     return Room(*(np.array(np.zeros(shape), dtype=number) for shape in shapes))
 
 
@@ -90,49 +90,75 @@ def _slopes(room, K, z, law, at, k):
 
 
 @formula
-def _sizes(room, h):
-    """What rounding is relative to: velocities to the largest of them, impulse, works to the larger."""
-    speed, impulse, work = abs(h), 0 * h, 0 * h
-    for k in range(room.values.shape[1]):
-        speed = max(speed, abs(room.values[V_E, k]), abs(room.values[V_2, k]))
-        impulse = max(impulse, abs(room.values[IMPULSE, k]))
-        work = max(work, abs(room.values[WORK_N, k]), abs(room.values[WORK_T, k]))
+def _sizes(h, speed, impulse, work):
+    """What rounding is relative to, of the largest values of a step: velocities to the largest of them, impulse, works
+    to the larger."""
+    speed = max(speed, abs(h))
     return speed + 1e-300, impulse + 1e-300, max(work, abs(h) * impulse) + 1e-300
+
+
+@formula
+def _sweep_in_loops(room, nodes, K, z, start, h, law):
+    """`_sweep`, for numba."""
+    n, values, slopes, row = len(nodes.x), room.values, room.slopes, room.row
+    least, change, last = math.inf, 0.0, 0.0
+    speed, impulse, work = 0 * h, 0 * h, 0 * h
+    for k in range(n):
+        _slopes(room, K, z, law, start + h * nodes.x[k], k)
+        least = min(least, float(slopes[IMPULSE, k]))
+        speed = max(speed, abs(values[V_E, k]), abs(values[V_2, k]))
+        impulse = max(impulse, abs(values[IMPULSE, k]))
+        work = max(work, abs(values[WORK_N, k]), abs(values[WORK_T, k]))
+    sizes = _sizes(h, speed, impulse, work)
+    for f in range(5):
+        size = sizes[0] if f < IMPULSE else sizes[1] if f == IMPULSE else sizes[2]
+        for k in range(n):
+            row[k] = 0 * h
+        for i in range(n):
+            slope, part = slopes[f, i], nodes.integral[i]
+            for k in range(n):
+                row[k] = row[k] + slope * part[k]
+        for k in range(n):
+            value = room.state[f] + h * row[k]
+            change = _greater(change, float(abs(value - values[f, k]) / size))
+            values[f, k] = value
+        for j in range(2):
+            total = 0 * h
+            for i in range(n):
+                total = total + values[f, i] * nodes.last[i, j]
+            last = _greater(last, float(abs(total) / size))
+    return change, least, last
+
+
+def _sweep(room, nodes, K, z, start, h, law):
+    """One more approximation of a step, into room.values. Gives the largest change, relative to `_sizes`, the least
+    impulse per v_n, and the largest of the last two coefficients."""
+    values = room.values
+    _slopes(room, K, z, law, start + h * nodes.x, slice(None))
+    most = np.max(np.abs(values), axis=1)
+    sizes = _sizes(h, max(most[:IMPULSE]), most[IMPULSE], max(most[WORK_N:]))
+    size = np.array([sizes[0], sizes[0], sizes[1], sizes[2], sizes[2]])[:, None]
+    newer = room.state[:, None] + h * (room.slopes @ nodes.integral)
+    change = float(np.max(np.abs(newer - values) / size))
+    values[:] = newer
+    return change, float(np.min(room.slopes[IMPULSE])), float(np.max(np.abs(values @ nodes.last) / size))
+
+
+_sweep.for_numba = lambda law: _sweep_in_loops  # type: ignore[attr-defined]  # numbers of other kinds have no numba
+formula(_sweep)
 
 
 @formula
 def _swept(room, nodes, K, z, law, start, h, eps):
     """One step from room.state: its values at the nodes, in room.values. Gives how it went."""
-    n, values, slopes, newer, before = len(nodes.x), room.values, room.slopes, room.newer, math.inf
+    before = math.inf
     for f in range(5):
-        for k in range(n):
-            values[f, k] = room.state[f]
+        for k in range(len(nodes.x)):
+            room.values[f, k] = room.state[f]
     for _ in range(SWEEPS):
-        least, change, last = math.inf, 0.0, 0.0
-        for k in range(n):
-            _slopes(room, K, z, law, start + h * nodes.x[k], k)
-            least = min(least, float(slopes[IMPULSE, k]))
-        if not 0 < slopes[IMPULSE, 0] < math.inf:
+        change, least, last = _sweep(room, nodes, K, z, start, h, law)
+        if not 0 < room.slopes[IMPULSE, 0] < math.inf:
             return UNSOLVED
-        sizes = _sizes(room, h)
-        for f in range(5):
-            size = sizes[0] if f < IMPULSE else sizes[1] if f == IMPULSE else sizes[2]
-            row = newer[f]
-            for k in range(n):
-                row[k] = 0 * h
-            for i in range(n):
-                slope, part = slopes[f, i], nodes.integral[i]
-                for k in range(n):
-                    row[k] = row[k] + slope * part[k]
-            for k in range(n):
-                value = room.state[f] + h * row[k]
-                change = _greater(change, float(abs(value - values[f, k]) / size))
-                values[f, k] = value
-            for j in range(2):
-                total = 0 * h
-                for i in range(n):
-                    total = total + values[f, i] * nodes.last[i, j]
-                last = _greater(last, float(abs(total) / size))
         if change <= SMALL * eps or (change < 50 * eps and change >= before):
             return ENDED if least > 0 and last <= UNRESOLVED * eps else STIFF
         if not change < 1e3 * max(before, 1e-3):
