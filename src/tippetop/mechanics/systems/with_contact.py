@@ -35,6 +35,9 @@ ROUTH: dict[str, Callable] = {"tippe-top": routh}
 
 OUTLOOKS: dict[str, Callable] = {"tippe-top": tippe_top_with_contact}
 
+STEMMED = "tippe-top"
+"""The one that may have a stem."""
+
 PLANAR = ("gliding-cylinder",)
 """Those that move in a plane."""
 
