@@ -102,8 +102,8 @@ def patch_struck(
 
 P_Z, WORK_N = 3, 7
 
-MOST_STEPS = 100_000
-"""A patch that hardly drills is stiff: thousands of steps."""
+MOST_STEPS = 20_000
+"""A patch that hardly drills is stiff: thousands of steps, of 2 ms each."""
 
 
 class _Way:
