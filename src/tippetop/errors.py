@@ -51,6 +51,22 @@ def a_system(name: str) -> str:
     return f"a{'n' if name[0] in 'aeiou' else ''} {name.replace('-', ' ')}"
 
 
+EXTRAS = {
+    "matplotlib": "figures",
+    **dict.fromkeys(("numba", "llvmlite", "scipy"), "grids"),
+    **dict.fromkeys(("distributed", "dask", "cryptography"), "sweep"),
+    **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
+}
+"""What an import may miss: the extra of this package that brings it."""
+
+
+def missing_extra(error: ImportError) -> str | None:
+    """The sentence on an import that failed because an extra is not installed; None where that is not why."""
+    name = (error.name or "").partition(".")[0]
+    extra = EXTRAS.get(name)
+    return f"this must find {name}, but it is not installed: pip install 'tippetop[{extra}]'." if extra else None
+
+
 class Interrupted(Exception):
     """The run was asked to stop, and stopped at a commit: its store can be resumed."""
 
