@@ -22,8 +22,6 @@ from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
-import llvmlite
-import llvmlite.binding as llvm
 import numpy as np
 
 
@@ -87,7 +85,8 @@ def _described(kind: Any, modules: set[str]) -> str:
     if isinstance(kind, type):
         return kind.__name__
     name = _public(kind.py_func, modules)
-    return f"{name} {sorted(kind.options.items())} [{', '.join(_described(stage, modules) for stage in kind.stages)}]"
+    stages = ", ".join(_described(stage, modules) for stage in kind.stages)
+    return f"{name} {kind.apart} {sorted(kind.options.items())} [{stages}]"
 
 
 def _public(thing: Any, modules: set[str]) -> str:
@@ -129,10 +128,12 @@ def files() -> bytes:
 @functools.cache
 def _software() -> tuple[str, ...]:
     """Versions and settings."""
+    from llvmlite import __version__ as llvmlite_version
+
     given = Path(".numba_config.yaml")
     written = given.read_text() if given.is_file() else ""
     settings = {name: value for name, value in os.environ.items() if name.startswith("NUMBA_") and name not in IDLE}
-    versions = (*_installed(), llvmlite.__version__, np.__version__, sys.version, platform.platform())
+    versions = (*_installed(), llvmlite_version, np.__version__, sys.version, platform.platform())
     return (*versions, repr(sorted(settings.items())), written)
 
 
@@ -157,6 +158,8 @@ def _teaches(folder: str) -> bool:
 
 @functools.cache
 def _processor() -> tuple[str, ...]:
+    import llvmlite.binding as llvm
+
     return llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
@@ -185,7 +188,7 @@ def _in_memory(value: Any, modules: set[str]) -> str:
         return value.__name__
     if hasattr(value, "py_func") and not isinstance(value, type):
         stages = [_in_memory(stage, modules) for stage in value.stages]
-        return f"{_in_memory(value.py_func, modules)} {sorted(value.options.items())} {stages}"
+        return f"{_in_memory(value.py_func, modules)} {value.apart} {sorted(value.options.items())} {stages}"
     for inner in ("_defn", "__wrapped__"):  # intrinsics; what functools wraps
         if isinstance(function := getattr(value, inner, None), FunctionType):
             return _in_memory(function, modules)

@@ -2,6 +2,7 @@
 
 import copy
 import dataclasses
+import itertools
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -18,13 +19,16 @@ from tippetop.engine.slices import Driver
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.engine.wide import SliceDriver
+from tippetop.ensembles import ensemble as tippetop_ensemble
 from tippetop.ensembles.lanes import Lanes
+from tippetop.ensembles.turns import new_tops
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import Solution, solve
 from tippetop.runs.sinks import Memory, Nowhere
 from tippetop.scenario import build, reading
+from tippetop_kernels import jit
 
 
 ENDLESS = 1 << 40
@@ -120,23 +124,16 @@ IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
 class Seen:
     """An observer of lanes that keeps every sample of every top."""
 
-    def __init__(self, n: int, lanes: Lanes):
+    def __init__(self, n: int):
         self.samples: list[list[np.ndarray]] = [[] for _ in range(n)]
-        self.final, self.lanes = {}, lanes  # type: ignore[var-annotated]
-        self.steps: dict[int, int] = {}
-
-    def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
-        events = len(self.lanes.rows.events)
-        return np.ones(events), np.zeros(events, bool)
+        self.done = 0
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         for top, state in zip(tops, states.T, strict=True):
             self.samples[top].append(state.copy())
 
-    def done(self, lane: int, status: Status) -> None:
-        top = int(self.lanes.top[lane])
-        assert status is Status.FINISHED
-        self.final[top], self.steps[top] = self.lanes.final[lane].copy(), int(self.lanes.tallies.lane[lane]["steps"])
+    def ended(self, count: int) -> None:
+        self.done += count
 
 
 @pytest.mark.parametrize("lanes", [1, 4, 8])
@@ -148,10 +145,14 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
     spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
-    mine = Lanes(tops, lanes)
+    mine = Lanes(tops, lanes, every=1)
     assert mine.machine is not None
-    mine.rules = mine.rules._replace(every=1)
-    mine.run(iter(range(n)), seen := Seen(n, mine))
+    signs = np.ones((n, len(mine.rows.events)))
+    made = new_tops(tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows)
+    numbers = iter(range(n))
+    mine.run(made, lambda empty: np.array([*itertools.islice(numbers, empty)], int), seen := Seen(n))
+    assert seen.done == n
+    assert np.all(made.lane["status"] == Status.FINISHED.code)
     theirs = copy.deepcopy(compiling.compiled(
         base.system, "vector", type(base.friction), "double", base.tolerance, lanes, False, False
     ).integrator)  # fmt: skip
@@ -165,9 +166,9 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
         for lane, top in enumerate(some.tolist()):
             moved = np.diff(output.times[:, lane]) > 0
             ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
-            assert seen.steps[top] == len(ends)
+            assert made.lane["steps"][top] == len(ends)
             assert same_bits(np.array(seen.samples[top]), ends)
-            assert same_bits(seen.final[top], theirs.state[:, lane])
+            assert same_bits(made.final[:, top], theirs.state[: len(made.final), lane])
 
 
 # --- the way without machine code -------------------------------------------------------------------------------------
@@ -235,6 +236,20 @@ def test_without_machine_code_a_run_is_the_same(
     request.getfixturevalue("unlike")
     assert isinstance(driver_of(made), SliceDriver)
     compared(usual, solve(made))
+
+
+@pytest.mark.filterwarnings("ignore:numba is not installed")
+def test_without_numba_runs_are_the_same_and_ensembles_are_refused(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = build.load("inverting", None, 0.1)
+    usual = solve(made)
+    request.getfixturevalue("unloadable")
+    monkeypatch.setattr(jit, "HAS_NUMBA", False)
+    monkeypatch.setattr(tippetop_ensemble, "HAS_NUMBA", False)
+    compared(usual, solve(made))
+    with pytest.raises(tippetop.InputError, match=r"tippetop\[grids\]"):
+        tippetop.ensemble("inverting", {"initial.omega3": np.array([120.0, 155.0])}, until=0.1)
 
 
 def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: pytest.FixtureRequest) -> None:

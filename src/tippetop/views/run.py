@@ -13,7 +13,7 @@ from ..runs.shape import body_of, is_planar, shape
 from ..store import chunks
 from . import formulas, pages, thinning
 from .given import encoded
-from .samples import needed, plain, samples
+from .samples import needed, plain, samples, without
 
 
 MOST = 200_000  # samples of a page: 20 MB; with more it would not open within two seconds
@@ -43,6 +43,8 @@ def refuse(attrs: dict[str, Any], what: str) -> None:
         raise InputError(
             ["a page needs the column `orientation`, which this run has not kept: say run.orientation = true."]
         )
+    if missing := ", ".join(f"`{name}`" for name in without(attrs)):
+        raise InputError([f"a page must have the columns {missing}, which this run has not kept: see its run.columns."])
     if attrs["run"].get("output") == "keyframes" and "replay" not in attrs:
         raise InputError(["a page is made of rows, and this run keeps none: replay a part of it."])
 
@@ -153,5 +155,5 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     ]
 
 
-def _number(value: float) -> float:
-    return float(value) if np.isfinite(value) else 0.0
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
