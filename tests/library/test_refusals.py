@@ -187,6 +187,17 @@ def test_a_top_of_another_name_is_still_a_top() -> None:
     assert tt.potential("inverting", 0.5, D=3e-4, lam=4e-6).equals(tt.potential(problem, 0.5, D=3e-4, lam=4e-6))
 
 
+def test_a_page_says_which_columns_it_lacks() -> None:
+    """`run.orientation = true` is no remedy where the run keeps other columns."""
+    run = tt.run("inverting", until=0.05, columns=["theta", "orientation"])
+    with pytest.raises(
+        tt.InputError, match=r"a page must have the columns `axis`, `L`, .* which this run has not kept"
+    ):
+        run.view()
+    needed = ["theta", "orientation", "axis", "L", "omega3", "phi", "nu_x", "nu_y", "x", "y", "routh", "jellett"]
+    assert tt.run("inverting", until=0.05, columns=needed).view()
+
+
 def test_a_record_is_read_only() -> None:
     from tippetop.runs.results import Record
 

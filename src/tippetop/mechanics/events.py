@@ -30,30 +30,68 @@ ON_ZERO_FOR = 1e-6
 
 
 class Kept(NamedTuple):
-    """A number that is kept of the passages of an event, of every run and of every top of an ensemble."""
+    """A number that is kept of the passages of an event, of every run and of every top of an ensemble.
 
-    name: str  # of the column
-    what: str  # "first" or "last": the time of that passage [s], NaN if there is none; "count": how many there are
+    Parameters
+    ----------
+    name : str
+        Of the number in `run.summary.kept`, and of the column of an ensemble.
+    what : str
+        "first" or "last": the time of that passage [s], NaN if there is none; "count": how many there are.
+    long_name : str
+        What it is, in words.
+    direction : int
+        The passages that are meant: +1 rising ones, -1 falling ones, 0 all that the event detects.
+    """
+
+    name: str
+    what: str
     long_name: str
-    direction: int = 0  # the passages that are meant: +1 rising ones, -1 falling ones, 0 all that the event detects
+    direction: int = 0
 
 
 @dataclass(frozen=True)
 class Event:
-    """A zero of formula(scalars, b), in internal units; the formula is regular and of order one.
+    """A zero of formula(scalars, b) along a run.
 
-    Developers: write it with the sub-expressions of the equations of motion; then it costs no further product.
+    Parameters
+    ----------
+    name : str
+        The kind, as the log and `run.events` have it.
+    long_name : str
+        What happens, in words.
+    formula : callable
+        formula(s, b), under `@formula`: `s` are the scalars of a state, `b` is the body, in units in which mass, length
+        and time of the body are about 1. It must be regular: finite, with derivatives, wherever the run goes; and of
+        order one: its values are neither millions nor millionths.
+    direction : int
+        +1: rising zeros only; -1: falling ones only; 0: all.
+    ends : str, optional
+        The status of a run that the event ends (unless `on_liftoff` says "continue"): liftoff, fallen; any other word
+        gives `ended`. Without, it ends none.
+    sense : int
+        Of the turnings of theta: +1 if the formula has the sign of theta', -1 if the opposite. 0: it is no turning.
+    lasting : bool
+        Whether a passage is significant only if the function stays beyond its zero to the end of the run.
+    extremes : str
+        The quantity that the function is, if its least and greatest values are to be reported.
+    kept : tuple of Kept
+        What is kept of its passages.
+
+    Notes
+    -----
+    Of the events of a system one may have a `sense`, one may be `lasting`, one may have `extremes`. A formula written
+    with the sub-expressions of the equations of motion costs no further product.
     """
 
-    name: str  # the kind, as the log and `run.events` have it
+    name: str
     long_name: str
     formula: Callable
-    direction: int = 0  # -1, 0, +1: only falling zeros, all, only rising ones
-    ends: str | None = None  # status of a run that it ends, unless the user says `continue`; None: it ends none
-    sense: int = 0  # of turnings of theta: +1 if the formula has the sign of theta', -1 if the opposite; 0: no turning
-    lasting: bool = False  # significant only if the function stays beyond its zero to the end of the run
-    extremes: str = ""  # the quantity that the function is, if its least and greatest values are kept
-    # one event of a phase may have a sense, one may be lasting, one may have extremes: `consistency.rivals`
+    direction: int = 0
+    ends: str | None = None
+    sense: int = 0
+    lasting: bool = False
+    extremes: str = ""
     kept: tuple[Kept, ...] = ()
 
 

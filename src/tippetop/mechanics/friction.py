@@ -112,10 +112,20 @@ def frictionless(v2, z, law):
 
 
 class Law(NamedTuple):
-    """What the user names in [friction]: the record of the law, the numbers that it takes, and its k(v2, z, law).
+    """A friction law F_h = -k g_n v_A: what `[friction] law` names.
 
-    coefficient(v2, z, law) [s/m], marked `@formula`, takes v2 = |v_A|^2 and z = cos(theta), written with `operand`'s
-    functions; F_h = -k g_n v_A. A law that is no multiple of g_n v_A (`cylinder.modified_force`) has none.
+    Parameters
+    ----------
+    record : type
+        A NamedTuple whose fields are the numbers of the law.
+    parameters : dict of Parameter
+        What must hold of each number, by the name of its field.
+    long_name : str
+        The law in words or as a formula.
+    coefficient : callable
+        k(v2, z, law) [s/m] under `@formula`: v2 = |v_A|^2 [m^2/s^2], z = cos(theta), law the record. It must be finite,
+        at rest too, and not negative. A law that is no multiple of g_n v_A (the modified reaction of a cylinder) has
+        none.
     """
 
     record: type

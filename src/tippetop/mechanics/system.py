@@ -78,7 +78,36 @@ def _same(value: Any) -> Any:
 
 @dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
 class System:
-    """A mechanical system: everything that the rest of the package needs to know of it."""
+    """A mechanical system: everything that the rest of the package needs to know of it.
+
+    `replace` makes another one from it. What each field is, and must be, says docs/how-to/a-system.md.
+
+    Parameters
+    ----------
+    name, title, source : str
+        The name in TOML; what it is; where it is published.
+    parameters, initial : dict of Parameter
+        The numbers of the body and of the start, by name.
+    body, body_units : callable
+        body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units; body_units(units of the
+        friction record) -> the same, filled with units.
+    scales : callable
+        scales(b) -> the mass [kg] and the length [m] that are 1 while it is integrated.
+    normalised_to : dict of float
+        What of `b` is 0 or 1 in these units, whatever the numbers are.
+    start : callable
+        start(data, sin_theta, cos_theta, b) -> the record of angles, SI; data: the initial numbers that were given.
+    angles : NamedTuple
+        What people read of a state, each field filled with its unit; `start` gives such a record.
+    phases : dict of Phase
+        Forms of the equations, quantities and events, of each way of touching the plane.
+    integrals : tuple of str
+        The quantities that are conserved: their drift is reported.
+    long_names : dict of str
+        Words for the fields of `angles` and for `vectors`.
+    **others
+        Each has a default, under which nothing is said: no friction laws, no theory, no landscape.
+    """
 
     name: str
     title: str

@@ -34,14 +34,11 @@ def without(attrs: dict[str, Any]) -> list[str]:
     if kept is None:
         return []
     system, places = plain(attrs), ("phase", "ball") if "contact" in attrs else ()
-    all_columns = {
-        *system.angles._fields,
-        *system.vectors,
-        *(q.name for q in system.quantities),
-        "orientation",
-        *places,
-    }
+    own = {*system.angles._fields, *system.vectors, *(quantity.name for quantity in system.quantities)}
     spared = {"time", "normal_force", *well_columns(attrs)[-1:]}
+    spared |= {"theta_dot"} if system.vectors else set()
+    spared |= set() if "nu_x" in own else {"phi"}
+    all_columns = {*own, "orientation", *places}
     return [name for name in needed(attrs) if name in all_columns - spared - set(kept)]
 
 
