@@ -1,4 +1,6 @@
-"""How Sphinx makes the book: python -m sphinx -W -b html docs build/book."""
+"""How Sphinx makes the manual: python -m sphinx -W -b html docs build/manual."""
+
+from typing import Any
 
 import tippetop
 
@@ -9,7 +11,7 @@ copyright = "2026, tippetop developers"
 version = release = tippetop.__version__
 
 extensions = [
-    "myst_nb",  # pages are notebooks: every number and picture is computed while the book is made
+    "myst_nb",  # pages are notebooks: every number and picture is computed while the manual is made
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "numpydoc",
@@ -20,10 +22,11 @@ extensions = [
 myst_enable_extensions = ["amsmath", "attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nb_execution_mode = "cache"
-nb_execution_cache_path = "../build/book-cache"
+nb_execution_cache_path = "../build/manual-cache"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
+nb_render_markdown_format = "gfm"
 numpydoc_show_class_members = False
 autodoc_typehints = "none"
 autosummary_generate = True
@@ -33,3 +36,13 @@ html_title = f"tippetop {version}"
 html_extra_path = ["playground.html"]
 html_show_sourcelink = False
 exclude_patterns = ["_build"]
+
+
+def _formulas_as_text(app: object, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """|v_A| in a docstring is a formula, not a substitution of reStructuredText."""
+    lines[:] = [line.replace("|", r"\|") for line in lines]
+
+
+def setup(app: Any) -> None:
+    """What Sphinx calls first."""
+    app.connect("autodoc-process-docstring", _formulas_as_text, priority=100)

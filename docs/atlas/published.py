@@ -312,7 +312,7 @@ TABLE: dict[str, tuple[Published, ...]] = {
         P("C1, sliding stops", "0.0392357743555808144", _dry("C1", "stick"), S),
         P("C1, θ there", "0.0419599070366", _dry("C1", "stick", "theta"), RAD, 10),
         P("C3, liftoff", "0.0247646188905308", _dry("C3", "liftoff"), S),
-        P("C3, landing", "0.0902782512366346", _dry("C3", "landing"), S),
+        P("C3, landing", "0.0902782512366346", _dry("C3", "impact"), S),
         P("C3, sliding stops", "0.0918574789470826", _dry("C3", "stick"), S, 1e5),
         P("C6, the slip reverses", "0.2300749674224018", _dry("C6", "reversal"), S),
         P("C6, sliding stops", "0.3302954448145226", _dry("C6", "stick"), S),

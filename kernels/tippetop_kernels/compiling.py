@@ -64,10 +64,12 @@ class _Whole(_Part):
 class _Compiler(_Plain):
     """Compiles a kernel into a part of what calls it."""
 
+    apart = False  # whether its arrays share no memory
+
     def _compile_core(self, args: Any, return_type: Any) -> Any:
         flags: Any = compiler.Flags()
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
-        flags.no_compile = True
+        flags.no_compile, flags.noalias = True, self.apart
         context = self.targetdescr.target_context
         library = _Part(context.codegen(), self.py_func.__qualname__)
         result = compiler.compile_extra(
@@ -96,6 +98,7 @@ def part(kernel: Any) -> Any:
     function._compiler = _Compiler(
         whole.py_func, whole.targetdescr, whole.targetoptions, whole.locals, whole.pipeline_class
     )
+    function._compiler.apart = kernel.apart
     if kernel.stages:
         function.stages = kernel.stages
     return function

@@ -87,7 +87,8 @@ def _described(kind: Any, modules: set[str]) -> str:
     if isinstance(kind, type):
         return kind.__name__
     name = _public(kind.py_func, modules)
-    return f"{name} {sorted(kind.options.items())} [{', '.join(_described(stage, modules) for stage in kind.stages)}]"
+    stages = ", ".join(_described(stage, modules) for stage in kind.stages)
+    return f"{name} {kind.apart} {sorted(kind.options.items())} [{stages}]"
 
 
 def _public(thing: Any, modules: set[str]) -> str:
@@ -185,7 +186,7 @@ def _in_memory(value: Any, modules: set[str]) -> str:
         return value.__name__
     if hasattr(value, "py_func") and not isinstance(value, type):
         stages = [_in_memory(stage, modules) for stage in value.stages]
-        return f"{_in_memory(value.py_func, modules)} {sorted(value.options.items())} {stages}"
+        return f"{_in_memory(value.py_func, modules)} {value.apart} {sorted(value.options.items())} {stages}"
     for inner in ("_defn", "__wrapped__"):  # intrinsics; what functools wraps
         if isinstance(function := getattr(value, inner, None), FunctionType):
             return _in_memory(function, modules)

@@ -2,6 +2,7 @@
 
 import copy
 import dataclasses
+import itertools
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -19,6 +20,7 @@ from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.engine.wide import SliceDriver
 from tippetop.ensembles.lanes import Lanes
+from tippetop.ensembles.turns import new_tops
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
@@ -120,23 +122,16 @@ IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
 class Seen:
     """An observer of lanes that keeps every sample of every top."""
 
-    def __init__(self, n: int, lanes: Lanes):
+    def __init__(self, n: int):
         self.samples: list[list[np.ndarray]] = [[] for _ in range(n)]
-        self.final, self.lanes = {}, lanes  # type: ignore[var-annotated]
-        self.steps: dict[int, int] = {}
-
-    def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
-        events = len(self.lanes.rows.events)
-        return np.ones(events), np.zeros(events, bool)
+        self.done = 0
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         for top, state in zip(tops, states.T, strict=True):
             self.samples[top].append(state.copy())
 
-    def done(self, lane: int, status: Status) -> None:
-        top = int(self.lanes.top[lane])
-        assert status is Status.FINISHED
-        self.final[top], self.steps[top] = self.lanes.final[lane].copy(), int(self.lanes.tallies.lane[lane]["steps"])
+    def ended(self, count: int) -> None:
+        self.done += count
 
 
 @pytest.mark.parametrize("lanes", [1, 4, 8])
@@ -148,10 +143,14 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
     spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
-    mine = Lanes(tops, lanes)
+    mine = Lanes(tops, lanes, every=1)
     assert mine.machine is not None
-    mine.rules = mine.rules._replace(every=1)
-    mine.run(iter(range(n)), seen := Seen(n, mine))
+    signs = np.ones((n, len(mine.rows.events)))
+    made = new_tops(tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows)
+    numbers = iter(range(n))
+    mine.run(made, lambda empty: np.array([*itertools.islice(numbers, empty)], int), seen := Seen(n))
+    assert seen.done == n
+    assert np.all(made.lane["status"] == Status.FINISHED.code)
     theirs = copy.deepcopy(compiling.compiled(
         base.system, "vector", type(base.friction), "double", base.tolerance, lanes, False, False
     ).integrator)  # fmt: skip
@@ -165,9 +164,9 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
         for lane, top in enumerate(some.tolist()):
             moved = np.diff(output.times[:, lane]) > 0
             ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
-            assert seen.steps[top] == len(ends)
+            assert made.lane["steps"][top] == len(ends)
             assert same_bits(np.array(seen.samples[top]), ends)
-            assert same_bits(seen.final[top], theirs.state[:, lane])
+            assert same_bits(made.final[:, top], theirs.state[: len(made.final), lane])
 
 
 # --- the way without machine code -------------------------------------------------------------------------------------

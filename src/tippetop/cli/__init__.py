@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 from cyclopts import App, CycloptsError
 
 from .. import awaiting
-from . import exchange, host, landscape, plot, reconstruct, run, show, streams, sweep, usage, view
+from . import exchange, host, landscape, plot, reconstruct, reference, run, show, streams, sweep, usage, view
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
@@ -29,7 +29,8 @@ app = App(
         "Tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane: integrated to rounding, with "
         "their events, stored, checked and drawn.\n\n"
         "A first run: `tippetop run inverting --figure inverting.png`. `tippetop presets` lists the scenarios to start "
-        "from, `tippetop systems` what a scenario may contain. The manual is README.md and docs/ of the source."
+        "from, `tippetop new` writes one with every key, `tippetop help` explains them. The manual is README.md and "
+        "docs/ of the source."
     ),
     version_flags=["--version"],
     version=lambda: _version(),
@@ -38,10 +39,11 @@ app = App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
 )
-MODULES = (run, landscape, sweep, plot, show, view, exchange, reconstruct)
+MODULES = (run, landscape, sweep, plot, show, view, exchange, reconstruct, reference)
+TEXT_ONLY = (*show.TEXT_ONLY, *reference.COMMANDS)
 for module in MODULES:
     for command in module.COMMANDS:
-        app.command(command if command in show.TEXT_ONLY else host.prepared(command))
+        app.command(command if command in TEXT_ONLY else host.prepared(command))
 
 
 def _commands() -> list[str]:
@@ -69,8 +71,7 @@ def _terminate(*_: Any) -> NoReturn:
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Runs the command line and exits: 0 done, 1 a bug, 2 usage or configuration, 3 the physics stopped it, 4 the
-    accuracy contract was broken, 5 store or disk, 6 failed chunks, 130 and 143 interrupted."""
+    """Runs the command line and exits with one of `reference.EXIT_CODES`."""
     streams.ready()
     gc.set_threshold(100_000)  # to look a hundred times through what is imported takes a tenth of a start
     signal.signal(signal.SIGTERM, _terminate)

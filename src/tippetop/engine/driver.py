@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tippetop_kernels.compiled_step import call, call_dense, call_step
-from tippetop_kernels.jit import entry, inlined
+from tippetop_kernels.jit import apart, entry, inlined
 
 from .observer import take_step
 from .status import Status
@@ -83,7 +83,7 @@ def drive(step, dense, motion, events, tallies, log, samples, scratch, rows, rul
     while True:
         full = _rows(dense, motion, tallies, rows, steps > 0)
         full = full or (len(log.time) > 0 and log.filled[0] + room > len(log.time))
-        full = full or (len(samples.lane) > 0 and samples.filled[0] + len(motion.h) > len(samples.lane))
+        full = full or (len(samples.top) > 0 and samples.filled[0] + len(motion.h) > len(samples.top))
         if steps == most or ended or full:
             return steps
         begin_step(motion, tallies)
@@ -113,15 +113,16 @@ def begin_step(motion, tallies):
 @inlined
 def end_step(motion, events, rules, tallies, log, samples, scratch):
     """Takes in the step that was made; gives whether a run has ended."""
-    ended = False
+    ended, finite = False, scratch.quiet
+    _add(motion.high, motion.low, motion.h, finite)
+    for i in range(len(motion.state)):
+        _look(motion.state[i], finite)
     for lane in range(len(motion.h)):
-        if tallies.lane[lane].status == RUNNING:
-            _add(motion, lane)
-            if not _is_finite(motion, lane):
-                tallies.lane[lane].status = NON_FINITE
-                for i in range(len(motion.state)):
-                    motion.state[i, lane] = motion.before[i, lane]
-                motion.high[lane], motion.low[lane] = motion.start_high[lane], motion.start_low[lane]
+        if finite[lane] != 0.0:
+            tallies.lane[lane].status = NON_FINITE
+            for i in range(len(motion.state)):
+                motion.state[i, lane] = motion.before[i, lane]
+            motion.high[lane], motion.low[lane] = motion.start_high[lane], motion.start_low[lane]
     take_step(0, motion.tc, motion.start_high, motion.high, events, rules, tallies, log, scratch)
     for lane in range(len(motion.h)):
         tally = tallies.lane[lane]
@@ -130,35 +131,35 @@ def end_step(motion, events, rules, tallies, log, samples, scratch):
         if tally.status == RUNNING and motion.h[lane] == motion.limit[lane]:
             tally.status = FINISHED
         ended = ended or tally.status != RUNNING
-        if not (tally.steps % rules.every == 0 or tally.steps <= rules.first) or tally.upto < 1.0:
+        if len(samples.top) == 0 or tally.upto < 1.0:
             continue
-        if len(samples.lane) > 0:
+        if tally.steps <= rules.first or tally.steps & (rules.every - 1) == 0:
             at = samples.filled[0]
-            samples.lane[at] = lane
+            samples.top[at] = samples.in_lane[lane]
             for i in range(len(motion.state)):
                 samples.states[at, i] = motion.state[i, lane]
             samples.filled[0] = at + 1
     return ended
 
 
-@inlined
-def _add(motion, lane):
-    """Adds the step to the time, in double length."""
-    a, b = motion.high[lane], motion.h[lane]
-    total = a + b
-    part = total - a
-    low = motion.low[lane] + ((a - (total - part)) + (b - part))
-    motion.high[lane] = total + low
-    motion.low[lane] = low - (motion.high[lane] - total)
+@apart
+def _add(high, low, h, finite):
+    """Adds steps to times, in double length; begins to look whether all is finite: 0, or not a number."""
+    for lane in range(len(h)):
+        a, b = high[lane], h[lane]
+        total = a + b
+        part = total - a
+        rest = low[lane] + ((a - (total - part)) + (b - part))
+        high[lane] = total + rest
+        low[lane] = rest - (high[lane] - total)
+        finite[lane] = 0.0 * high[lane]
 
 
-@inlined
-def _is_finite(motion, lane):
-    """Whether time and state of a lane are finite."""
-    total = 0.0 * motion.high[lane]
-    for i in range(len(motion.state)):
-        total += 0.0 * motion.state[i, lane]
-    return total == 0.0
+@apart
+def _look(values, finite):
+    """Looks whether values are finite too."""
+    for lane in range(len(finite)):
+        finite[lane] += 0.0 * values[lane]
 
 
 @inlined

@@ -8,7 +8,7 @@ from ..columns import Column, column
 from ..mechanics.operand import leaves
 from ..mechanics.system import Form
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
-from ..problem import TURN, Problem, Problems
+from ..problem import ORIENTATION, PSI, TURN, Problem, Problems
 from .expressions import (
     compile_observables,
     compile_orientation,
@@ -230,8 +230,6 @@ def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | No
     return quaternion(values[:3], values[3:6]), values[6] if form.orientation.psi else None
 
 
-PSI = "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
-ORIENTATION = "unit quaternion that turns body axes into space axes, w >= 0"
 BLOCK = 2048  # rows that are evaluated at a time: they stay in the second-level cache
 
 

@@ -6,7 +6,7 @@ is data (`EventRows`): nothing here knows one kind from another.
 
 import numpy as np
 
-from tippetop_kernels.jit import entry, inlined, kernel
+from tippetop_kernels.jit import apart, entry, inlined, kernel
 from tippetop_kernels.polynomials import crossings, extremes, ranges
 
 from ..mechanics.events import AT_POLE, NEAR_POLE, ON_ZERO_FOR, hysteresis
@@ -33,7 +33,7 @@ def follow(times, tcs, rows, rules, tallies, log, scratch):
 def take_step(i, tc, start, stop, rows, rules, tallies, log, scratch):
     """Takes in a step of every lane, from `start` to `stop` (lanes,): the i-th of a slice."""
     events, known = rows.events, tallies.functions
-    _factors(start, stop, scratch.factors)
+    _factors(start, stop, scratch.factors, scratch.h)
     _bound(tc, events, scratch.factors, known, scratch.sums)
     _silence(events, known, scratch.quiet)
     for lane in range(len(start)):
@@ -80,28 +80,34 @@ def _events(i, tc, t, end, lane, rows, rules, tallies, log, scratch):
 
 
 @inlined
-def _factors(start, end, factors):
+def _factors(start, end, factors, h):
     """What turns Taylor coefficients in time into those in time over h: of variables, and of rates."""
     if len(start) == 1:
-        factor, h = 1.0, end[0] - start[0]
+        factor, h[0] = 1.0, end[0] - start[0]
         for k in range(factors.shape[1]):
             factors[0, k, 0], factors[1, k, 0] = factor, (k + 1) * factor
-            factor *= h
+            factor *= h[0]
         return
     for lane in range(len(start)):
         factors[0, 0, lane] = factors[1, 0, lane] = 1.0
+        h[lane] = end[lane] - start[lane]
     for k in range(1, factors.shape[1]):
-        for lane in range(len(start)):
-            factors[0, k, lane] = factors[0, k - 1, lane] * (end[lane] - start[lane])
-            factors[1, k, lane] = (k + 1) * factors[0, k, lane]
+        _next_factors(k, factors[0, k - 1], h, factors[0, k], factors[1, k])
+
+
+@apart
+def _next_factors(k, before, h, of_variables, of_rates):
+    for lane in range(len(h)):
+        of_variables[lane] = before[lane] * h[lane]
+        of_rates[lane] = (k + 1) * (before[lane] * h[lane])
 
 
 @inlined
 def _bound(tc, events, factors, known, sums):
-    """Bounds of every event function over a step, by sums of its coefficients, or by its rate."""
+    """Bounds of the event functions over a step, by sums of their coefficients, or by their rates."""
     for e in range(len(events)):
         event = events[e]
-        if event.leader < 0:
+        if event.leader < 0 and event.bounded:
             low, high, steady = known[LOW, e], known[HIGH, e], known[STEADY, e]
             ranges(tc[event.row], event.shift, factors[event.shift], low, high, steady, sums)
             if event.offset != 0.0:
@@ -110,33 +116,48 @@ def _bound(tc, events, factors, known, sums):
                     high[lane] += event.offset
     for e in range(len(events)):
         event = events[e]
-        if event.leader >= 0:
-            _led(tc[event.row, 0], event.offset, factors[0, 1], known, e, event.leader)
+        if event.leader >= 0 and event.bounded:
+            rate = event.leader
+            _led(
+                tc[event.row, 0], event.offset, factors[0, 1], known[LOW, rate], known[HIGH, rate],
+                known[LOW, e], known[HIGH, e], known[STEADY, e],
+            )  # fmt: skip
 
 
-@inlined
-def _led(start, offset, h, known, e, rate):
+@apart
+def _led(start, offset, h, low, high, led_low, led_high, led_steady):
     """Bounds of a variable plus `offset` by those of its rate."""
     for lane in range(len(start)):
-        low, high = known[LOW, rate, lane], known[HIGH, rate, lane]
-        known[LOW, e, lane] = start[lane] + offset + h[lane] * min(0.0, low)
-        known[HIGH, e, lane] = start[lane] + offset + h[lane] * max(0.0, high)
-        known[STEADY, e, lane] = 1.0 if low > 0 or high < 0 else 0.0
+        led_low[lane] = start[lane] + offset + h[lane] * min(0.0, low[lane])
+        led_high[lane] = start[lane] + offset + h[lane] * max(0.0, high[lane])
+        led_steady[lane] = 1.0 if (low[lane] > 0) | (high[lane] < 0) else 0.0
 
 
 @inlined
 def _silence(events, known, quiet):
     """Not negative for lanes in whose step no function says anything new."""
-    lanes = len(quiet)
-    for lane in range(lanes):
+    for lane in range(len(quiet)):
         quiet[lane] = 1.0
     for e in range(len(events)):
         if events[e].watched:
-            for lane in range(lanes):
-                quiet[lane] = quiet[lane] if _keeps_sign(e, known, lane) else -1.0
+            _silent_signs(known[SIGN, e], known[LOW, e], known[HIGH, e], quiet)
         if events[e].ranged:
-            for lane in range(lanes):
-                quiet[lane] = quiet[lane] if _inside(e, known, lane) else -1.0
+            _silent_ranges(known[LOW, e], known[HIGH, e], known[LEAST, e], known[MOST, e], quiet)
+
+
+@apart
+def _silent_signs(sign, low, high, quiet):
+    """`_keeps_sign` in every lane."""
+    for lane in range(len(quiet)):
+        within = low[lane] if sign[lane] > 0 else -high[lane]
+        quiet[lane] = quiet[lane] if within > 0 else -1.0
+
+
+@apart
+def _silent_ranges(low, high, least, most, quiet):
+    """`_inside` in every lane."""
+    for lane in range(len(quiet)):
+        quiet[lane] = quiet[lane] if (low[lane] >= least[lane]) & (high[lane] <= most[lane]) else -1.0
 
 
 @inlined
@@ -196,9 +217,8 @@ def _passage(i, tc, e, event, t, h, x, lane, rows, rules, tallies, log):
         tally.lasts_since = when
     at_pole = False
     if event.sense != 0 and len(axis) > 0:
-        at_pole = _passes_pole(tc, x * h, lane, axis)
-        turns = 0 if at_pole else int(event.sense * sign)  # 0: it ends a swing, no more
-        take_turning(tally, turns, _theta(tc, x * h, lane, axis))
+        theta, at_pole = _axis(tc, x * h, lane, axis)
+        take_turning(tally, 0 if at_pole else int(event.sense * sign), theta)  # 0: it ends a swing, no more
     for m in range(event.first, event.last):
         number = numbers[m]
         if number.direction * sign < 0:
@@ -245,27 +265,18 @@ def take_turning(tally, sign, theta):
 
 
 @kernel
-def _theta(tc, x, lane, axis):
-    """theta at the time x of a step."""
-    a, b, c = 0.0, 0.0, 0.0
-    for k in range(tc.shape[1] - 1, -1, -1):
-        a = a * x + tc[axis[0], k, lane]
-        b = b * x + tc[axis[1], k, lane]
-        c = c * x + tc[axis[2], k, lane]
-    return np.arctan2(np.sqrt(a * a + b * b), c)
-
-
-@kernel
-def _passes_pole(tc, x, lane, axis):
-    """Whether the axis passes through a pole at the time x of a step, rather than near it."""
-    a, b, a_rate, b_rate = 0.0, 0.0, 0.0, 0.0
+def _axis(tc, x, lane, axis):
+    """theta at the time x of a step, and whether the axis passes through a pole there, rather than near it."""
+    a, b, c, a_rate, b_rate = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(tc.shape[1] - 1, -1, -1):
         a_rate, b_rate = a_rate * x + a, b_rate * x + b
         a = a * x + tc[axis[0], k, lane]
         b = b * x + tc[axis[1], k, lane]
+        c = c * x + tc[axis[2], k, lane]
     speed = a_rate * a_rate + b_rate * b_rate
     across = abs(a * b_rate - b * a_rate)  # closest approach times speed: it does not depend on how well x is known
-    return across < AT_POLE * speed and a * a + b * b < NEAR_POLE * NEAR_POLE * speed
+    at_pole = across < AT_POLE * speed and a * a + b * b < NEAR_POLE * NEAR_POLE * speed
+    return np.arctan2(np.sqrt(a * a + b * b), c), at_pole
 
 
 @inlined

@@ -22,6 +22,7 @@ from .tallies import (
     Scratch,
     StopRules,
     Tallies,
+    mark_bounded,
     new_log,
     new_samples,
     new_scratch,
@@ -213,6 +214,7 @@ def watch(records: np.ndarray, events: np.ndarray, problem: Problem) -> None:
     records["watched"] = [not event.sense or event.name in problem.events for event in problem.system.events]
     if problem.on_liftoff != "stop":  # then no event ends a run
         records["ends"] = 0
+    mark_bounded(records)
 
 
 def event_functions(problems: Problems) -> np.ndarray:

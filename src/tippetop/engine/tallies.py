@@ -22,7 +22,7 @@ class EventRows(NamedTuple):
     (`leader`; -1: none) needs no sums of its own: that rate bounds it. `direction`, `sense`, `extremes` are those of
     the event; `ends` the code of the status of a top that it ends, 0 if it ends none; what it keeps are the `numbers`
     from `first` to `last`, this one excluded. What is not `watched` has no zeros that anybody wants, what is not
-    `ranged` no least and greatest values.
+    `ranged` no least and greatest values; what is not `bounded` is neither, nor leads any that is.
     """
 
     events: np.ndarray  # (events,)
@@ -37,7 +37,7 @@ class StopRules(NamedTuple):
     way: int  # sign of its function beyond its zero
     settled_for: float  # internal time that it must have lasted
     most_steps: int
-    every: int  # steps between two samples
+    every: int  # steps between two samples, a power of two
     first: int  # so many steps at the start are all sampled
 
 
@@ -74,7 +74,7 @@ class Tallies(NamedTuple):
 
 
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
-_FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged")]
+_FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged", "bounded")]
 EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS])
 LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
@@ -94,11 +94,19 @@ def event_rows(
         record["leader"] = rate_of.get(variable, -1) if shift == 0 else -1
         record["direction"], record["sense"], record["extremes"] = event.direction, event.sense, bool(event.extremes)
         record["watched"], record["ranged"] = True, bool(event.extremes)
+        record["bounded"] = True
         record["ends"] = Status.of_event(event.ends).code if event.ends else 0
         record["first"] = len(numbers)
         numbers += [(WHAT[kept.what], kept.direction or event.direction) for kept in event.kept]
         record["last"] = len(numbers)
     return EventRows(records, np.array(numbers, NUMBER_RECORD), np.array(axis, int))
+
+
+def mark_bounded(records: np.ndarray) -> None:
+    """Says of events that are watched and ranged as somebody asks for them which must be bounded."""
+    records["bounded"] = records["watched"] | records["ranged"] | (records["ends"] != 0)
+    leaders = records["leader"][records["bounded"]]
+    records["bounded"][leaders[leaders >= 0]] = True
 
 
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
@@ -144,13 +152,15 @@ class Samples(NamedTuple):
     """States on the way, at which the invariants are compared."""
 
     filled: np.ndarray  # (1,)
-    lane: np.ndarray  # (n,)
+    in_lane: np.ndarray  # (lanes,) which top is in a lane
+    top: np.ndarray  # (n,) whose state it is
     states: np.ndarray  # (n, variables)
 
 
-def new_samples(length: int, variables: int) -> Samples:
+def new_samples(length: int, variables: int, lanes: int = 1) -> Samples:
     """Room for so many samples."""
-    return Samples(np.zeros(1, np.int64), np.zeros(length, np.int64), np.zeros((length, variables)))
+    filled, in_lane, top = (np.zeros(n, np.int64) for n in (1, lanes, length))
+    return Samples(filled, in_lane, top, np.zeros((length, variables)))
 
 
 class Scratch(NamedTuple):
@@ -163,11 +173,12 @@ class Scratch(NamedTuple):
     factors: np.ndarray  # (2, order + 1, lanes)
     sums: np.ndarray  # (3, lanes)
     quiet: np.ndarray  # (lanes,)
+    h: np.ndarray  # (lanes,)
 
 
 def new_scratch(size: int, lanes: int) -> Scratch:
     """Room for polynomials of so many coefficients."""
     polynomial, work, zeros = np.empty((3, size))
     return Scratch(
-        polynomial, work, zeros, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty(lanes)
+        polynomial, work, zeros, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), *np.empty((2, lanes))
     )

@@ -12,17 +12,17 @@ import numpy as np
 
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import values_of
-from ..engine.observer import take_turning
 from ..engine.slices import event_functions, signs_of
 from ..engine.status import Status
-from ..engine.tallies import LEAST, MOST, SIGN
+from ..engine.tallies import EventRows
 from ..errors import InputError
 from ..problem import Problem, Problems, variation_faults
 from ..progress import reporting
 from ..scenario import build
-from .lanes import LANES, Lanes
+from .lanes import LANES, SWINGS, Lanes
 from .outcomes import Outcomes, _conclude, dataset
 from .singly import Alone, one_by_one
+from .turns import Tops, new_tops
 
 
 if TYPE_CHECKING:
@@ -35,78 +35,41 @@ Starts = dict[str, tuple[np.ndarray, np.ndarray]]  # of invariants by name: at t
 class _Queue:
     """Numbers of tops, each given to one thread."""
 
-    def __init__(self, numbers: np.ndarray):
-        self._numbers, self._lock, self.stopped = iter(numbers.tolist()), threading.Lock(), False
+    def __init__(self, numbers: np.ndarray, lanes: int, threads: int):
+        self._numbers, self._lock, self.stopped = numbers, threading.Lock(), False
+        self._lanes, self._threads = lanes, threads
 
-    def __iter__(self) -> "_Queue":
-        return self
-
-    def __next__(self) -> int:
+    def take(self, empty: int) -> np.ndarray:
+        """As many as are empty of a thread's lanes, and what they may take next: nothing at the end, so that none has
+        tops that wait and another empty lanes."""
         with self._lock:
-            if self.stopped:
-                raise StopIteration
-            return next(self._numbers)
+            waiting = min(self._lanes - empty, len(self._numbers) // (4 * self._lanes * self._threads))
+            most = 0 if self.stopped else empty + waiting
+            taken, self._numbers = self._numbers[:most], self._numbers[most:]
+            return taken
 
 
 class _Worker:
-    """A thread's lanes, and the observer that writes the rows of their tops into the common arrays."""
+    """A thread's lanes, and the observer that compares invariants of their tops."""
 
-    def __init__(
-        self,
-        outcomes: Outcomes,
-        starts: Starts,
-        functions: np.ndarray,
-        lanes: int,
-        ended: Callable[[], None],
-        wanted: Collection[str] | None,
-    ):
-        self.outcomes, self.starts, self.functions, self.ended = outcomes, starts, functions, ended
-        self.lanes = Lanes(outcomes.tops, lanes, wanted)
-        self.variables = len(outcomes.final)
-        self.events = outcomes.tops.base.system.events
+    def __init__(self, outcomes: Outcomes, starts: Starts, lanes: Lanes, ended: Callable[[int], None]):
+        self.outcomes, self.starts, self.lanes, self.ended = outcomes, starts, lanes, ended
         self.processor = 0.0
-
-    def ready(self, top: int) -> tuple[np.ndarray, np.ndarray]:
-        """Signs of the event functions of a top at its start, and which of them are on their zero."""
-        return signs_of(self.functions[top])
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
         """Compares invariants with the start."""
         every = self.outcomes.tops
-        values = invariants(every.base, values_of(every, states[: self.variables], tops))
+        values = invariants(every.base, values_of(every, states[: len(every.start)], tops))
         for name, value in values.items():
             start, size = self.starts[name]
             with np.errstate(all="ignore"):  # a top that is not finite has a drift that is none
                 np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start[tops]) / size[tops])
 
-    def done(self, lane: int, status: Status) -> None:
-        """Writes the row of a top that has ended. The end may confirm the turning that waits."""
-        lanes, outcomes, columns = self.lanes, self.outcomes, self.outcomes.columns
-        rows, tallies, top = lanes.rows, lanes.tallies, lanes.top[lane]
-        tally, functions, final = tallies.lane[lane], tallies.functions[:, :, lane], lanes.final[lane]
-        x, y, z = final[rows.axis]
-        take_turning(tally, 0, float(np.arctan2(np.sqrt(x * x + y * y), z)))
-        outcomes.status[top] = status.code
-        outcomes.final[:, top] = final[: self.variables]
-        columns["t_end"][top] = lanes.motion.end[lane] if status is Status.FINISHED else tally["t"]
-        for name in ("turnings", "theta_min", "theta_max", "steps"):
-            columns[name][top] = tally[name]
-        lasts = [not event.lasting or event.direction * functions[SIGN, e] > 0 for e, event in enumerate(self.events)]
-        every = [(kept, lasts[e]) for e, event in enumerate(self.events) for kept in event.kept]
-        for m, (kept, counts) in enumerate(every):  # a time of what did not last to the end is none
-            columns[kept.name][top] = tallies.kept[m, lane] if counts or kept.what == "count" else np.nan
-        for e, event in enumerate(self.events):
-            if event.extremes:
-                columns[f"{event.extremes}_min"][top] = functions[LEAST, e] / rows.events["scale"][e]
-                columns[f"{event.extremes}_max"][top] = functions[MOST, e] / rows.events["scale"][e]
-        outcomes.settled[top] = all(lasts)
-        self.ended()
-
-    def work(self, queue: "_Queue") -> None:
+    def work(self, queue: _Queue, tops: Tops) -> None:
         """Runs tops from the queue until there is none left."""
         clock = time.thread_time()
         try:
-            self.lanes.run(queue, self)
+            self.lanes.run(tops, queue.take, self)
             self.processor = time.thread_time() - clock
         except BaseException:
             queue.stopped = True
@@ -190,22 +153,23 @@ def _run(
     lanes: int,
     wanted: Collection[str] | None,
 ) -> None:
-    queue, lock, counted = _Queue(numbers), threading.Lock(), itertools.count(1)
+    lock, counted = threading.Lock(), itertools.count(1)
 
-    def ended() -> None:
+    def ended(count: int) -> None:
         if progress is not None:
             with lock:
-                progress(next(counted), len(numbers))
+                for _ in range(count):
+                    progress(next(counted), len(numbers))
 
-    workers = [
-        _Worker(measured, starts, functions, lanes, ended, wanted)
-        for _ in range(max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))))
-    ]
-    if len(workers) == 1:
-        workers[0].work(queue)
+    n, every = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))), measured.tops
+    workers = [_Worker(measured, starts, Lanes(every, lanes, wanted), ended) for _ in range(n)]
+    rows, queue = workers[0].lanes.rows, _Queue(numbers, lanes, n)
+    tops = new_tops(every.start, every.pars[: len(workers[0].lanes.motion.pars)], every.end, *signs_of(functions), rows)
+    if n == 1:
+        workers[0].work(queue, tops)
     else:
-        with ThreadPoolExecutor(len(workers)) as pool:
-            tasks = [pool.submit(worker.work, queue) for worker in workers]
+        with ThreadPoolExecutor(n) as pool:
+            tasks = [pool.submit(worker.work, queue, tops) for worker in workers]
             try:
                 for task in tasks:
                     task.result()
@@ -215,8 +179,28 @@ def _run(
     if any(worker.lanes.machine is None for worker in workers):
         measured.steps_by = "heyoka"
     measured.processor = sum(worker.processor for worker in workers)
-    measured.steps_made = sum(worker.lanes.steps_made for worker in workers)
+    measured.steps_made = int(tops.lane["steps"].sum())
     measured.steps_possible = sum(worker.lanes.steps_possible for worker in workers)
+    _write(measured, numbers, tops, rows)
+
+
+def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows) -> None:
+    """The rows of tops that ran in lanes."""
+    columns, lane, kept = measured.columns, tops.lane[numbers], iter(tops.kept[:, numbers])
+    sign, least, most = tops.functions[:, :, numbers]
+    measured.status[numbers], measured.final[:, numbers] = lane["status"], tops.final[:, numbers]
+    for name in ("t_end", "steps", *SWINGS):
+        columns[name][numbers] = lane["t" if name == "t_end" else name]
+    measured.settled[numbers] = True
+    for e, event in enumerate(measured.tops.base.system.events):
+        lasts = event.direction * sign[e] > 0 if event.lasting else np.ones(len(numbers), bool)
+        measured.settled[numbers] &= lasts
+        for number in event.kept:  # a time of what did not last to the end is none
+            values = next(kept)
+            columns[number.name][numbers] = values if number.what == "count" else np.where(lasts, values, np.nan)
+        if event.extremes:
+            columns[f"{event.extremes}_min"][numbers] = least[e] / rows.events["scale"][e]
+            columns[f"{event.extremes}_max"][numbers] = most[e] / rows.events["scale"][e]
 
 
 def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> Problems:

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..columns import Column, flag_attributes
-from ..engine.observables import PSI, orientations_of, values_of
+from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
 from ..mechanics.events import Event
 from ..mechanics.system import System
 from ..mechanics.units import NEWTON, ONE, RADIAN, SECOND, Unit
-from ..problem import Problems
+from ..problem import PSI, Problems
 from ..scenario import build
 
 

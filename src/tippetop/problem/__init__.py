@@ -6,7 +6,7 @@ of a run is computed there, and a single run is the case n = 1.
 
 from .choice import AUTO, Choice, choice
 from .faults import key_faults, variation_faults
-from .kept import TURN, column_faults, column_names
+from .kept import ORIENTATION, PSI, TURN, column_faults, column_names
 from .many import Problems
 from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
 
@@ -14,7 +14,9 @@ from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
 __all__ = [
     "AUTO",
     "KEYFRAME_STEPS",
+    "ORIENTATION",
     "PRECISIONS",
+    "PSI",
     "ROUNDING",
     "TURN",
     "UNTIL",

@@ -32,22 +32,52 @@ def _number(parameter: Parameter) -> Any:
 
 
 class RunTable(Table):
-    until: _number(UNTIL)  # type: ignore[valid-type]
-    output_step: Annotated[float, Field(gt=0)] | None = None
-    output_times: list[Annotated[float, Field(ge=0)]] | None = None
-    output: Literal["times", "events", "steps", "keyframes"] = "times"
-    keyframe_steps: Annotated[int, Field(ge=1)] | None = None
-    stop_when: Literal["until", "settled"] = "until"
-    events: list[str] | None = None
-    on_liftoff: Literal["stop", "continue", "fly"] | None = None  # "fly" where the contact may change its phase
-    precision: Literal["double", "longdouble", "quad"] = "double"
-    tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    columns: list[str] | None = None  # of the rows, beside the time; all
-    orientation: bool | None = None  # whether the turn of the body about its axis is integrated; if a column needs it
+    """How long, how accurately, and what is kept; the descriptions are those of the key reference."""
+
+    until: Annotated[_number(UNTIL), Field(description="how long")]  # type: ignore[valid-type]
+    output_step: Annotated[
+        Annotated[float, Field(gt=0)] | None,
+        Field(description="time between two rows [s]; one of output_step, output_times where output is times"),
+    ] = None
+    output_times: Annotated[
+        list[Annotated[float, Field(ge=0)]] | None, Field(description="the times of the rows [s], instead")
+    ] = None
+    output: Annotated[
+        Literal["times", "events", "steps", "keyframes"],
+        Field(
+            description="rows at times, at events, at the integrator's own steps, or none: its exact state now and then"
+        ),
+    ] = "times"
+    keyframe_steps: Annotated[
+        Annotated[int, Field(ge=1)] | None, Field(description="steps between two keyframes; 8192")
+    ] = None
+    stop_when: Annotated[
+        Literal["until", "settled"], Field(description="end at `until`, or once the axis is at rest")
+    ] = "until"
+    events: Annotated[list[str] | None, Field(description="the kinds of events that are logged; all of the system")] = (
+        None
+    )
+    on_liftoff: Annotated[
+        Literal["stop", "continue", "fly"] | None,  # "fly" where the contact may change its phase
+        Field(description="where the normal force vanishes: end the run, continue as if the contact pulled, or fly"),
+    ] = None
+    precision: Annotated[
+        Literal["double", "longdouble", "quad"], Field(description="of all numbers: 53, 64 or 113 bits")
+    ] = "double"
+    tolerance: Annotated[
+        Annotated[float, Field(ge=0, lt=1)], Field(description="error of a step, relative; 0: the precision's rounding")
+    ] = 0.0
+    columns: Annotated[list[str] | None, Field(description="the columns that rows have beside the time; all")] = None
+    orientation: Annotated[
+        bool | None,
+        Field(description="whether the turn of the body about its axis is integrated; where a column needs it"),
+    ] = None
 
 
 class ContactTable(Table):
-    restitution: Literal["energetic", "poisson", "newton"] = "energetic"
+    restitution: Annotated[Literal["energetic", "poisson", "newton"], Field(description="the law of impact")] = (
+        "energetic"
+    )
     e_n: _number(CONTACT["e_n"]) = 0.0  # type: ignore[valid-type]
 
 

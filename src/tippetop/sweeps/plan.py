@@ -37,30 +37,56 @@ AnyNumber = Annotated[  # an invalid top is marked, and its neighbours run
 Count = Annotated[int, Field(ge=1)]
 
 
+def _described(text: str) -> Any:
+    """What a key is, for the key reference."""
+    return Field(description=text)
+
+
 class _Axis(Table):
-    of: str
-    values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
-    linspace: Pair | None = None
-    geomspace: Pair | None = None
-    between: Pair | None = None
-    n: Count | None = None
-    log: bool | None = None
+    of: Annotated[
+        str,
+        _described(
+            "a dotted key of parameters, friction or initial, or run.until, or a derived number: sigma, gamma, lambda"
+        ),
+    ]
+    values: Annotated[
+        Annotated[list[AnyNumber], Field(min_length=1)] | None,
+        _described("the numbers of an axis of a grid; grids form a product"),
+    ] = None
+    linspace: Annotated[Pair | None, _described("first and last of n numbers at equal distances, instead")] = None
+    geomspace: Annotated[Pair | None, _described("first and last of n numbers at equal ratios, instead")] = None
+    between: Annotated[Pair | None, _described("bounds of a number that is drawn, as [sample] says, instead")] = None
+    n: Annotated[Count | None, _described("how many, with linspace or geomspace")] = None
+    log: Annotated[bool | None, _described("draw the logarithm evenly, with between")] = None
 
 
 class _Sample(Table):
-    method: Literal["random", "sobol", "latin-hypercube"]
-    n: Count
-    seed: Annotated[int, Field(ge=0)]
+    method: Annotated[
+        Literal["random", "sobol", "latin-hypercube"], _described("how the axes with between are drawn together")
+    ]
+    n: Annotated[Count, _described("how many tops are drawn")]
+    seed: Annotated[int, Field(ge=0), _described("what the draw begins with: the same seed, the same tops")]
 
 
 class _Plan(Table):
-    scenario: str | dict[str, Any]
-    set: dict[str, Any] = Field(default_factory=dict)
-    axis: Annotated[list[_Axis], Field(min_length=1)]
-    sample: _Sample | None = None
-    keep: list[str] | None = None
-    runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
-    chunk: Count | None = None
+    scenario: Annotated[
+        str | dict[str, Any], _described("the top that varies: a preset, a TOML file beside the plan, or tables")
+    ]
+    set: Annotated[dict[str, Any], _described("what is different in it: tables as in a scenario")] = Field(
+        default_factory=dict
+    )
+    axis: Annotated[list[_Axis], Field(min_length=1), _described("a number that differs from top to top")]
+    sample: Annotated[_Sample | None, _described("how axes with between are drawn")] = None
+    keep: Annotated[
+        list[str] | None,
+        _described("columns to keep; all but orientation. final_state, drift and orientation stand for all of theirs"),
+    ] = None
+    runs: Annotated[
+        list[Annotated[int, Field(ge=0)]], _described("numbers of tops to run alone as well, with rows, into runs/N")
+    ] = Field(default_factory=list)
+    chunk: Annotated[
+        Count | None, _described("tops that are computed and stored together; some seconds of one core")
+    ] = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,150 @@
+"""`tippetop help, new, completion`: what may be written, a scenario to begin with, the completion of words."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from ..errors import InputError, suggestion
+
+
+if TYPE_CHECKING:
+    from ..scenario.reference import Section
+
+
+EXIT_CODES = {
+    0: "done",
+    1: "a bug: please report it",
+    2: "usage or configuration: each sentence says what must hold and what was found",
+    3: "the physics stopped it: liftoff or a fall where the model ends, or a number that is not finite",
+    4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
+    5: "the store or the disk",
+    6: "some chunks of a sweep failed; the same command tries them again",
+    130: "interrupted by Ctrl-C; what was written to disk stays",
+    143: "terminated; what was written to disk stays",
+}
+
+
+def topics() -> dict[str, Any]:
+    """What can be asked for: name -> a function that gives the sections."""
+    from ..scenario.reference import TOPICS
+    from ..sweeps.reference import plan
+
+    return {**TOPICS, "plan": plan, "exit-codes": _exit_codes}
+
+
+def _exit_codes() -> list[Section]:
+    from ..scenario.reference import Section
+
+    rows = [(str(code), text) for code, text in EXIT_CODES.items()]
+    return [Section("Exit codes", "", ("code", "what it says"), rows)]
+
+
+def sections(topic: str) -> list[Section]:
+    """The tables of a topic. Raises InputError."""
+    known = topics()
+    if topic not in known:
+        raise InputError([f"a topic must be of {', '.join(known)}, but is `{topic}`.{suggestion(topic, known)}"])
+    return list(known[topic]())
+
+
+def help_(topic: str | None = None, *, markdown: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """Print what may be written in a scenario or a plan, and what a run says.
+
+    Parameters
+    ----------
+    topic
+        scenario, friction, systems, events, columns, plan or exit-codes; without one the topics.
+    markdown
+        Print it as Markdown.
+    """
+    if topic is None:
+        print(f"tippetop help TOPIC, of {', '.join(topics())}; tippetop COMMAND --help for a command.")
+        return 0
+    tables = sections(topic)
+    if markdown:
+        print(as_markdown(tables))
+        return 0
+    from rich.table import Table
+
+    from .text import console
+
+    out = console()
+    for number, section in enumerate(tables):
+        if number:
+            out.print()
+        out.print(section.title, style="bold")
+        if section.text:
+            out.print(section.text)
+        table = Table(*section.head, box=None, pad_edge=False, header_style="italic")
+        for row in section.rows:
+            table.add_row(*row)
+        if section.rows:
+            out.print(table)
+    return 0
+
+
+def as_markdown(tables: list[Section], level: int = 2) -> str:
+    """Sections as tables of Markdown, below headings of a level."""
+    parts = []
+    for section in tables:
+        parts += [f"{'#' * level} {_escaped(section.title)}", _escaped(section.text)]
+        if section.rows:
+            lines = [section.head, ["---"] * len(section.head), *section.rows]
+            parts.append("\n".join(f"| {' | '.join(_escaped(cell) for cell in line)} |" for line in lines))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("|", "\\|").replace("*", "\\*").replace("<", "&lt;").replace("[", "\\[").replace("_", "\\_")
+
+
+def new(
+    system: str = "tippe-top", *, out: Path | None = None, overwrite: Annotated[bool, Parameter(negative=())] = False
+) -> int:
+    """Write a scenario with all its keys, what each is and what it must be; it runs as it is.
+
+    Parameters
+    ----------
+    system
+        One of `tippetop systems`, or a preset.
+    out
+        The TOML file to write; printed where it is left out.
+    overwrite
+        Replace an existing file.
+    """
+    from ..scenario.template import template
+
+    text = template(system)
+    if out is None:
+        print(text, end="")
+        return 0
+    from ..store import files
+
+    if out.suffix != ".toml":
+        raise InputError([f"--out must end with .toml, but is `{out}`."])
+    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    print(f"file  {out}")
+    return 0
+
+
+def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
+    """Print what makes a shell complete the commands and options, such as: source <(tippetop completion bash).
+
+    Parameters
+    ----------
+    shell
+        bash, zsh or fish.
+    """
+    from . import app
+
+    sys.stdout.write(app.generate_completion(shell=shell))
+    return 0
+
+
+help_.__name__ = "help"
+COMMANDS: list[Any] = [new, help_, completion]

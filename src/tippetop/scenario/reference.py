@@ -1,0 +1,273 @@
+"""What a scenario may hold and what a run says, as tables made from the records: for `tippetop help` and the manual."""
+
+import inspect
+import types
+import typing
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+
+from annotated_types import Ge, Gt, Lt
+from pydantic_core import PydanticUndefined
+
+from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.events import Event
+from ..mechanics.friction import CONTENSOU, LAWS, SET_VALUED, Law
+from ..mechanics.parameter import Parameter
+from ..mechanics.system import System
+from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems.with_contact import ABOVE, BODIES, with_contact
+from ..problem import ORIENTATION, PSI, UNTIL
+from .schema import ContactTable, RunTable, Table
+
+
+class Section(NamedTuple):
+    """A table of a topic, with its title, what comes before it, and the words at its head."""
+
+    title: str
+    text: str
+    head: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+
+KEYS = ("key", "unit", "what it must be", "what it is")
+KINDS = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
+FLAGS = "true, or left out"
+
+
+# --- numbers, and keys of other types ---------------------------------------------------------------------------------
+
+
+def _number(name: str, rule: Parameter, *, optional: bool) -> tuple[str, ...]:
+    must = rule.must().removeprefix("must be ")
+    if rule.default is not None:
+        must += f"; {rule.default:g} where it is left out"
+    elif optional:
+        must += "; 0 where it is left out"
+    return name, rule.unit.symbol, must, rule.long_name
+
+
+def _numbers(rules: Mapping[str, Parameter], *, optional: bool = False) -> list[tuple[str, ...]]:
+    return [_number(name, rule, optional=optional) for name, rule in rules.items()]
+
+
+def allowed(annotation: Any, metadata: Iterable[Any] = ()) -> str:
+    """What a value of a type must be, in words.
+
+    Parameters
+    ----------
+    annotation
+        The type of a key of a table.
+    metadata
+        Its bounds.
+
+    Returns
+    -------
+    str
+        Such as "a number greater than 0", "a list of text", "one of double, longdouble, quad".
+    """
+    if get_origin(annotation) is typing.Annotated:
+        annotation, *more = get_args(annotation)
+        return allowed(annotation, [*metadata, *(m for part in more for m in getattr(part, "metadata", [part]))])
+    if get_origin(annotation) is Literal:
+        return f"one of {', '.join(get_args(annotation))}"
+    parts = [part for part in get_args(annotation) if part is not type(None)]
+    if get_origin(annotation) is list:
+        return f"a list, each {allowed(parts[0])}"
+    if get_origin(annotation) in (types.UnionType, typing.Union):
+        return " or ".join(allowed(part, metadata) for part in parts)
+    words = []
+    for bound in metadata:
+        match bound:
+            case Gt(gt=limit):
+                words.append(f"greater than {limit:g}")
+            case Ge(ge=limit):
+                words.append(f"at least {limit:g}")
+            case Lt(lt=limit):
+                words.append(f"less than {limit:g}")
+    return " ".join([KINDS.get(annotation, "a table"), ", ".join(words)]).strip()
+
+
+def keys_of(table: type[Table], rules: Mapping[str, Parameter]) -> list[tuple[str, ...]]:
+    """The keys of a table of a scenario or of a plan.
+
+    Parameters
+    ----------
+    table
+        The model of the table, whose fields are described.
+    rules
+        The numbers among them that have a record, by key.
+
+    Returns
+    -------
+    list of (key, unit, what it must be, what it is)
+    """
+    rows: list[tuple[str, ...]] = []
+    for name, field in table.model_fields.items():
+        if name in rules:
+            rule = rules[name]
+            must = rule.must().removeprefix("must be ")
+            text, unit = field.description or rule.long_name, rule.unit.symbol
+        else:
+            must, text, unit = allowed(field.annotation, field.metadata), field.description or "", ""
+        if field.is_required():
+            must += "; must be given"
+        elif field.default is not None and field.default is not PydanticUndefined:
+            must += f"; {_plain(field.default)} where it is left out"
+        rows.append((name, unit, must, text))
+    return rows
+
+
+def _plain(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+# --- topics -----------------------------------------------------------------------------------------------------------
+
+
+def scenario() -> list[Section]:
+    """The keys of a scenario."""
+    gliding = [s for s in SYSTEMS.values() if s.frictional]
+    return [
+        Section(
+            "A scenario",
+            'A TOML file. Numbers are SI, or texts with a unit or arithmetic: "20 g", "5.7 deg", "2/5*m*R^2".',
+            ("key or table", "what it is"),
+            [
+                ("system", f"one of {', '.join(SYSTEMS)}"),
+                ("form", "how the state is written; auto where it is left out: the cheapest that is regular there"),
+                ("[parameters]", "the body; its keys are those of its system"),
+                ("[friction]", f"law, and its numbers; of {', '.join(s.name for s in gliding)}"),
+                ("[initial]", 'the start; `from = "RUN.zarr"` instead: the end of another run'),
+                ("[contact]", f"a contact that may open; of {', '.join(BODIES)}"),
+                ("[stem]", "the ball at the end of a stem; of tippe-top"),
+                ("[run]", "how long, how accurately, and what is kept"),
+            ],
+        ),
+        *(
+            Section(f"[parameters] of {system.name}", "", KEYS, _numbers(system.parameters))
+            for system in _first_of_each(lambda s: tuple(s.parameters))
+        ),
+        *(
+            Section(
+                f"[initial] of {system.name}",
+                _alternatives(system),
+                KEYS,
+                _numbers(system.initial, optional=True) + _flags(system),
+            )
+            for system in _first_of_each(lambda s: tuple(s.initial))
+        ),
+        Section(
+            "[initial] of a contact that may open",
+            "Beside the others.",
+            KEYS,
+            _numbers(ABOVE, optional=True),
+        ),
+        Section("[contact]", "", KEYS, keys_of(ContactTable, CONTACT)),
+        Section("[stem]", "", KEYS, _numbers(STEM)),
+        Section("[run]", "", KEYS, keys_of(RunTable, {"until": UNTIL})),
+    ]
+
+
+def _first_of_each(kind: Any) -> list[System]:
+    """The systems, without those that say the same as one before."""
+    first: dict[Any, System] = {}
+    for system in SYSTEMS.values():
+        first.setdefault(kind(system), system)
+    return list(first.values())
+
+
+def _alternatives(system: System) -> str:
+    return " ".join(f"`{a.name}` stands alone: without {', '.join(a.others)}." for a in system.alternatives)
+
+
+def _flags(system: System) -> list[tuple[str, ...]]:
+    meaning = "the centre of mass does not move sideways"
+    return [(a.name, "", FLAGS, meaning) for a in system.alternatives if a.flag]
+
+
+def friction() -> list[Section]:
+    """The friction laws and their numbers."""
+    own = {name: law for system in SYSTEMS.values() for name, law in system.laws.items() if name not in LAWS}
+    contact = {"coulomb (without eps)": SET_VALUED, "contensou": CONTENSOU}
+    laws = {**LAWS, **own, **contact}
+    return [Section(name, _meaning(law), KEYS, _numbers(law.parameters)) for name, law in laws.items()]
+
+
+def _meaning(law: Law) -> str:
+    """What the docstring of a law's record says, or its name where there is none of its own."""
+    text = " ".join((inspect.getdoc(law.record) or "").split())
+    return f"{law.long_name}." if not text or text.startswith(f"{law.record.__name__}(") else text
+
+
+def systems() -> list[Section]:
+    """The systems: forms, integrals, source."""
+    rows = [(s.name, s.title, ", ".join(s.forms), ", ".join(s.integrals) or "none", s.source) for s in SYSTEMS.values()]
+    return [Section("Systems", "", ("system", "what", "forms", "integrals", "source"), rows)]
+
+
+def _with_contact() -> list[System]:
+    return [
+        with_contact(name, "smooth", stem)
+        for name in BODIES
+        for stem in (False, True)
+        if not stem or name == "tippe-top"
+    ]
+
+
+def events() -> list[Section]:
+    """The kinds of events."""
+    rows: dict[str, list[Any]] = {}
+    for system in (*SYSTEMS.values(), *_with_contact()):
+        for event in system.events:
+            rows.setdefault(event.name, [event, []])[1].append(system.name)
+    return [
+        Section(
+            "Events",
+            "Zeros of a function of the state, found to rounding; `[run] events` names those that are logged.",
+            ("event", "what it is", "ends a run as", "kept of every run", "systems"),
+            [
+                (name, event.long_name, event.ends or "", _kept(event), ", ".join(dict.fromkeys(where)))
+                for name, (event, where) in rows.items()
+            ],
+        )
+    ]
+
+
+def _kept(event: Event) -> str:
+    return ", ".join(kept.name for kept in event.kept)
+
+
+def columns() -> list[Section]:
+    """The columns of a run, by system."""
+    sections = [
+        Section(f"Columns of {system.name}", "", ("column", "unit", "what it is"), _columns(system))
+        for system in SYSTEMS.values()
+    ]
+    new = {row for name in BODIES for row in _columns(SYSTEMS[name])}
+    rows = [row for system in _with_contact() for row in _columns(system) if row not in new]
+    text = "Beside the others, or instead."
+    return [
+        *sections,
+        Section(
+            "Columns of a contact that may open", text, ("column", "unit", "what it is"), list(dict.fromkeys(rows))
+        ),
+    ]
+
+
+def _columns(system: System) -> list[tuple[str, ...]]:
+    names = system.long_names
+    angles = [(n, unit.symbol, names.get(n, "")) for n, unit in system.angles._asdict().items()]
+    vectors = [(n, "", f"{names.get(n, '')}, (time, xyz)") for n in system.vectors]
+    turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
+    if system.undefined_at_poles:
+        turn.insert(0, ("psi", "rad", PSI))
+    quantities = [
+        (q.name, q.unit.symbol, f"{q.long_name}{': ' if q.meanings else ''}{', '.join(q.meanings)}")
+        for q in system.quantities
+        if q.is_column
+    ]
+    return [*angles, *vectors, *turn, *quantities]
+
+
+TOPICS = {"scenario": scenario, "friction": friction, "systems": systems, "events": events, "columns": columns}
+"""What can be asked for, by name."""
