@@ -1,10 +1,11 @@
 """The list of everything numbered in the source, with the name that reaches it; a test checks that each name exists."""
 
-import re
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from errata import short
 
 import tippetop as tt
 
@@ -108,17 +109,20 @@ def _link(name: str) -> str:
 
 def table(chapter: str) -> Any:
     """The lines of a chapter, for a page."""
+    from holding import worst
     from IPython.display import Markdown
 
-    lines = ["| | subject | reached by | |", "|---|---|---|---|"]
+    evaluated = worst()
+    lines = ["| | subject | reached by | | residual |", "|---|---|---|---|---|"]
     for entry in entries():
-        number = re.split(r"[ ]", entry.what)[-1]
-        if number.partition(".")[0] != chapter and not (entry.what == "lemma 1" and chapter == "5"):
+        number = "5.0" if entry.what == "lemma 1" else entry.what.rpartition(" ")[2]
+        if number.partition(".")[0] != chapter:
             continue
-        if entry.what == "lemma 1" and chapter != "5":
-            continue
+        found = [f"({n}) {short(evaluated[n])}" for n in entry.numbers() if n in evaluated]
         what = entry.what if " " in entry.what else f"({entry.what.replace('-', ') to (')})"
-        lines.append(f"| {what} | {entry.subject} | {', '.join(map(_link, entry.names))} | {entry.status} |")
+        lines.append(
+            f"| {what} | {entry.subject} | {', '.join(map(_link, entry.names))} | {entry.status} | {', '.join(found)} |"
+        )
     return Markdown("\n".join(lines))
 
 
