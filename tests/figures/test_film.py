@@ -55,7 +55,7 @@ def test_a_turn_about_the_axis_is_seen() -> None:
     assert np.abs(pictures[0] - pictures[1]).max() > 0.1
 
 
-def test_rows_become_poses_at_their_times() -> None:
+def test_rows_become_poses_at_their_times(monkeypatch: pytest.MonkeyPatch) -> None:
     """Theta rises from 0 to pi between 4 and 6 s: there the poses are, and the labels say when."""
     t = np.linspace(0, 10, 1001)
     theta = np.pi * np.clip((t - 4) / 2, 0, 1)
@@ -65,6 +65,7 @@ def test_rows_become_poses_at_their_times() -> None:
         "orientation": (("time", "wxyz"), np.stack([np.cos(theta / 2), 0 * t, np.sin(theta / 2), 0 * t], axis=1)),
     }
     trajectory = xr.Dataset(columns, {"time": t})
+    monkeypatch.setattr(film, "PIXELS", 20)
     ax = film.film(trajectory, ATTRS, BALL)
     labels = [tick.get_text() for tick in ax.get_xticklabels()]
     assert len(labels) == len(ax.images) == film.POSES
