@@ -135,5 +135,7 @@ def counts() -> Any:
         if " " not in entry.what:
             tally[entry.status] = tally.get(entry.status, 0) + len(entry.numbers())
     total = sum(tally.values())
-    rest = ", ".join(f"{n} {status}" for status, n in tally.items() if status != "holds")
-    return Markdown(f"Of {total} numbered formulas {tally['holds']} hold as printed; {rest}.")
+    rest = ", ".join(f"{status} {n}" for status, n in tally.items() if status != "holds")
+    return Markdown(
+        f"Of the source's {total} numbered formulas {tally['holds']} hold as printed; of the others: {rest}."
+    )

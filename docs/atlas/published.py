@@ -267,7 +267,7 @@ TABLE: dict[str, tuple[Published, ...]] = {
         P("θ passes π − 0.1", "6.943847617", lambda: events(canonical(), "inverted")[0], S),
         P("least g_n/mg", "0.286874", lambda: weights("min"), "", 3),
         P("largest g_n/mg", "1.756894", lambda: weights("max")),
-        P("largest |v_A|", "0.832143", fastest, "m/s"),
+        P("largest gliding speed", "0.832143", fastest, "m/s"),
     ),
     "Thresholds and linear modes of the same body (theorem 3.3.2; Magnus; Friedl 1997; Leine and Glocker 2003)": (
         P("upright spin loses stability", "27.6679170948", _limit("spin_upright"), RATE),
