@@ -18,6 +18,7 @@ from ..problem import Problem
 if TYPE_CHECKING:
     import xarray as xr
 
+LEAST_ROWS = 4  # of a swing, from one turning to the next: with fewer the curves through D and E~ mean nothing
 LARGEST_MISMATCH = 1e-6  # of cos(theta) where pieces of a reconstruction meet; a good one has 1e-9 and less
 
 
@@ -49,6 +50,7 @@ def reconstruction(
     if period is None and not turning.any():
         raise InputError(["`period` must be given where the run has no turnings, but is missing."])
     guess = 2 * float(log["time"].values[turning][0]) if period is None else period
+    _refuse_few(rows["time"].values, np.append(0.0, log["time"].values[turning]) if turning.any() else [0.0, guess / 2])
     units = {quantity.name: quantity.unit for quantity in system.quantities}
     second = float(problem.scales.of(SECOND))
     energy, *momenta = (
@@ -78,3 +80,16 @@ def reconstruction(
         },
         {"mismatch": solution.mismatch},
     )
+
+
+def _refuse_few(times: np.ndarray, turnings: "np.ndarray | list[float]") -> None:
+    """Raises InputError where there are too few rows between two turnings; all times [s]."""
+    within = [turning for turning in turnings if turning <= times[-1]]
+    rows = np.diff(np.searchsorted(times, within))
+    if len(rows) and (least := int(rows.min())) < LEAST_ROWS:
+        raise InputError(
+            [
+                f"the run must have rows enough, some hundred in each nutation, but has {least} between two turnings: "
+                "a smaller `output_step`."
+            ]
+        )
