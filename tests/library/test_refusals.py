@@ -201,7 +201,7 @@ def test_a_page_says_which_columns_it_lacks() -> None:
 @pytest.mark.parametrize("rows", [{"output": "events"}, {"output_step": 0.01}])
 def test_too_few_rows_are_refused_and_not_pondered(rows: dict[str, Any]) -> None:
     """A reconstruction from two rows in each swing took for ever."""
-    with pytest.raises(tt.InputError, match="some hundred in each nutation, but has [12] between two turnings"):
+    with pytest.raises(tt.InputError, match=r"some hundred in each nutation, but has [12] between two turnings"):
         tt.reconstruct(tt.run("inverting", until=0.2, **rows))
 
 

@@ -107,7 +107,7 @@ class System:
     long_names : dict of str
         Words for the fields of `angles` and for `vectors`.
     **others
-        Each has a default, under which nothing is said: no friction laws, no theory, no landscape.
+        Each has a default, under which there is nothing of it: no friction laws, no theory, no landscape.
     """
 
     name: str
