@@ -21,7 +21,7 @@ _NAMES = {
     "mechanics.units": "Unit",
     "library.bodies": "Cylinder HeavyTop TippeTop",
     "library.laws": "Contensou Coulomb Frictionless Latitude Mixed Modified Stribeck Viscous",
-    "library.derivatives": "Sensitivities sensitivities",
+    "library.derivatives": "Sensitivities lyapunov sensitivities",
     "library.exchanging": "Comparison Fitted compare fit",
     "library.landscapes": "band marked_lines minimal_surface potential turning_angles",
     "library.many": "ensemble",
