@@ -36,6 +36,10 @@ def test_an_unknown_key_is_looked_for_everywhere() -> None:
         "unknown key `initial.omega`; did you mean `initial.omega3`? The keys of `initial` are theta, omega3."
     )
     assert "did you mean `friction.mu`?" in unknown_key("initial.mu", ["theta", "omega3"], everywhere)
+    assert "did you mean" not in unknown_key(
+        "friction.eps", ["law", "mu"], ["initial.psi"]
+    )  # three letters in disorder
+    assert "did you mean `initial.theta`?" in unknown_key("parameters.theta", ["m", "theta0"], everywhere)
     assert unknown_key("zzzz", ["system", "form"]) == "unknown key `zzzz`. The keys are system, form."
 
 

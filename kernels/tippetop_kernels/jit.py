@@ -8,13 +8,20 @@ counted (`_nrt`): a loop that passes twenty arrays on spends more time with coun
 import ctypes
 import functools
 import threading
+import warnings
 from array import array
 from collections.abc import Callable
+from importlib.util import find_spec
 from typing import Any
+
+import numpy as np
 
 from . import disk, machine, words
 from .origin import Foreign, digest
 
+
+HAS_NUMBA = find_spec("numba") is not None
+"""Without numba kernels are Python: the same numbers, a hundred times slower."""
 
 Words = array  # of int64: a result, then the words of arguments
 Code = Callable[[Words], int]
@@ -62,7 +69,7 @@ class Kernel:
 
     def __call__(self, *arguments: Any) -> Any:
         """Calls it from Python."""
-        return self.alone(*arguments)
+        return self.alone(*arguments) if HAS_NUMBA else self.py_func(*arguments)
 
 
 class Entry(Kernel):
@@ -96,6 +103,10 @@ class Entry(Kernel):
         callable
             Takes the other arguments.
         """
+        if not HAS_NUMBA:
+            _warn()
+            given = [_as_records(argument) for argument in first]
+            return lambda *others: int(self.py_func(*given, *map(_as_records, others)) or 0)
         kinds, numbers = words.of(first)
         row, codes = array("q", (0, *numbers)), {}
 
@@ -154,6 +165,24 @@ class Entry(Kernel):
         except Foreign as reason:
             disk.log.debug("no machine code is kept: %s", reason)
             return None
+
+
+@functools.cache
+def _warn() -> None:
+    """Once in a process."""
+    warnings.warn(
+        "numba is not installed: events are sought in plain Python, a hundred times slower; install tippetop[grids].",
+        RuntimeWarning,
+        stacklevel=4,
+    )
+
+
+def _as_records(argument: Any) -> Any:
+    """An argument whose records Python reads as numba does: event.lane, not event["lane"]."""
+    if isinstance(argument, tuple):
+        parts = map(_as_records, argument)
+        return type(argument)(*parts) if hasattr(argument, "_fields") else tuple(parts)
+    return argument.view(np.recarray) if getattr(getattr(argument, "dtype", None), "names", None) else argument
 
 
 def _callable(name: str, code: bytes) -> Code:

@@ -7,7 +7,11 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-import llvmlite.binding as llvm
+
+try:
+    import llvmlite.binding as llvm
+except ModuleNotFoundError:  # it comes with numba; without it nothing is loaded
+    llvm = None
 
 
 class Loaded(NamedTuple):
@@ -72,8 +76,10 @@ def load(code: bytes, names: tuple[str, ...], libraries: Iterable[str] = ()) -> 
     Raises
     ------
     ValueError
-        If it is no object of this machine, or a function is missing that it calls or must have.
+        If it is no object of this machine, or a function is missing that it calls or must have; without llvmlite.
     """
+    if llvm is None:
+        raise ValueError("llvmlite must be there to load an object, but it is not installed")
     for library in libraries:
         llvm.load_library_permanently(library)
     called = {name: _address(name) for name in undefined_symbols(code)}

@@ -22,8 +22,6 @@ from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
-import llvmlite
-import llvmlite.binding as llvm
 import numpy as np
 
 
@@ -130,10 +128,12 @@ def files() -> bytes:
 @functools.cache
 def _software() -> tuple[str, ...]:
     """Versions and settings."""
+    from llvmlite import __version__ as llvmlite_version
+
     given = Path(".numba_config.yaml")
     written = given.read_text() if given.is_file() else ""
     settings = {name: value for name, value in os.environ.items() if name.startswith("NUMBA_") and name not in IDLE}
-    versions = (*_installed(), llvmlite.__version__, np.__version__, sys.version, platform.platform())
+    versions = (*_installed(), llvmlite_version, np.__version__, sys.version, platform.platform())
     return (*versions, repr(sorted(settings.items())), written)
 
 
@@ -158,6 +158,8 @@ def _teaches(folder: str) -> bool:
 
 @functools.cache
 def _processor() -> tuple[str, ...]:
+    import llvmlite.binding as llvm
+
     return llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 

@@ -6,10 +6,13 @@ from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
 
-def nearest(word: str, known: Iterable[str]) -> str | None:
+NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and psi have 0.67
+
+
+def nearest(word: str, known: Iterable[str], cutoff: float = NEAR) -> str | None:
     """The known word nearest to a mistyped one, None where none is near; upper and lower case are the same."""
     lower = {k.lower(): k for k in known}
-    matches = difflib.get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
+    matches = difflib.get_close_matches(word.lower(), lower, n=1, cutoff=cutoff)
     return lower[matches[0]] if matches else None
 
 
@@ -19,19 +22,49 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return f" Did you mean `{match}`?" if match else ""
 
 
-def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = ()) -> str:
-    """The sentence on a key that does not exist. known: the keys of its table; everywhere: dotted, those of the
-    scenario."""
+def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = (), belongs: str = "") -> str:
+    """The sentence on a key that does not exist: the same key of another table is suggested, or one that is near in
+    its own table, or very near in another.
+
+    Parameters
+    ----------
+    key
+        With its table, dotted.
+    known
+        The keys of its table.
+    everywhere
+        Dotted, those of the scenario.
+    belongs
+        Where it belongs, if that is known otherwise.
+    """
     table, _, name = key.rpartition(".")
-    dotted = {k.rpartition(".")[2]: k for k in everywhere} | {k: f"{table}.{k}" if table else k for k in known}
-    near = nearest(name, dotted)
-    meant = f"; did you mean `{dotted[near]}`?" if near else "."
+    elsewhere = {k.rpartition(".")[2]: k for k in everywhere}
+    here = {k: f"{table}.{k}" if table else k for k in known}
+    near = elsewhere.get(name) or here.get(nearest(name, here) or "")
+    near = near or elsewhere.get(nearest(name, elsewhere, VERY_NEAR) or "")
+    meant = f": {belongs}." if belongs else f"; did you mean `{near}`?" if near else "."
     return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
 
 
 def a_system(name: str) -> str:
     """A system in a sentence: gliding-heavy-top -> a gliding heavy top."""
     return f"a{'n' if name[0] in 'aeiou' else ''} {name.replace('-', ' ')}"
+
+
+EXTRAS = {
+    "matplotlib": "figures",
+    **dict.fromkeys(("numba", "llvmlite", "scipy"), "grids"),
+    **dict.fromkeys(("distributed", "dask", "cryptography"), "sweep"),
+    **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
+}
+"""What an import may miss: the extra of this package that brings it."""
+
+
+def missing_extra(error: ImportError) -> str | None:
+    """The sentence on an import that failed because an extra is not installed; None where that is not why."""
+    name = (error.name or "").partition(".")[0]
+    extra = EXTRAS.get(name)
+    return f"this must find {name}, but it is not installed: pip install 'tippetop[{extra}]'." if extra else None
 
 
 class Interrupted(Exception):

@@ -132,7 +132,7 @@ def test_check_systems_and_presets_answer_in_json(capsys: pytest.CaptureFixture[
         assert said(capsys, *command)[0]
 
 
-@pytest.mark.parametrize("kind", ["theta", "normal-force", "drift", "growth", "sphere", "energy"])
+@pytest.mark.parametrize("kind", ["theta", "drift", "sphere"])
 def test_every_kind_of_figure_is_drawn(
     store: Path, tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -45,3 +45,15 @@ def test_new_writes_a_scenario_that_checks_and_replaces_nothing(
 def test_completion_names_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
     assert outcome(["completion", "bash"]) == 0
     assert "playground" in capsys.readouterr().out
+
+
+def test_what_is_not_installed_is_a_sentence_with_the_extra(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+
+    def absent(*_: object) -> None:
+        raise ModuleNotFoundError("No module named 'h5netcdf.core'", name="h5netcdf.core")
+
+    monkeypatch.setattr("tippetop.scenario.template.template", absent)
+    assert outcome(["new"]) == 2
+    assert "pip install 'tippetop[export]'" in capsys.readouterr().err

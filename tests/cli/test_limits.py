@@ -29,15 +29,15 @@ def shell(words: list[str], redirected: str = "", **environment: str) -> subproc
     ("words", "redirected", "code"),
     [
         (["systems"], ">&-", 0),
-        (RUN, "2>&-", 0),
+        pytest.param(RUN, "2>&-", 0, marks=pytest.mark.slow),
         (["run", "nothing"], "2>&-", 2),
         (["run", "nothing"], "2>/dev/full", 2),
         (["systems"], ">/dev/full", 5),
-        (["systems", "--json"], ">/dev/full", 5),
+        pytest.param(["systems", "--json"], ">/dev/full", 5, marks=pytest.mark.slow),
         (RUN, ">/dev/full", 5),
         (["--help"], ">/dev/full", 5),
         (["--version"], ">/dev/full", 5),
-        (["systems"], "| head -1", 0),
+        pytest.param(["systems"], "| head -1", 0, marks=pytest.mark.slow),
         (["systems"], "| true", 0),
         (["--help"], "| true", 0),
     ],
@@ -158,12 +158,18 @@ main()
 @pytest.mark.parametrize(
     ("words", "number"),
     [
-        (["run", "inverting", "--set", "run.precision=longdouble", "--set", "run.until=1e7"], signal.SIGINT),
+        pytest.param(
+            ["run", "inverting", "--set", "run.precision=longdouble", "--set", "run.until=1e7"],
+            signal.SIGINT,
+            marks=pytest.mark.slow,
+        ),
         (
             ["run", "inverting", "--set", "run.precision=quad", "--set", "run.until=1e7", "--out", "a.zarr"],
             signal.SIGTERM,
         ),
-        (["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"], signal.SIGINT),
+        pytest.param(
+            ["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"], signal.SIGINT, marks=pytest.mark.slow
+        ),
         (["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"], signal.SIGTERM),
         (["plot", "run.zarr", "band", "--out", "band.png"], signal.SIGINT),
     ],

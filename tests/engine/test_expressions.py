@@ -1,5 +1,6 @@
 """The equations of motion in symbols: by the leaves of the body, and by what the user gives."""
 
+from collections.abc import Callable
 from typing import Any
 
 import heyoka as hy
@@ -16,9 +17,10 @@ def equations(problem: Problem, *, by_parameters: bool) -> list[tuple[Any, Any]]
     return equations_of_motion(problem.system, problem.variables, law, by_parameters=by_parameters).rates
 
 
-def value(expressions: list, symbols: list, state: np.ndarray, pars: np.ndarray) -> np.ndarray:
-    function = hy.cfunc([hy.expression(0.0) + e for e in expressions], vars=symbols)
-    return function(state, pars=pars[: function.nparams])
+def compiled(expressions: list, symbols: list) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Their values by state and parameters."""
+    function = hy.cfunc([hy.expression(0.0) + e for e in expressions], vars=symbols, opt_level=0)
+    return lambda state, pars: function(state, pars=pars[: function.nparams])
 
 
 @pytest.mark.parametrize("preset", reading.presets())
@@ -27,14 +29,18 @@ def test_equations_by_what_the_user_gives_are_the_same_equations(preset: str) ->
     problem = build.load(preset)
     state, numbers = problem.start(), problem.alone.parameters[:, 0]
     symbols, rates = zip(*equations(problem, by_parameters=False), strict=True)
-    folded = value(list(rates), list(symbols), state, problem.alone.pars[:, 0])
+    folded = compiled(list(rates), list(symbols))(state, problem.alone.pars[:, 0])
     symbols, rates = (list(part) for part in zip(*equations(problem, by_parameters=True), strict=True))
     size = np.abs(folded).max()
     # what is folded is exactly 1 where the user's numbers are 1 to rounding
-    np.testing.assert_allclose(value(rates, symbols, state, numbers), folded, rtol=1e-13, atol=1e-13 * size)
+    values = compiled(rates, symbols)
+    slopes = compiled([hy.diff(rate, hy.par[i]) for i in range(len(numbers)) for rate in rates], symbols)
+    expected = slopes(state, numbers).reshape(len(numbers), -1)
+    np.testing.assert_allclose(values(state, numbers), folded, rtol=1e-13, atol=1e-13 * size)
     for i, number in enumerate(numbers):
         h = 1e-6 * max(number, 1e-3)
         step = h * (np.arange(len(numbers)) == i)
-        ahead, behind = (value(rates, symbols, state, numbers + sign * step) for sign in (1, -1))
-        slope = value([hy.diff(rate, hy.par[i]) for rate in rates], symbols, state, numbers)
-        np.testing.assert_allclose((ahead - behind) / (2 * h), slope, rtol=1e-6, atol=1e-14 * size / h + 1e-6 * size)
+        ahead, behind = (values(state, numbers + sign * step) for sign in (1, -1))
+        np.testing.assert_allclose(
+            (ahead - behind) / (2 * h), expected[i], rtol=1e-6, atol=1e-14 * size / h + 1e-6 * size
+        )

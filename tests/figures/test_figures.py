@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from tippetop.figures import catalogue, labels, thinning
+from tippetop.figures import catalogue, film, labels, thinning
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.runs import attributes
 from tippetop.runs.run import solve
@@ -247,7 +247,8 @@ def test_a_well_is_drawn_with_its_level_and_turning_angles(factor: float | None)
 
 
 @pytest.mark.parametrize("kind", list(catalogue.FIGURES))
-def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple) -> None:
+def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(film, "PIXELS", 20)
     figure = drawn(kind, inverting)
     labels = [axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes if axes.get_visible()]
     labels += [tick.get_text() for axes in figure.axes[:1] for tick in axes.get_xticklabels() if kind == "film"]

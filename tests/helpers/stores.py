@@ -8,7 +8,29 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 import zarr
+
+from tippetop.runs import recording
+
+
+TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]
+"""A start of `inverting` that turns for ever."""
+STEPS = 1024
+"""Of a short slice: some 6 s of that motion."""
+PRELUDE = f"""
+import tippetop.runs.integration as i, tippetop.runs.recording as r
+i.STEPS_PER_SLICE = {STEPS}
+r.COMMIT_EVERY, r.MOST_ROWS, r.EVENTS_PER_CHUNK = 0.02, 1000, 250
+"""
+"""Short slices, small chunks, frequent commits."""
+
+
+def short_slices(monkeypatch: pytest.MonkeyPatch, commit_every: float = 0.0) -> None:
+    """What PRELUDE does, with a commit after each slice, or after so many seconds."""
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", STEPS)
+    for name, value in (("COMMIT_EVERY", commit_every), ("MOST_ROWS", 1000), ("EVENTS_PER_CHUNK", 250)):
+        monkeypatch.setattr(recording, name, value)
 
 
 def files(store: Path) -> dict[str, bytes]:

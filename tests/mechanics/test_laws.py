@@ -65,7 +65,7 @@ def evaluated(expressions: list, q: tuple, case: laws.Case) -> np.ndarray:
     """heyoka's compiled expressions at the states and bodies of a case."""
     lanes = np.array([np.broadcast_to(x, (laws.STATES,)) for x in leaves(case.state)], dtype=float)
     bodies = np.array([np.broadcast_to(x, (laws.STATES,)) for x in leaves(case.body)], dtype=float)
-    function = hy.cfunc([e + 0.0 * q[0] for e in expressions], vars=list(q))
+    function = hy.cfunc([e + 0.0 * q[0] for e in expressions], vars=list(q), opt_level=0)
     return function(lanes, pars=bodies[: function.nparams])
 
 
@@ -100,7 +100,12 @@ def test_chart_commutes_with_the_flow_by_symbolic_jacobian(system: str, form: st
         )
 
 
-@pytest.mark.parametrize(("system", "form"), EVERY_FORM)
+@pytest.mark.parametrize(
+    ("system", "form"),
+    [  # numba takes a second and a half for each: the first form of each system, and all of them at night
+        pytest.param(s, f, marks=() if f == next(iter(SYSTEMS[s].forms)) else pytest.mark.slow) for s, f in EVERY_FORM
+    ],
+)
 def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.random.Generator) -> None:
     """Rates and the first quantity, called from a compiled function, have the bits of numpy."""
     import numba
@@ -150,5 +155,5 @@ def test_taylor_decomposition_has_not_grown(system: str, form: str) -> None:
     used = SYSTEMS[system]
     law = used.laws["viscous"].record if used.frictional else Frictionless
     equations = equations_of_motion(used, Variables(used.forms[form], orientation=False), law).rates
-    integrator = hy.taylor_adaptive(equations, np.ones(len(equations)), tol=1e-3, compact_mode=True)
+    integrator = hy.taylor_adaptive(equations, np.ones(len(equations)), tol=1e-3, compact_mode=True, opt_level=0)
     assert len(integrator.decomposition) == DECOMPOSITION[system, form]

@@ -29,8 +29,22 @@ def gathered(memory: Memory) -> list[np.ndarray]:
     return [np.concatenate(memory.times), np.concatenate(memory.states), table.time, table.kind, table.theta, *others]
 
 
-@pytest.mark.parametrize("precision", ["double", "longdouble"])
-@pytest.mark.parametrize("tables", [BOUNCE, THROWN, TURNING, STANDING], ids=["bounce", "thrown", "turning", "standing"])
+IN_WIDER_NUMBERS = [
+    pytest.param(BOUNCE, "longdouble", id="bounce-longdouble"),
+    *(pytest.param(tables, "longdouble", marks=pytest.mark.slow) for tables in (THROWN, TURNING, STANDING)),
+]
+
+
+@pytest.mark.parametrize(
+    ("tables", "precision"),
+    [
+        pytest.param(BOUNCE, "double", id="bounce"),
+        pytest.param(THROWN, "double", id="thrown"),
+        pytest.param(TURNING, "double", id="turning"),
+        pytest.param(STANDING, "double", id="standing"),
+        *IN_WIDER_NUMBERS,
+    ],
+)
 def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precision: str) -> None:
     problem = with_run(tables, precision=precision)
     integration, whole = Integration(problem), Memory()

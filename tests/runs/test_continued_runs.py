@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from stores import acknowledged, assert_same, ended, files, start_process, wait_until
+from stores import TURNING, acknowledged, assert_same, ended, files, start_process, wait_until
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -16,7 +16,6 @@ from tippetop.scenario import build
 from tippetop.store import provenance, renaming, root, seal
 
 
-TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # for ever
 OUTPUT = {
     "rows": ["run.output_step=0.01"],
     "steps": ["run.output_step=", "run.output=steps"],
@@ -87,10 +86,10 @@ def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("moment", ["at once", "after a commit"])
 def test_killed_while_it_is_continued_it_is_resumed(moment: str, tmp_path: Path) -> None:
-    whole, store = made(tmp_path / "whole.zarr", 400.0, "run.output_step=0.01"), tmp_path / "run.zarr"
+    whole, store = made(tmp_path / "whole.zarr", 200.0, "run.output_step=0.01"), tmp_path / "run.zarr"
     made(store, 60.0, "run.output_step=0.01")
     prelude = "import tippetop.runs.recording as r; r.COMMIT_EVERY = 0.0"
-    process = start_process("resume", str(store), "--until", "400", prelude=prelude)
+    process = start_process("resume", str(store), "--until", "200", prelude=prelude)
     least = 0 if moment == "at once" else 7000
     wait_until(lambda: acknowledged(store) > least and said(store)["status"] == "running", process)
     process.send_signal(signal.SIGKILL)

@@ -11,7 +11,7 @@ from stores import assert_same
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue
+from tippetop.figures import catalogue, film
 from tippetop.problem import column_names
 from tippetop.runs import attributes, recording
 from tippetop.runs.run import solve
@@ -130,8 +130,9 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("preset", ["inverting", "flying"])
-def test_a_figure_needs_no_more_than_it_names(preset: str) -> None:
+def test_a_figure_needs_no_more_than_it_names(preset: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the whole run."""
+    monkeypatch.setattr(film, "PIXELS", 20)
 
     def shown(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> list[Any]:
         drawing = catalogue.figure_of(kind, groups, attrs)

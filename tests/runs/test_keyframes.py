@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from stores import assert_same, ended, files, start_process, wait_until
+from stores import TURNING, assert_same, ended, files, start_process, wait_until
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -19,7 +19,6 @@ from tippetop.scenario import build
 from tippetop.store import provenance, root
 
 
-TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]  # for ever
 KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100"]
 
 

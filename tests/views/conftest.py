@@ -10,7 +10,7 @@ import pytest
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
 READY = "window.tippetop && window.tippetop.ready"
-SMALL = {"width": 480, "height": 640}
+SMALL = {"width": 320, "height": 400}  # software draws: pixels cost
 
 
 @pytest.fixture(scope="session")

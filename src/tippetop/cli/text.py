@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
+from ..runs.patience import Patience
 from ..runs.summary import lines
 from .streams import Console
 
@@ -31,16 +32,20 @@ def warn(sentences: list[str]) -> list[str]:
 
 
 def following(bar: Bar) -> Callable[[Any], None]:
-    """A run's progress callback, which tells a bar how far the integration has come."""
+    """A run's progress callback, which tells a bar how far the integration has come, and warns of a long one."""
 
     def note(report: dict[str, Any]) -> str:
         drift = max(report["drift"].values(), default=0.0)
         turnings = report["event_counts"].get("turning", 0)
         return f"theta {report['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
 
-    return lambda integration: bar.update(
-        integration.t_end, integration.problem.until, lambda: note(integration.report())
-    )
+    patience = Patience(lambda sentence: warn([sentence]))
+
+    def follow(integration: Any) -> None:
+        bar.update(integration.t_end, integration.problem.until, lambda: note(integration.report()))
+        patience(integration)
+
+    return follow
 
 
 def summary(headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tippetop_kernels.jit import HAS_NUMBA
+
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import values_of
 from ..engine.slices import event_functions, signs_of
@@ -250,9 +252,11 @@ def base_faults(base: Problem) -> list[str]:
     Returns
     -------
     list of str
-        Sentences; lanes need the vector form and doubles.
+        Sentences; lanes need numba, the vector form and doubles.
     """
     sentences = []
+    if not HAS_NUMBA:
+        sentences.append("an ensemble must find numba, but it is not installed: pip install 'tippetop[grids]'.")
     if not base.system.events or "ux" not in base.form.units._fields:
         sentences.append('`form` must be "vector" or "contact" in an ensemble, of a system that has it.')
     if base.precision != "double":

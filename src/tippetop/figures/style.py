@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -75,9 +76,18 @@ def ink() -> Ink:
     return _ink.get()
 
 
+class ShownFigure(Figure):
+    """A figure that a notebook shows, whether pyplot was imported or not."""
+
+    def _repr_png_(self) -> bytes:
+        memory = BytesIO()
+        self.savefig(memory, format="png", dpi=100)
+        return memory.getvalue()
+
+
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
     """An empty figure, inches, with room managed by matplotlib."""
-    fig = Figure(figsize=(width, height), layout="constrained", **options)
+    fig = ShownFigure(figsize=(width, height), layout="constrained", **options)
     FigureCanvasAgg(fig)
     return fig
 

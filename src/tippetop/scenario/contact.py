@@ -8,7 +8,7 @@ from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
 from ..mechanics.contact.uniqueness import painleve_bound
 from ..mechanics.friction import LAWS, Contensou, SetValued
 from ..mechanics.system import System
-from ..mechanics.systems.with_contact import ABOVE, BODIES, with_contact
+from ..mechanics.systems.with_contact import ABOVE, BODIES, STEMMED, with_contact
 from ..problem import Problem
 
 
@@ -34,8 +34,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
                 ]
             )
         return system
-    if "stem" in tables and system.name != "tippe-top":
-        raise InputError([f"`stem` must be of a tippe-top, but the system is {system.name}."])
+    if "stem" in tables and system.name != STEMMED:
+        raise InputError([f"`stem` must be of a {STEMMED}, but the system is {system.name}."])
     what = asked[0] if asked else '`friction.law = "coulomb"` without eps'
     if system.name not in BODIES:
         raise InputError([f"{what} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])

@@ -5,7 +5,10 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from ..errors import suggestion, unknown_key
+from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.friction import LAWS
 from ..mechanics.system import System
+from ..mechanics.systems.with_contact import BODIES, STEMMED
 
 
 def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]) -> str:
@@ -24,7 +27,9 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape:
             f"`friction` must not be given, because `{system.name}` takes no friction law: remove the table "
             "(--set friction=)."
         )
-    return unknown_key(key, _known(system, tables, shape, place), _all_keys(system, tables, shape))
+    others = [name for name, law in {**LAWS, **laws}.items() if place[0] == "friction" and place[-1] in law.parameters]
+    belongs = f"it belongs to law = {' or '.join(map(repr, others))}" if others else ""
+    return unknown_key(key, _known(system, tables, shape, place), _all_keys(system, tables, shape), belongs)
 
 
 def _known(system: System, tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
@@ -47,6 +52,9 @@ def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) ->
     friction = tables.get("friction")
     given = friction.get("law") if isinstance(friction, dict) else None
     law = system.laws.get(given) if isinstance(given, str) else None
+    if system.name in BODIES:  # tables that a scenario may have, whether or not it has one
+        keys += ["contact.restitution", *(f"contact.{key}" for key in CONTACT)]
+        keys += [f"stem.{key}" for key in STEM] if system.name == STEMMED else []
     return keys + ([f"friction.{key}" for key in ("law", *law.parameters)] if law else [])
 
 

@@ -1,13 +1,17 @@
 """Impacts under smooth friction laws, against laws that share no code with them."""
 
+from typing import Any
+
+import heyoka as hy
 import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from tippetop.engine.contact.smooth_impact import struck_smooth
+from tippetop.engine.contact.smooth_impact import SmoothImpacts
 from tippetop.mechanics.contact.ball import Ball, Mobility, mobility
 from tippetop.mechanics.contact.struck import struck
+from tippetop.mechanics.friction import Coulomb, Viscous
 
 
 def contacts(n: int = 20) -> list[tuple[Mobility, tuple[float, float, float]]]:
@@ -35,7 +39,7 @@ def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
 
             p_z = brentq(missing, 0.0, 20 * abs(v_n), xtol=1e-16, rtol=1e-15)
             exact = expm(A * p_z) @ start
-            got = struck_smooth(v_e, v_2, v_n, K, lambda v2: k, e_n, "newton")
+            got = SmoothImpacts(Viscous(k), "newton").struck(v_e, v_2, v_n, K, 0.0, e_n)
             assert got.p_z == pytest.approx(p_z, rel=1e-12)
             assert (got.v_e, got.v_2, got.v_n) == pytest.approx(tuple(exact[:3]), abs=1e-12)
 
@@ -44,7 +48,7 @@ def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
 def test_the_works_are_those_of_the_impulse(restitution: str) -> None:
     """The sum of the works is p.(v- + v+)/2, whatever the law; energetic: of the normal ones e_n^2 comes back."""
     for K, v in contacts():
-        got = struck_smooth(*v, K, lambda v2: 0.3 / np.sqrt(v2 + 0.01), 0.5, restitution)
+        got = SmoothImpacts(Coulomb(0.3, 0.1), restitution).struck(*v, K, 0.0, 0.5)
         p, after = np.array([got.p_e, got.p_2, got.p_z]), np.array([got.v_e, got.v_2, got.v_n])
         assert got.energy == pytest.approx(p @ (np.array(v) + after) / 2, abs=1e-13)
         if restitution == "energetic":
@@ -59,14 +63,27 @@ def test_the_regularised_law_tends_to_coulombs() -> None:
     assert exact.mode == "slip"
     errors = []
     for eps in (4e-3, 2e-3, 1e-3):
-        got = struck_smooth(*v, K, lambda v2, eps=eps: mu / np.sqrt(v2 + eps**2), 0.4)
+        got = SmoothImpacts(Coulomb(mu, eps), "energetic").struck(*v, K, 0.0, 0.4)
         errors.append(np.hypot(got.p_e - exact.p_e, got.p_2 - exact.p_2))
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.01)
+
+
+@pytest.mark.parametrize(("number", "digits"), [(np.longdouble, 1e-18), (hy.real128, 1e-32)])
+def test_an_impact_has_the_digits_of_its_numbers(number: Any, digits: float) -> None:
+    """The works, which are integrated, and the impulse, which is not: in doubles they agree to 1e-16."""
+    K, v = contacts()[1]
+    K, v = Mobility(*(number(float(x)) for x in K)), [number(x) for x in v]
+    law = Coulomb(number(0.3), number(0.1))
+    got = SmoothImpacts(law, "energetic", number).struck(*v, K, number(0), number(0.5))
+    p, after = (got.p_e, got.p_2, got.p_z), (got.v_e, got.v_2, got.v_n)
+    energy = sum((a * (b + c) for a, b, c in zip(p, v, after, strict=True)), number(0)) / 2
+    assert abs(got.energy - energy) < digits
+    assert abs(got.work_n - got.compression * 3 / 4) < digits
 
 
 def test_a_law_that_cannot_be_followed_is_refused() -> None:
     K, v = contacts()[0]
     with pytest.raises(ArithmeticError, match="no solution"):
-        struck_smooth(*v, K, lambda v2: np.nan, 0.0)
+        SmoothImpacts(Viscous(np.nan), "energetic").struck(*v, K, 0.0, 0.0)
     with pytest.raises(ArithmeticError, match="no solution"):  # v_e K_ez > 0 and k beyond K_zz/(K_ez v_e)
-        struck_smooth(3.0 * np.sign(K.ez), 0.0, -1.0, K, lambda v2: abs(K.zz / K.ez), 0.0)
+        SmoothImpacts(Viscous(abs(K.zz / K.ez)), "energetic").struck(3.0 * np.sign(K.ez), 0.0, -1.0, K, 0.0, 0.0)

@@ -1,5 +1,8 @@
 """Impacts of a patch that drills: against an integration of the whole body, and those of a point."""
 
+from typing import Any
+
+import heyoka as hy
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -75,6 +78,19 @@ def test_a_point_is_a_patch_of_no_size() -> None:
         errors.append(abs(made.v_2 - point.v_2) + abs(made.p_e - point.p_e))
     assert errors[1] < errors[0] / 5
     assert errors[2] < 1e-13
+
+
+@pytest.mark.parametrize(("number", "digits"), [(np.longdouble, 1e-16), (hy.real128, 1e-29)])
+def test_an_impact_has_the_digits_of_its_numbers(number: Any, digits: float) -> None:
+    """The works are integrated, the impulses too: p.(v- + v+)/2 joins them."""
+    v, ball = [number(x) for x in (0.1, -0.1, -0.3)], Ball(*map(number, BODY))
+    made = patch_struck(tuple(v), number(80), number(0.8), number(0.6), ball, number(PATCH), number(0.5))
+    p, after = (made.p_e, made.p_2, made.p_z), (made.v_e, made.v_2, made.v_n)
+    energy = (
+        sum((a * (b + c) for a, b, c in zip(p, v, after, strict=True)), made.twist * (number(80) + made.Omega_z)) / 2
+    )
+    assert abs(made.energy - energy) < digits * abs(made.compression)
+    assert abs(made.work_n - made.compression * 3 / 4) < digits * abs(made.compression)
 
 
 def test_slip_and_drilling_that_stop_together_stick() -> None:

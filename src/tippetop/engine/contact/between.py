@@ -8,11 +8,10 @@ import numpy as np
 from ...mechanics.contact.first_slip import FirstSlip
 from ...mechanics.contact.phases.legs import Body, Kind
 from ...mechanics.variables import INTEGRAL_SCALE
-from ..slices import Request
 from ..tallies import SIGN
 from .beginning import states
-from .legs import rows_of
-from .passages import RunPassages, zero_of
+from .gathered import Gathered
+from .rows import rows_of
 from .transitions import Change
 
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from .driver import ContactDriver
 
 
-def fill_between(driver: "ContactDriver", change: Change, start: Any, log: RunPassages, request: Request) -> None:
+def fill_between(driver: "ContactDriver", change: Change, start: Any, output: Gathered) -> None:
     """Gives the rows that are wanted of the beginning of a slide, and logs what passes in it.
 
     Parameters
@@ -31,12 +30,12 @@ def fill_between(driver: "ContactDriver", change: Change, start: Any, log: RunPa
         The slide.
     start
         When it began, internal time.
-    log, request
-        Take the events and the rows.
+    output
+        Takes the events and the rows.
     """
     between, lag = change.between, change.lag
     assert between is not None
-    kind, body, number = driver.kinds[driver.kind], driver.balls[driver.ball], driver.problem.number
+    kind, body, number = driver.phase.kind, driver.phase.body, driver.problem.number
     moving = len(kind.form.units)
 
     def rows(t: np.ndarray) -> np.ndarray:
@@ -45,16 +44,16 @@ def fill_between(driver: "ContactDriver", change: Change, start: Any, log: RunPa
         return rows_of(kind, driver.ball, driver.balls, values[:, :moving], carried, driver.taken, number)
 
     inner = driver.inner
-    while not request.steps:
-        inner.times = inner.times if len(inner.times) else request.wanted()
+    while not output.steps:
+        inner.times = inner.times if len(inner.times) else output.wanted()
         count = int(np.searchsorted(inner.times, float(start + lag)))
         if count:
             t = inner.times[:count].astype(number) - start
-            request.take(inner.times[:count], rows(np.clip(t, 0 * lag, lag)))
+            output.take_rows(inner.times[:count], rows(np.clip(t, 0 * lag, lag)))
         inner.times = inner.times[count:]
         if len(inner.times) or not count:
             break
-    for k, event in enumerate(inner.problem.system.events):
+    for k, event in enumerate(driver.phase.events):
         if event.name not in change.signs:
             continue
         function = _along(event, kind, body, between)
@@ -62,7 +61,15 @@ def fill_between(driver: "ContactDriver", change: Change, start: Any, log: RunPa
         if sign != before:
             t = zero_of(function, before, lag)
             inner.tallies.functions[SIGN, k, 0] = sign
-            log.note(event.name, start + t, rows(np.array([t])), sign)
+            output.note_row(event.name, start + t, rows(np.array([t])), sign)
+
+
+def zero_of(function: Callable[[Any], float], sign: float, end: Any) -> Any:
+    """Where a function that begins with a sign has its zero, in [0, end]."""
+    low, high = 0 * end, end
+    while low < (middle := (low + high) / 2) < high:
+        low, high = (middle, high) if function(middle) * sign > 0 else (low, middle)
+    return high
 
 
 def _along(event: Any, kind: Kind, body: Body, between: FirstSlip) -> Callable[[Any], float]:

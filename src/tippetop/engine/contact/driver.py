@@ -11,18 +11,18 @@ from ...mechanics.contact.ball import jellett
 from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
 from ...mechanics.events import ON_ZERO
-from ...mechanics.systems.with_contact import kinds_of
 from ...mechanics.units import SECOND
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 from ..expressions import equations_of_motion
-from ..slices import Driver, Extremes, Passages, Request, Slice
+from ..slices import Driver, Extremes, Request, Slice
 from ..status import Status
 from ..tallies import SIGN, reset
+from .balls import Balls
 from .between import fill_between
-from .impacts import moment_of
-from .legs import Balls, Carried, new_leg, rows_of
-from .passages import RunPassages
+from .gathered import NOBODY, Gathered
+from .impacts import Moment, moment_of
+from .legs import Followed, new_leg
 from .tables import Tables
 from .transitions import Change, Transitions
 
@@ -32,19 +32,6 @@ CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Formulas of a phase are asked of states of another, such as the region of a patch that drills; what is no number in
 the motion itself ends the run."""
-
-
-class _Asked:
-    """Passes the rows of a leg on to whoever asked for rows of the run."""
-
-    def __init__(self, driver: "ContactDriver", request: Request):
-        self.driver, self.request, self.steps = driver, request, request.steps
-
-    def wanted(self) -> np.ndarray:
-        return self.request.wanted()
-
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        self.request.take(times, self.driver.rows(states))
 
 
 class ContactDriver:
@@ -69,12 +56,11 @@ class ContactDriver:
 
     @QUIET
     def __init__(self, problem: Problem, make: Any):
-        self.problem, self.make = problem, make
+        self.problem, self.make, self.balls = problem, make, Balls(problem)
         self.variables = len(problem.variables.names)
-        self.balls, self.kinds = Balls(problem), kinds_of(problem.system.name)
         self.transitions = Transitions(problem, self.balls)
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
-        self.drivers: dict[tuple[str, int], tuple[Driver, Carried]] = {}
+        self.phases: dict[tuple[str, int], Followed] = {}
         self.force, self.tables = Extremes(), Tables(problem)
         self.changes = self.short = 0
         self.taken: Any = problem.number(0)
@@ -94,9 +80,19 @@ class ContactDriver:
     # --- the phase that is under way ------------------------------------------------------------------------------
 
     @property
+    def kind(self) -> str:
+        """The kind of the present phase."""
+        return self.phase.name
+
+    @property
+    def ball(self) -> int:
+        """The number of the ball in contact, or last in contact."""
+        return self.phase.ball
+
+    @property
     def inner(self) -> Driver:
         """The driver of the present phase."""
-        return self.drivers[self.kind, self.ball][0]
+        return self.phase.driver
 
     @property
     def compiled(self) -> Any:
@@ -118,9 +114,9 @@ class ContactDriver:
         """Compiles the equations of the phases that most runs have."""
         moment = self.moment
         for kind in self.transitions.names:
-            if (kind, self.ball) not in self.drivers:
-                how = self.kinds[kind]
-                self._add(kind, self.ball, how.state(moment.u, moment.L, moment.velocity, moment.height, self.balls[0]))
+            how = self.transitions.kinds[kind]
+            q = how.state(moment.u, moment.L, moment.velocity, moment.height, self.balls[0])
+            self._followed(kind, self.ball, q)
 
     def equations(self) -> list[tuple]:
         """The equations of every phase that the run may have, by name."""
@@ -134,9 +130,11 @@ class ContactDriver:
 
     def rows(self, states: np.ndarray) -> np.ndarray:
         """States (n, variables) of the present phase as rows."""
-        kind, carried = self.kinds[self.kind], self.drivers[self.kind, self.ball][1]
-        integrals = carried.into_rows(states, self.carried)
-        return rows_of(kind, self.ball, self.balls, states, integrals, self.taken, self.problem.number)
+        output = Gathered(self.problem, self.balls, NOBODY)
+        output.of(self.phase, self.carried, self.taken)
+        output.sample(states)
+        output.give()
+        return output.sampled()
 
     def present(self) -> np.ndarray:
         """The row of the present state, (1, variables)."""
@@ -144,51 +142,45 @@ class ContactDriver:
 
     def _enter(self, change: Change, clock: tuple[Any, Any], since: Any = None) -> None:
         """Takes up a phase at a time of the clock; it began then, or somewhat earlier at `since`."""
-        self.kind, self.ball, moment = change.kind, change.ball, change.moment
+        moment, ball, number = change.moment, change.ball, self.problem.number
+        q = self.transitions.state(change.kind, ball, moment)
+        self.phase = phase = self._followed(change.kind, ball, q)
         if change.reason:
             began = float(clock[0] if since is None else since)
-            self.tables.begin(PHASES.index(self.kinds[self.kind].phase), self.ball, began, change)
-        kind, body, number = self.kinds[self.kind], self.balls[self.ball], self.problem.number
-        q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
+            self.tables.begin(PHASES.index(phase.kind.phase), ball, began, change)
         if change.takes:
             lost = moment.carried[self.transitions.lost] / INTEGRAL_SCALE if self.transitions.lost >= 0 else 0
-            self.taken = number(jellett(moment.u, moment.L, self.transitions.ball(self.ball))) + lost
+            self.taken = number(jellett(moment.u, moment.L, self.transitions.ball(ball))) + lost
         self.carried = moment.carried
-        if (self.kind, self.ball) not in self.drivers:
-            self._add(self.kind, self.ball, q)
-        driver, carried = self.drivers[self.kind, self.ball]
+        driver = phase.driver
         state = np.zeros(len(driver.state), dtype=number)
         state[: len(q)] = q
-        carried.into_state(self.carried, state)
+        phase.carried.into_state(self.carried, state)
         driver.put(state, clock)
         driver.times = self.times
-        self._expect(driver, q, change.signs)
+        self._expect(change.functions or self.transitions.functions(change.kind, ball, moment), change.signs)
         landing, self.waits = change.landing, None
         if change.waits:
             self.waits = landing = clock[0] + number(change.waits)
         elif landing is not None:
             landing = clock[0] + number(landing)
-        self._watch(driver)
+        self._watch(phase)
         self._until(landing, driver)
         driver.tally["t"] = float(clock[0])
         self.began = float(clock[0])
 
-    def _add(self, kind: str, ball: int, q: Any) -> None:
-        """Makes the ordinary driver of a phase, of a state that it may have."""
-        first = np.zeros(len(q) + self._integrals(), dtype=self.problem.number)
-        first[: len(q)] = q
-        part = new_leg(self.problem, kind, self.balls[ball], first)
-        part = new_leg(self.problem, kind, self.balls[ball], first[: len(part.variables.names)])
-        with np.errstate(
-            invalid="ignore", divide="ignore"
-        ):  # of friction that drills the state may be of another region
-            self.drivers[kind, ball] = self.make(part), Carried(self.problem, part)
+    def _followed(self, name: str, ball: int, q: Any) -> Followed:
+        """The phase of a kind, on a ball; q is a state that it may have."""
+        if (name, ball) not in self.phases:
+            self.phases[name, ball] = Followed(self.problem, name, ball, self.balls, q, self.make)
+        return self.phases[name, ball]
 
-    def _watch(self, driver: Driver) -> None:
+    def _watch(self, phase: Followed) -> None:
         """Looks for the other ball, unless it has just left."""
-        records, events = driver.rows.events, driver.problem.system.events
-        for record, event in zip(records, events, strict=True):
-            if event.name == "touch":
+        if not self.balls.stem:
+            return
+        for record, name in zip(phase.driver.rows.events, phase.names, strict=True):
+            if name == "touch":
                 record["watched"] = self.waits is None
                 record["ends"] = Status.ENDED.code if self.waits is None else 0
 
@@ -198,78 +190,63 @@ class ContactDriver:
         self.lands = landing is not None and landing < self.end
         driver.end_at(landing if self.lands else self.end)
 
-    def _integrals(self) -> int:
-        return len(self.problem.variables.names) - self.problem.variables.moving
-
-    def _expect(self, driver: Driver, q: Any, signs: dict[str, float]) -> None:
+    def _expect(self, functions: dict[str, float], signs: dict[str, float]) -> None:
         """Says on which side of their zeros the event functions begin."""
-        body = self.balls[self.ball]
-        scalars = driver.problem.form.scalars(q, body)
-        events = driver.problem.system.events
-        values = np.array([float(event.formula(scalars, body)) for event in events])
-        at = np.where(values > 0, 1.0, -1.0)
-        on_zero = np.abs(values) < ON_ZERO
-        for k, event in enumerate(events):
-            if event.name in signs:  # it continues from the phase before
-                at[k], on_zero[k] = signs[event.name], False
-            elif event.name in ("stick", "slip"):
+        phase, values = self.phase, functions.values()
+        at = [1.0 if value > 0 else -1.0 for value in values]
+        on_zero = [abs(value) < ON_ZERO for value in values]
+        for k, (name, event) in enumerate(zip(phase.names, phase.events, strict=True)):
+            if name in signs:  # it continues from the phase before
+                at[k], on_zero[k] = signs[name], False
+            elif name in ("stick", "slip"):
                 at[k], on_zero[k] = at[k] if event.direction == 0 else 1.0, False
-            elif event.name in ("faster", "slower") and abs(values[k]) < ON_ZERO:
-                at[k], on_zero[k] = -float(event.direction), True
-            elif event.name == "touch" and on_zero[k]:
+            elif name in ("faster", "slower") and on_zero[k]:
+                at[k] = -float(event.direction)
+            elif name == "touch" and on_zero[k]:
                 at[k] = 1.0
-        reset(driver.tallies, driver.rows, 0, at, on_zero)
+        reset(phase.driver.tallies, phase.driver.rows, 0, np.array(at), np.array(on_zero))
 
     def _signs(self) -> dict[str, float]:
         """On which side of their zeros the functions of the axis are now, by name."""
-        inner = self.inner
-        names = [event.name for event in inner.problem.system.events]
-        return {
-            name: float(inner.tallies.functions[SIGN, k, 0])
-            for k, name in enumerate(names)
-            if name in ("turning", "equator", "inverted")
-        }
+        known = self.inner.tallies.functions[SIGN, :, 0].tolist()
+        return {name: known[k] for k, name in self.phase.axis}
 
     # --- steps ----------------------------------------------------------------------------------------------------
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps, through as many phases as they take."""
-        asked, log, samples, steps = _Asked(self, request), RunPassages(self.problem), [], 0
+        output, steps = Gathered(self.problem, self.balls, request), 0
         while True:
-            piece = self.inner.advance(asked, most - steps)
+            output.of(self.phase, self.carried, self.taken)
+            piece = self.inner.advance(output, most - steps)
             steps += piece.steps
             when, status, ending = piece.time, piece.status, self._ending(piece)
-            count, first = len(piece.passages.times) - (ending is not None), len(piece.samples)
-            passages = Passages(*(column[:count] for column in piece.passages))
-            rows = self.rows(np.concatenate([piece.samples, passages.states, piece.last]))
-            last = rows[-1:]
-            samples.append(rows[:first])
-            log.add(passages, self.inner.problem.system, rows[first:-1])
+            output.sample(piece.samples)
+            output.passed(piece.passages, len(piece.passages.times) - (ending is not None))
             if status is None or not (self.lands or ending is not None):
                 break
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
-            status = self._change(ending, last, when, log, request)
+            status = self._change(ending, piece.last[0], when, output)
             if status is not None or steps >= most:
                 break
         if status is not None:
             self.tables.end(float(when), str(status.value))
-        last = self.present() if status is None else last
-        return Slice(steps, when, last, np.concatenate(samples), log.passages(), status, self.tables.take())
+        last = self.present() if status is None else self.rows(piece.last)
+        output.give()
+        return Slice(steps, when, last, output.sampled(), output.passages(), status, self.tables.take())
 
     def _ending(self, piece: Slice) -> str | None:
         """The event that ended the present phase; None if none did."""
         if piece.status in (None, Status.FINISHED) or not len(piece.passages.events):
             return None
-        event = self.inner.problem.system.events[int(piece.passages.events[-1])]
+        event = self.phase.events[int(piece.passages.events[-1])]
         return event.name if event.ends and piece.status != Status.FALLEN else None
 
-    def _change(
-        self, ending: str | None, last: np.ndarray, when: Any, log: "RunPassages", request: Request
-    ) -> Status | None:
-        """What follows the end of a phase; gives how it ends the run, or None."""
-        moment = moment_of(last[0])
+    def _change(self, ending: str | None, last: np.ndarray, when: Any, output: Gathered) -> Status | None:
+        """What follows the end of a phase in a state (variables,); gives how it ends the run, or None."""
+        moment = self._moment(last)
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         signs, name = self._signs(), ending or ("landing" if self.waits is None else "clear")
@@ -278,12 +255,10 @@ class ContactDriver:
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        self._merge_force()
-        self.times = self.inner.times
-        time = self.problem.number(when) + change.lag
+        self.force = self.extremes()
+        self.times, now = self.inner.times, self.problem.number(when)
         for event in change.events:
-            row_after = last if event == "liftoff" else None
-            log.note(event, self.problem.number(when) + change.when, last if row_after is None else row_after)
+            output.note(event, now + change.when, last)
         if change.ends is not None:
             self.sentence = change.sentence
             self.tables.struck(float(when), change)
@@ -296,20 +271,24 @@ class ContactDriver:
             self.sentence = f"the contact has changed its phase {MOST_CHANGES} times"
         if self.sentence:
             return Status.STALLED
-        self._enter(change, (time, 0 * time), self.problem.number(when) + change.when)
+        time = now + change.lag
+        self._enter(change, (time, 0 * time), now + change.when)
         if change.between is not None:
-            fill_between(self, change, self.problem.number(when), log, request)
-        before, after = (known.get("turning") for known in (signs, self._signs()))  # None: theta stays
-        if (
-            change.strikes and before and after and before != after
-        ):  # theta has a corner, which ends a swing as a turning does
-            log.note("turning", self.problem.number(when), last, after)
+            fill_between(self, change, now, output)
+        if change.strikes:
+            before, after = (known.get("turning") for known in (signs, self._signs()))  # None: theta stays
+            if before and after and before != after:  # theta has a corner, which ends a swing
+                output.note("turning", now, last, after)
         return None
 
-    # --- what is known of it --------------------------------------------------------------------------------------
+    def _moment(self, state: np.ndarray) -> Moment:
+        """What a state (variables,) of the present phase says of the body; doubles become Python's numbers."""
+        phase = self.phase
+        numbers = state[: len(phase.record._fields)]
+        place = phase.kind.place(phase.record(*(numbers.tolist() if state.dtype == float else numbers)), phase.body)
+        return Moment._make((*place, phase.carried.into_rows(state[None], self.carried[None])[0]))
 
-    def _merge_force(self) -> None:
-        self.force = self.extremes()
+    # --- what is known of it --------------------------------------------------------------------------------------
 
     def extremes(self) -> Extremes:
         """Of the normal force so far, internal units."""
@@ -342,6 +321,7 @@ class ContactDriver:
             "under_way": self.tables.under_way,
         }
 
+    @QUIET
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continues from a snapshot, of which state and time come in the working precision. Raises ValueError if it is
         of another run."""
@@ -353,7 +333,7 @@ class ContactDriver:
         self._enter(Change(kept["kind"], kept["ball"], moment, "start"), clock)
         self.inner.restore(kept, state, clock)
         self.waits = landing if kept["waits"] else None
-        self._watch(self.inner)
+        self._watch(self.phase)
         self._until(landing, self.inner)
         self.force = Extremes(*kept["force"])
         self.changes, self.short, self.began = kept["changes"]

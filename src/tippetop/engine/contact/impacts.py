@@ -13,13 +13,14 @@ from ...mechanics.contact.phases.drilling import LOST
 from ...mechanics.contact.phases.legs import Body
 from ...mechanics.contact.phases.row import Row
 from ...mechanics.contact.struck import struck
-from ...mechanics.friction import Frictionless, slip_coefficient
+from ...mechanics.friction import Frictionless
 from ...mechanics.operand import Vector, cross, dot, plus, times
-from ...mechanics.systems.with_contact import kinds_of
+from ...mechanics.systems.with_contact import kinds_of, leg
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
-from .legs import Balls
-from .smooth_impact import struck_smooth
+from .balls import Balls
+from .flights import Landings
+from .smooth_impact import SmoothImpacts
 
 
 CLOSES_AT = 1e-8  # v_n below which an impact does not bounce: the error is its square
@@ -73,13 +74,31 @@ class Impacts:
         names = problem.variables.names[problem.variables.moving :]
         self.work, self.impulse = names.index("work"), names.index("impulse")
         self.lost = names.index(LOST[0]) if LOST[0] in names else -1
-        self.rules, self.kinds = problem.contact, kinds_of(problem.system.name)
+        rules = problem.contact
+        assert rules is not None
+        self.rules, self.kinds = rules, kinds_of(problem.system.name)
+        self.landings, law = Landings(problem.number), balls[0].friction
+        self.smooth = SmoothImpacts(law, rules.restitution, problem.number)
+        self.touching = [self._ball(body) for body in balls.bodies]
 
     def ball(self, index: int) -> Ball:
         """A ball as the formulas of its contact take it."""
-        b: Body = self.balls[index]
+        return self.touching[index]
+
+    def _ball(self, b: Body) -> Ball:
         mu = b.friction.mu if self.balls.dry or self.balls.drills else 0 * b.m
         return Ball(b.m, b.I1, b.I3, b.g, mu, b.c, b.R)
+
+    def state(self, kind: str, index: int, moment: Moment) -> Any:
+        """The state of a phase in which the body is so, with this ball in contact."""
+        return self.kinds[kind].state(moment.u, moment.L, moment.velocity, moment.height, self.balls[index])
+
+    def functions(self, kind: str, index: int, moment: Moment) -> dict[str, float]:
+        """The event functions of a phase, by name, in the order of its events."""
+        body = self.balls[index]
+        scalars = self.kinds[kind].form.scalars(self.state(kind, index, moment), body)
+        events = leg(self.problem.system.name, kind).events
+        return {event.name: float(event.formula(scalars, body)) for event in events}
 
     def gap(self, index: int, moment: Moment) -> Any:
         """Height of a ball above the plane."""
@@ -94,47 +113,38 @@ class Impacts:
         across = self._size(u)
         e = Vector(u.x / across, u.y / across, 0 * across) if float(across) > 0 else self._direction(v)
         along, sideways = v.x * e.x + v.y * e.y, e.x * v.y - e.y * v.x
-        assert self.rules is not None
         closes = abs(float(v.z)) < CLOSES_AT
         K = balls_.mobility(across, u.z, b)
         e_n, law = 0.0 if closes else self.rules.e_n, self.balls[index].friction
         if self.balls.drills:
-            return self._struck_patch(index, moment, e, across, (along, sideways, v.z), e_n, closes)
-        if self.balls.dry or isinstance(law, Frictionless):
+            turn = balls_.angular_velocity(u, moment.L, b).z
+            patch = self.number(law.patch)
+            result: Any = patch_struck((along, sideways, v.z), turn, across, u.z, b, patch, e_n, self.rules.restitution)
+        elif self.balls.dry or isinstance(law, Frictionless):
             result = struck(along, sideways, v.z, K, b.mu, e_n, self.rules.restitution)
         else:
-            result = struck_smooth(
-                along, sideways, v.z, K, lambda v2: slip_coefficient(v2, u.z, law), e_n, self.rules.restitution
-            )
-        return self._applied(index, moment, e, result, 0 * b.m, closes)
-
-    def _struck_patch(
-        self, index: int, moment: Moment, e: Vector, s: Any, v: tuple, e_n: float, closes: bool
-    ) -> tuple[Moment, Strike]:
-        """The same with friction that drills, whose torque is struck too."""
-        b, u, law = self.ball(index), moment.u, self.balls[index].friction
-        assert self.rules is not None
-        turn = float(balls_.angular_velocity(u, moment.L, b).z)
-        result = patch_struck(tuple(map(float, v)), turn, s, u.z, b, law.patch, e_n, self.rules.restitution)
-        return self._applied(index, moment, e, result, result.twist, closes)
+            result = self.smooth.struck(along, sideways, v.z, K, u.z, e_n)
+        return self._applied(index, moment, v, e, result, closes)
 
     def _applied(
-        self, index: int, moment: Moment, e: Vector, result: Any, twist: Any, closes: bool
+        self, index: int, moment: Moment, before: Vector, e: Vector, result: Any, closes: bool
     ) -> tuple[Moment, Strike]:
-        """The body after an impulse at a ball, and the impulse `twist` of a torque about the vertical."""
-        assert self.rules is not None
+        """The body after an impact of a ball, whose lowest point had the velocity `before`."""
         b, u = self.ball(index), moment.u
         p = Vector(result.p_e * e.x - result.p_2 * e.y, result.p_e * e.y + result.p_2 * e.x, result.p_z)
-        before, turn = self.point(index, moment), balls_.angular_velocity(u, moment.L, b).z
         velocity, moved = plus(moment.velocity, times(1 / b.m, p)), cross(balls_.arm(u, b), p)
-        L = plus(moment.L, moved._replace(z=moved.z + twist))
-        after, turn_after = balls_.contact_velocity(u, L, velocity, b), balls_.angular_velocity(u, L, b).z
-        gained = (dot(p, before) + dot(p, after) + twist * (turn + turn_after)) / 2
+        L = plus(moment.L, moved)
+        if self.balls.drills:  # the impulse of a torque about the vertical
+            L = L._replace(z=L.z + result.twist)
+        after = balls_.contact_velocity(u, L, velocity, b)
+        gained = (dot(p, before) + dot(p, after)) / 2
         carried = moment.carried.copy()
+        if self.balls.drills:
+            turns = (balls_.angular_velocity(u, momentum, b).z for momentum in (moment.L, L))
+            gained = gained + result.twist * sum(turns) / 2
+            carried[self.lost] = carried[self.lost] + result.twist * balls_.arm(u, b).z * INTEGRAL_SCALE
         carried[self.work] = carried[self.work] - gained * INTEGRAL_SCALE
         carried[self.impulse] = carried[self.impulse] + p.z * INTEGRAL_SCALE
-        if self.lost >= 0:
-            carried[self.lost] = carried[self.lost] + twist * balls_.arm(u, b).z * INTEGRAL_SCALE
         plastic = closes or self.rules.e_n == 0
         if plastic:
             velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding

@@ -1,56 +1,19 @@
-"""A phase of a run as a problem of its own, which an ordinary driver integrates; and its states as rows."""
+"""A phase of a run as a problem of its own, which an ordinary driver integrates."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact.ball import Ball, jellett
-from ...mechanics.contact.phases.legs import Body, Kind, Reached
-from ...mechanics.contact.phases.row import PHASES, Row
-from ...mechanics.contact.phases.rules import stem_height
-from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless
+from ...mechanics.contact.phases.legs import Body
 from ...mechanics.operand import leaves
-from ...mechanics.systems.with_contact import leg
-from ...mechanics.units import METRE, Scales
+from ...mechanics.systems.with_contact import kinds_of, leg
+from ...mechanics.units import Scales
 from ...problem import Problem
-
-
-class Balls:
-    """The balls of a body that can touch the plane, in internal units and the working precision.
-
-    Parameters
-    ----------
-    problem
-        A run whose contact changes its phase.
-    """
-
-    def __init__(self, problem: Problem):
-        body, number = problem.internal_body, problem.number
-        rules = problem.contact
-        assert rules is not None
-        friction = body.friction
-        self.dry = isinstance(friction, SetValued) and not is_frictionless(friction)
-        self.drills = isinstance(friction, Contensou) and not is_frictionless(friction)
-        friction = (
-            friction if self.dry or self.drills or not isinstance(friction, SetValued | Contensou) else Frictionless()
-        )
-        one = number(1)
-        self.stem = rules.stem
-        self.bodies = [Body(body.m, one * body.R, body.c, body.I1, body.I3, body.g, friction, one, 0 * one)]
-        if rules.stem:
-            metre = problem.exact(1) / problem.exact(problem.scales.of(METRE))
-            r, h = (number(problem.exact(x) * metre) for x in (rules.r, rules.h))
-            clear = body.R - r
-            self.bodies = [self.bodies[0]._replace(clearance=clear, lever=h)]
-            self.bodies.append(self.bodies[0]._replace(R=r, c=body.c + h, clearance=-clear, lever=-h))
-
-    def __len__(self) -> int:
-        return len(self.bodies)
-
-    def __getitem__(self, ball: int) -> Body:
-        return self.bodies[ball]
+from ..slices import Driver
+from .balls import Balls
 
 
 @dataclass(frozen=True, repr=False)
@@ -125,55 +88,45 @@ class Carried:
             state[mine] = carried[theirs]
 
     def into_rows(self, states: np.ndarray, carried: np.ndarray) -> np.ndarray:
-        """The integrals of states (n, variables), as rows have them, (n, k); those that do not move are as given."""
-        rows = np.repeat(carried[None, :], len(states), axis=0)
+        """The integrals of states (n, variables), as rows have them; those that do not move are as given, (n, k)."""
+        rows = carried.copy()
         for mine, theirs in self.pairs:
             rows[:, theirs] = states[:, mine]
         return rows
 
 
-def reached(kind: Kind, states: np.ndarray, body: Body) -> Reached:
-    """What states (n, variables) of a phase say, arrays (n,)."""
-    q = type(kind.form.units)(*states.T[: len(kind.form.units)])
-    return kind.says(q, body)
+AXIS = ("turning", "equator", "inverted")
+"""Events of how the axis moves, which every phase has where theta moves."""
 
 
-def rows_of(
-    kind: Kind, ball: int, balls: Balls, states: np.ndarray, carried: np.ndarray, taken: Any, number: Any
-) -> np.ndarray:
-    """States (n, variables) of a phase as rows.
+class Followed:
+    """A phase that a run may have, and the ordinary driver that follows it.
 
     Parameters
     ----------
-    kind, ball
-        The phase, and the number of the ball in contact.
+    whole
+        The run.
+    name, ball
+        The kind of the phase, of `legs.KINDS`, and the number of the ball in contact.
     balls
         All balls.
-    states
-        Internal units.
-    carried
-        The integrals, (n, k), scaled.
-    taken
-        Jellett's integral when the ball was taken.
-    number
-        The type of numbers.
-
-    Returns
-    -------
-    rows
-        (n, variables of a row), internal units.
+    q
+        A state that it may have.
+    make
+        make(leg) -> the ordinary driver of a phase.
     """
-    body, n = balls[ball], len(states)
-    says = reached(kind, states, body)
-    if not kind.keeps_jellett:
-        taken = jellett(says.u, says.L, Ball(body.m, body.I1, body.I3, body.g, 0, body.c, body.R))
-    gap = stem_height(says.height, says.u.z, balls[1].c, balls[1].R) if balls.stem else 0
-    row = Row(
-        *says.u, *says.L, *says.velocity, says.height, *says.force,
-        body.R, body.c, gap, PHASES.index(kind.phase), ball, taken, says.drilled,
-    )  # fmt: skip
-    rows = np.empty((n, len(row) + carried.shape[1]), dtype=number)
-    for k, value in enumerate(row):
-        rows[:, k] = value
-    rows[:, len(row) :] = carried
-    return rows
+
+    def __init__(self, whole: Problem, name: str, ball: int, balls: Balls, q: Any, make: Callable):
+        self.name, self.ball, self.body, self.kind = name, ball, balls[ball], kinds_of(whole.system.name)[name]
+        integrals = len(whole.variables.names) - whole.variables.moving
+        first = np.zeros(len(q) + integrals, dtype=whole.number)
+        first[: len(q)] = q
+        part = new_leg(whole, name, self.body, first)
+        part = new_leg(whole, name, self.body, first[: len(part.variables.names)])
+        self.driver: Driver = make(part)
+        self.carried, self.events = Carried(whole, part), part.system.events
+        self.names = [event.name for event in self.events]
+        of_run = [event.name for event in whole.system.events]
+        self.numbers = np.array([of_run.index(n) if n in of_run else -1 for n in self.names], int)
+        self.axis = [(k, n) for k, n in enumerate(self.names) if n in AXIS]
+        self.record = type(self.kind.form.units)

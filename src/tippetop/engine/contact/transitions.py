@@ -8,11 +8,9 @@ import numpy as np
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact import coulomb
 from ...mechanics.contact.first_slip import FirstSlip
-from ...mechanics.contact.flight import hop
-from ...mechanics.contact.landing import first_landing
 from ...mechanics.contact.phases.both import BOTH_FOLLOWS, STAYS
 from ...mechanics.contact.phases.drilling import DRILLING_KINDS, FOLLOWS, REGIONS, region_kind
-from ...mechanics.contact.phases.legs import STOPS_AT
+from ...mechanics.contact.phases.dry import STOPS_AT
 from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import PLANAR
 from ...mechanics.variables import INTEGRAL_SCALE
@@ -33,11 +31,6 @@ MOST_STRIKES = 16  # of impacts at one instant
 ALIKE = FOLLOWS | BOTH_FOLLOWS
 
 
-def _wide(value: Any) -> Any:
-    """A number as flights take it: a double, or one of 80 bits."""
-    return float(value) if isinstance(value, float) else np.longdouble(value)
-
-
 @dataclass
 class Change:
     """A phase that begins."""
@@ -48,6 +41,7 @@ class Change:
     reason: str
     events: tuple[str, ...] = ()  # of the run, that happen now
     signs: dict[str, float] = field(default_factory=dict)  # of event functions that continue as they were
+    functions: dict[str, float] | None = None  # the event functions where it begins, if they are known
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
     landing: Any = None  # internal time to the landing of a flight
@@ -139,6 +133,8 @@ class Transitions(Sliding, Standing):
 
     def _landed(self, moment: Moment) -> int:
         """The ball that lands: of those on the plane the one that falls fastest."""
+        if not self.balls.stem:
+            return 0
         gaps = [float(self.gap(k, moment)) for k in range(len(self.balls))]
         there = [k for k, gap in enumerate(gaps) if gap <= max(ON_PLANE, min(gaps))]
         return min(there, key=lambda k: float(self.point(k, moment).z))
@@ -174,14 +170,12 @@ class Transitions(Sliding, Standing):
 
     def _flight(self, ball: int, moment: Moment, reason: str, zeros: int) -> Change:
         """Free flight, until the first ball lands; `zeros` of the gap, its speed and its bend vanish at the start."""
-        hops = []
+        times = []
         for k in range(len(self.balls)):
-            gap, mine = self.gap(k, moment), k == ball
-            touches = float(gap) <= ON_PLANE
-            known = zeros if mine else int(touches)
-            u, L = (Vector(*map(_wide, v)) for v in (moment.u, moment.L))
-            hops.append(hop(u, L, _wide(moment.velocity.z), _wide(gap), self.ball(k), known))
-        _, landing = first_landing(hops)
+            gap = self.gap(k, moment)
+            known = zeros if k == ball else int(float(gap) <= ON_PLANE)
+            times.append(self.landings.of(moment.u, moment.L, moment.velocity.z, gap, self.ball(k), known))
+        landing = min(times)
         if not landing > 0:
             return Change("flight", ball, moment, reason, landing=landing, ends=Status.STALLED, sentence=NO_WAY)
         return Change("flight", ball, moment, reason, landing=landing)
@@ -207,9 +201,9 @@ class Transitions(Sliding, Standing):
             kind = "dry-slip" if self.balls.dry else "slip"
             if self.balls.drills:
                 kind = region_kind(moment.u, moment.L, moment.velocity, self.balls[ball])
-            q = self.kinds[kind].state(moment.u, moment.L, moment.velocity, moment.height, self.balls[ball])
-            if float(self.kinds[kind].says(q, self.balls[ball]).force.z) > 0:
-                return Change(kind, ball, moment, reason, takes=takes)
+            functions = self.functions(kind, ball, moment)
+            if functions["liftoff"] > 0:
+                return Change(kind, ball, moment, reason, functions=functions, takes=takes)
             return self._flight(ball, moment, "opens-at-once", 2)
         none = 0 * w
         moment = moment._replace(velocity=balls_.centre_velocity(moment.u, moment.L, Vector(none, none, none), b))

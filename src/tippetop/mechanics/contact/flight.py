@@ -3,12 +3,9 @@
 Numbers, float or longdouble; the time may be an array of them.
 """
 
-import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from ..operand import Operand, Vector, cross, dot, plus, sin, sqrt, times
+from ..operand import Operand, Vector, cross, dot, formula, plus, sin, sqrt, times
 from .ball import Ball
 
 
@@ -63,6 +60,7 @@ class Hop(NamedTuple):
     g: Any  # [m/s^2]
 
 
+@formula
 def hop(u: Vector, L: Vector, V_z: Any, gap: Any, ball: Ball, zeros: int = 0) -> Hop:
     """The gap of a ball in a flight that begins now.
 
@@ -81,24 +79,27 @@ def hop(u: Vector, L: Vector, V_z: Any, gap: Any, ball: Ball, zeros: int = 0) ->
         contact opens at once (b_z > 0), 3 at a liftoff (b_z = 0, rising). They are set to zero.
     """
     Omega = sqrt(dot(L, L)) / ball.I1
-    along = times(1 / sqrt(dot(L, L)), L) if Omega else L
+    along = times(1 / sqrt(dot(L, L)), L) if Omega > 0 else L
     across = cross(along, u)
     even, odd = -ball.offset * cross(along, across).z, ball.offset * across.z
-    taylor = [gap, V_z + odd * Omega, -ball.g - even * Omega**2]
-    start, speed, bend = (0 * c if i < zeros else c for i, c in enumerate(taylor))
+    start = gap if zeros < 1 else 0 * gap
+    speed = V_z + odd * Omega if zeros < 2 else 0 * gap
+    bend = -ball.g - even * Omega**2 if zeros < 3 else 0 * gap
     return Hop(start, speed, bend, even, odd, Omega, V_z, ball.g)
 
 
+@formula
 def gap_series(h: Hop) -> tuple:
     """The gap and its first five derivatives at the start."""
     third, fourth = -h.odd * h.Omega**3, h.even * h.Omega**4
     return h.start, h.speed, h.bend, third, fourth, h.odd * h.Omega**5
 
 
+@formula
 def gap_in_flight(h: Hop, t: Any) -> tuple:
     """The gap and its first three derivatives at the time t, a number; no digits are lost near a root at the start."""
     x = h.Omega * t
-    sine, half = _sine(x), _sine(x / 2)
+    sine, half = sin(x), sin(x / 2)
     versine = 2 * half * half
     if x > 2:
         gap = h.start + t * (h.rise - h.g * t / 2) - h.even * versine + h.odd * sine
@@ -111,19 +112,15 @@ def gap_in_flight(h: Hop, t: Any) -> tuple:
     return gap, speed, bend, h.Omega**3 * (h.even * sine - h.odd * (1 - versine))
 
 
-def _sine(x: Any) -> Any:
-    """sin(x) of a number: Python's own is the fastest for doubles."""
-    return math.sin(x) if isinstance(x, float) else np.sin(x)
-
-
+@formula
 def _late(x: Any) -> tuple:
     """x - sin(x) and cos(x) - 1 + x^2/2 of a moderate x, by their series: without cancellation."""
-    term, sums, n, old = x * x / 2, [0 * x, 0 * x], 2, -1
-    while sums[0] != old or n < 6:  # terms x^3/6, -x^4/24, ... in turn
-        old = sums[0]
-        for which in (0, 1):
-            n += 1
-            term = term * x / n
-            sums[which] += term
-        term = -term
-    return sums[0], sums[1]
+    term, odd, even, before, n = x * x / 2, 0 * x, 0 * x, 0 * x, 2
+    while n < 6 or odd != before:
+        before = odd
+        term = term * x / (n + 1)
+        odd = odd + term
+        term = term * x / (n + 2)
+        even = even + term
+        term, n = -term, n + 2
+    return odd, even

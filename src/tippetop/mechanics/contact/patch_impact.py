@@ -1,7 +1,8 @@
 """An impact of a patch that slides and drills: smooth friction, followed through the impact by extrapolation.
 
 As `struck`, with mu f(x) for mu and the torque of drilling beside the force, which couples v_2 and Omega_z. The
-variable is v_n, which rises all along. Where slip and drilling stop together, the patch sticks. [contact 3.3, 5]
+variable is v_n, which rises all along. Where slip and drilling stop together, the patch sticks. Numbers of any kind:
+the results have the digits of the arguments. [contact 3.3, 5]
 """
 
 from collections.abc import Callable
@@ -9,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..operand import Operand, formula
+from ..operand import Operand, formula, sqrt
 from .ball import Ball, Mobility, mobility
 from .drilling import drag
 from .struck import RESTITUTIONS
@@ -77,8 +78,9 @@ def patch_struck(
     K, spin = mobility(s, z, ball), spin_mobility(s, z, ball)
     if restitution not in RESTITUTIONS or not 0 <= e_n <= 1 or not v[2] < 0 or not ball.mu * abs(K.ez) < K.zz:
         raise ValueError(f"no impact: v_n = {v[2]}, e_n = {e_n}, mu = {ball.mu}, restitution = {restitution!r}")
-    way = _Way(K, spin, ball.mu, patch, np.array([v[0], v[1], Omega_z, 0, 0, 0, 0, 0, 0], float), v[2])
-    way.follow(0.0)
+    none = 0 * v[2]
+    way = _Way(K, spin, ball.mu, patch, np.array([v[0], v[1], Omega_z, *(none,) * 6]), v[2])
+    way.follow(none)
     compression, pressed = way.y[WORK_N], way.y[P_Z]
     goals = {
         "energetic": (WORK_N, (1 - e_n**2) * compression, (2 * e_n**2 * abs(compression) * K.zz) ** 0.5),
@@ -91,7 +93,7 @@ def patch_struck(
         for _ in range(20 if field is not None else 0):  # Newton: the work rises by v_n, the impulse by 1, per impulse
             missing = (goal - way.y[field]) * way.lift() / (way.v_n if field == WORK_N else 1)
             way.follow(way.v_n + missing)
-            if abs(missing) < 4e-16 * abs(way.v_n):
+            if abs(missing) < 2 * way.eps * abs(way.v_n):
                 break
     v_e, v_2, Omega_z, p_z, p_e, p_2, twist, work_n, work_t = way.y.tolist()
     mode = "stick" if way.stuck else "slip"
@@ -100,8 +102,8 @@ def patch_struck(
 
 P_Z, WORK_N = 3, 7
 
-MOST_STEPS = 100_000
-"""A patch that hardly drills is stiff: thousands of steps."""
+MOST_STEPS = 20_000
+"""A patch that hardly drills is stiff: thousands of steps, of 2 ms each."""
 
 
 class _Way:
@@ -109,8 +111,12 @@ class _Way:
 
     def __init__(self, K: Mobility, spin: Spin, mu: Any, patch: Any, y: np.ndarray, v_n: Any) -> None:
         self.K, self.spin, self.mu, self.patch, self.y, self.v_n = K, spin, mu, patch, y, v_n
-        self.stuck = False
-        self.size = abs(v_n) + np.hypot(y[0], y[1]) + patch * abs(y[2])
+        self.stuck, self.eps = False, rounding(v_n)
+        self.size = abs(v_n) + self.speed(y)
+
+    def speed(self, y: np.ndarray) -> Any:
+        """How fast the patch slides and turns, at its edge; or the rate of that."""
+        return sqrt(y[0] * y[0] + y[1] * y[1]) + self.patch * abs(y[2])
 
     def push(self, y: np.ndarray) -> tuple:
         """Friction along e, across and about the vertical, per normal force."""
@@ -140,18 +146,17 @@ class _Way:
         for _ in range(MOST_STEPS):
             if self.v_n == until:
                 return
-            still = np.hypot(self.y[0], self.y[1]) + self.patch * abs(self.y[2])
-            if not self.stuck and still < 1e-13 * self.size and abs(self.K.ez) <= self.mu * self.K.ee:
+            still = self.speed(self.y)
+            if not self.stuck and still < 450 * self.eps * self.size and abs(self.K.ez) <= self.mu * self.K.ee:
                 self.stuck, self.y[:3], step = True, 0.0, until - self.v_n
-            change = self.rate(self.v_n, self.y)
-            change = np.hypot(change[0], change[1]) + self.patch * abs(change[2])
+            change = self.speed(self.rate(self.v_n, self.y))
             if change * abs(step) > still / 2 > 0:  # a step that reverses friction would look exact
-                step = np.copysign(still / (2 * change), step)
+                step = still / (2 * change) * (1 if step > 0 else -1)
             last = abs(step) >= abs(until - self.v_n)
             step = until - self.v_n if last else step
             y, error = extrapolated(self.rate, self.v_n, self.y, step)
-            excess = float(np.max(error / self.tolerated(still, step)))
-            if not excess <= 1 and abs(step) > 1e-15 * self.size:
+            excess = float(np.max(error.astype(float) / self.tolerated(still, step)))
+            if not excess <= 1 and abs(step) > 4 * self.eps * self.size:
                 step = step / 3
                 continue
             self.y, self.v_n = y, until if last else self.v_n + step
@@ -161,15 +166,20 @@ class _Way:
     def tolerated(self, still: Any, step: Any) -> np.ndarray:
         """Errors of a step that are rounding: of velocities by what is left of them, of the rest by what there is."""
         p = self.y[P_Z] + abs(step) / self.K.zz
-        turn = max(abs(self.y[2]), still / self.patch if self.patch else 1.0)
+        turn = max(abs(self.y[2]), still / self.patch if self.patch else still + 1)
         twist = p * (self.patch or 1.0)
-        sizes = np.array([still, still, turn, p, p, p, twist, p * self.size, p * self.size])
-        return 3e-14 * sizes + 1e-30
+        sizes = np.array([*map(float, (still, still, turn, p, p, p, twist, p * self.size, p * self.size))])
+        return 135 * self.eps * sizes + 1e-14 * self.eps
+
+
+def rounding(x: Any) -> float:
+    """That of a number's kind: a double, one of 80 bits, or one of heyoka's."""
+    return float(np.finfo(type(x)).eps) if isinstance(x, float | np.floating) else 2.0**-112
 
 
 def extrapolated(rate: Callable, t: Any, y: np.ndarray, step: Any) -> tuple[np.ndarray, np.ndarray]:
     """One step of the midpoint rule, extrapolated to order 16 (Gragg, Bulirsch, Stoer), and its last addition."""
-    first = rate(t, y)
+    first, one = rate(t, y), 0 * step + 1
     rows: list[list[np.ndarray]] = []
     for k in range(1, 9):
         n = 2 * k
@@ -179,6 +189,7 @@ def extrapolated(rate: Callable, t: Any, y: np.ndarray, step: Any) -> tuple[np.n
             old, new = new, old + 2 * h * rate(t + i * h, new)
         row = [(old + new + h * rate(t + step, new)) / 2]
         for j in range(1, k):
-            row.append(row[-1] + (row[-1] - rows[-1][j - 1]) / ((k / (k - j)) ** 2 - 1))
+            excess = one * (j * (2 * k - j)) / (k - j) ** 2  # (k/(k - j))^2 - 1
+            row.append(row[-1] + (row[-1] - rows[-1][j - 1]) / excess)
         rows.append(row)
     return rows[-1][-1], np.abs(rows[-1][-1] - rows[-1][-2])

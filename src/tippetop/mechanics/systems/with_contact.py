@@ -7,7 +7,7 @@ from typing import Any
 from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding.euler import centre_velocity
-from ..contact.phases import legs
+from ..contact.phases import dry, legs
 from ..contact.phases.both import BOTH_KINDS
 from ..contact.phases.drilling import ANGLES as DRILLING_ANGLES
 from ..contact.phases.drilling import DRILLING_KINDS, DRILLING_ROW, LOST
@@ -34,6 +34,9 @@ BODIES: dict[str, System] = {system.name: system for system in (TIPPE_TOP, GLIDI
 ROUTH: dict[str, Callable] = {"tippe-top": routh}
 
 OUTLOOKS: dict[str, Callable] = {"tippe-top": tippe_top_with_contact}
+
+STEMMED = "tippe-top"
+"""The one that may have a stem."""
 
 PLANAR = ("gliding-cylinder",)
 """Those that move in a plane."""
@@ -78,7 +81,7 @@ LIFTOFF = Event(
     direction=-1,
     kept=gliding.LIFTOFF.kept,
 )
-STICK = Event("stick", legs.STICK.long_name, never)
+STICK = Event("stick", dry.STICK.long_name, never)
 SLIP = Event("slip", legs.SLIP.long_name, never)
 REVERSAL = Event("reversal", "sliding turns back at once where it stops", never)
 IMPACT = Event("impact", "a ball strikes the plane: a landing, or one ball takes over from the other", never)
@@ -142,7 +145,7 @@ def plain(system: System) -> System:
 
 def kinds_of(name: str) -> dict[str, legs.Kind]:
     """Every way in which the body of a system moves, by name."""
-    return PLANAR_KINDS if name in PLANAR else legs.KINDS | DRILLING_KINDS | BOTH_KINDS
+    return PLANAR_KINDS if name in PLANAR else legs.KINDS | {"dry-slip": dry.DRY_SLIP} | DRILLING_KINDS | BOTH_KINDS
 
 
 @lru_cache

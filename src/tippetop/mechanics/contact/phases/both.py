@@ -189,14 +189,19 @@ def _form(pair: Callable, balanced: bool) -> Form:
     )
 
 
+@formula
+def place(q, b):
+    """Where the body is."""
+    return legs.Placed(row.axis(q), row.momentum(q), Vector(q.rx_dot, q.ry_dot, 0 * q.uz), height(q.uz, ball(b)))
+
+
 def _says(pair: Callable) -> Callable:
     @formula
     def says(q, b):
-        u, L = row.axis(q), row.momentum(q)
         (one, two), omega = pair(q, b), angular_velocity(row.axis(q), row.momentum(q), ball(b))
         F = plus(force_of(one), force_of(two))
         other = power_of(one, omega) + power_of(two, omega) + dot(F, one.velocity)
-        return legs.Reached(u, L, Vector(q.rx_dot, q.ry_dot, 0 * q.uz), height(q.uz, ball(b)), F, other)
+        return legs.Reached._make((*place(q, b), F, other))
 
     return says
 
@@ -250,14 +255,16 @@ def _drilling(sphere: str, stem_: str) -> BothKind:
             for event in (border(*line) for line in BORDERS[stem_])
         ),
     )
-    kind = legs.Kind("both", _form(pair, True), (*LEAVES, *borders), _says(pair), state, axis_stays=True)
+    kind = legs.Kind("both", _form(pair, True), (*LEAVES, *borders), place, _says(pair), state, axis_stays=True)
     return BothKind(kind, sides)
 
 
 def _smooth() -> BothKind:
     sides = _sides((smooth, smooth))
     pair = _pair(sides)
-    kind = legs.Kind("both", _form(pair, False), LEAVES, _says(pair), state, axis_stays=True, keeps_jellett=False)
+    kind = legs.Kind(
+        "both", _form(pair, False), LEAVES, place, _says(pair), state, axis_stays=True, keeps_jellett=False
+    )
     return BothKind(kind, sides)
 
 

@@ -113,10 +113,6 @@ def _form(name: str, contact: Callable) -> Form:
         return State._make((*row.axis_rate(q, b), *turn, G.x, G.y))
 
     @formula
-    def velocity(q, b):
-        return centre_velocity(row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz), ball(b))
-
-    @formula
     def power(q, b):
         c = contact(q, b)
         return -(c.force.x * q.vx + c.force.y * q.vy + dot(c.torque, c.omega))
@@ -129,8 +125,8 @@ def _form(name: str, contact: Callable) -> Form:
         of_angles=lambda e, s, z, b: None,  # it begins in the state that another phase leaves
         to_angles=lambda q, carried, b: None,
         integrals=(
-            integral("x", lambda q, carried, b: velocity(q, b).x),
-            integral("y", lambda q, carried, b: velocity(q, b).y),
+            integral("x", lambda q, carried, b: place(q, b).velocity.x),
+            integral("y", lambda q, carried, b: place(q, b).velocity.y),
             integral("work", lambda q, carried, b: power(q, b)),
             integral("impulse", lambda q, carried, b: contact(q, b).force.z),
             Integral(
@@ -144,12 +140,19 @@ def _form(name: str, contact: Callable) -> Form:
 LOST = ("jellett_lost", JELLETT, "Jellett's integral taken by the torque of the contact since the start")
 
 
+@formula
+def place(q, b):
+    """Where the body is."""
+    u, L = row.axis(q), row.momentum(q)
+    velocity = centre_velocity(u, L, Vector(q.vx, q.vy, 0 * q.uz), ball(b))
+    return legs.Placed(u, L, velocity, height(q.uz, ball(b)))
+
+
 def _says(contact: Callable) -> Callable:
     @formula
     def says(q, b):
-        c, u, L = contact(q, b), row.axis(q), row.momentum(q)
-        velocity = centre_velocity(u, L, Vector(q.vx, q.vy, 0 * q.uz), ball(b))
-        return legs.Reached(u, L, velocity, height(q.uz, ball(b)), c.force, -dot(c.torque, c.omega))
+        c = contact(q, b)
+        return legs.Reached._make((*place(q, b), c.force, -dot(c.torque, c.omega)))
 
     return says
 
@@ -194,7 +197,7 @@ def border(word: str, x: float, direction: int, follows: str) -> Event:
 def _kind(name: str) -> legs.Kind:
     contact = _contact(REGIONS[name])
     borders = (border(*line) for line in BORDERS[name])
-    return legs.Kind("slip", _form(name, contact), (*COMMON, *borders), _says(contact), state)
+    return legs.Kind("slip", _form(name, contact), (*COMMON, *borders), place, _says(contact), state)
 
 
 DRILLING_KINDS = {f"drill-{name}": _kind(name) for name in REGIONS} | {"flight": legs.KINDS["flight"]}

@@ -18,7 +18,7 @@ from ..integrals import NAMED, integral
 from ..orientation import planar
 from ..planar import slip
 from ..rolling import reaction
-from . import legs, row
+from . import dry, legs, row
 
 
 class Angles(NamedTuple):
@@ -130,16 +130,18 @@ def slip_rates(q, b):
 
 
 @formula
+def slip_place(q, b):
+    """Where the body is."""
+    none, height = 0 * q.z, b.R - b.c * q.z
+    velocity = Vector(q.nu_x + q.theta_dot * height, none, b.c * (q.s * q.theta_dot))
+    return legs.Placed(Vector(q.s, none, q.z), Vector(none, b.I1 * q.theta_dot, none), velocity, height)
+
+
+@formula
 def slipping(q, b):
     """What a state says."""
-    none, moved, height = 0 * q.z, _slip(q, b), b.R - b.c * q.z
-    return legs.Reached(
-        Vector(q.s, none, q.z),
-        Vector(none, b.I1 * q.theta_dot, none),
-        Vector(q.nu_x + q.theta_dot * height, none, b.c * (q.s * q.theta_dot)),
-        height,
-        Vector(moved.F_x, none, moved.N),
-    )
+    moved = _slip(q, b)
+    return legs.Reached._make((*slip_place(q, b), Vector(moved.F_x, 0 * q.z, moved.N), 0))
 
 
 def slip_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Any) -> SlipState:
@@ -178,7 +180,7 @@ SLIP_FORM = Form(
 )
 SLIP_EVENTS = (
     replace(legs.SLIPPING[0], formula=normal_force),
-    replace(legs.STICK, formula=nu_x, direction=0),
+    replace(dry.STICK, formula=nu_x, direction=0),
 )
 
 
@@ -187,7 +189,7 @@ def sliding(u: Vector, L: Vector, w: Any, beta: Any, b: Any) -> SlipState:
     return SlipState(u.x, u.z, L.y / b.I1, w * np.cos(beta), np.sign(np.cos(beta)))
 
 
-DRY_SLIP = legs.Kind("slip", SLIP_FORM, SLIP_EVENTS, slipping, slip_state, sliding)
+DRY_SLIP = legs.Kind("slip", SLIP_FORM, SLIP_EVENTS, slip_place, slipping, slip_state, sliding)
 
 SCALARS = {"slip": contact.Scalars, "roll": reaction.Scalars, "flight": reaction.Kinematics}
 PLANAR_KINDS = {

@@ -1,0 +1,59 @@
+"""Whether a run that is under way will take long, in a sentence that says what makes its steps short."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from ..mechanics.friction import Contensou
+from ..problem import Problem
+
+
+LONG = 600.0  # [s] that are left: from there on there is a sentence
+AGAIN_AFTER = 3.0  # [s] of computing from which the rest is inferred
+SHORT = 0.02  # of a radian of the fastest angle: steps that spin alone does not ask for
+
+
+class Patience:
+    """A progress callback of an integration, which says once that its rest will take long.
+
+    Parameters
+    ----------
+    say
+        Takes the sentence.
+    clock
+        Seconds.
+    """
+
+    def __init__(self, say: Callable[[str], Any], clock: Callable[[], float] = time.monotonic):
+        self.say, self.clock = say, clock
+        self.since: tuple[float, float, int] | None = None  # clock, time of the run, steps
+
+    def __call__(self, integration: Any) -> None:
+        """Looks how far the run has come."""
+        now = self.clock(), integration.t_end, integration.monitor.steps
+        if self.since is None:
+            self.since = now
+        seconds, advance, steps = (b - a for a, b in zip(self.since, now, strict=True))
+        if seconds < AGAIN_AFTER:
+            return
+        self.since = now
+        left = seconds * (integration.problem.until - now[1]) / max(advance, 1e-300)
+        if left > LONG:
+            self.say(sentence(integration.problem, left, advance / max(steps, 1)))
+            self.clock, self.since = (lambda: 0.0), (0.0, 0.0, 0)  # once is enough
+
+
+def sentence(problem: Problem, left: float, step: float) -> str:
+    """That the rest of a run takes so many seconds, its steps being so long [s]."""
+    rates = ("omega3", "psi_dot", "phi_dot", "theta_dot")
+    fastest = max(1.0, *(abs(float(problem.initial.get(name, 0.0))) for name in rates))
+    why = ""
+    if step * fastest < SHORT:
+        keys = [f"friction.{name}" for name in problem.friction._fields]
+        why = f", because friction is stiff ({', '.join(keys)})"
+        if isinstance(problem.friction, Contensou):
+            why = ", because friction on a disc that hardly turns is stiff (friction.patch, initial.omega3)"
+    return (
+        f"the rest of this run will take about {left:.2g} s ({left / 3600:.2g} hours): its steps are {step:.2g} s "
+        f"long{why}. Ctrl-C stops it; a store can be resumed."
+    )
