@@ -38,6 +38,7 @@ import laws  # noqa: E402
 
 ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore[arg-type]
 SYSTEMS = "mechanics.systems"
+CONTACT, RUNS = "mechanics/contact", "engine/contact"
 JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
     "mechanics.events": ("runs/test_events.py", "-k", "TestSignificance"),
@@ -45,6 +46,19 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.systems.tippe_top": ("mechanics/test_spinning.py",),
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
+    "mechanics.friction": ("engine/contact/test_reference_cases.py",),
+    "mechanics.contact.ball": (f"{CONTACT}/test_planar.py", f"{CONTACT}/test_first_slip.py", f"{CONTACT}/test_ball.py"),
+    "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_ball.py"),
+    "mechanics.contact.drilling": (f"{CONTACT}/test_drilling.py",),
+    "mechanics.contact.impact": (f"{CONTACT}/test_impact.py", "-k", "rates or reference or jumps"),
+    "mechanics.contact.patch_impact": (f"{CONTACT}/test_patch_impact.py",),
+    "mechanics.contact.planar": (f"{CONTACT}/test_planar.py",),
+    "mechanics.contact.phases.both": (f"{RUNS}/test_both.py",),
+    "mechanics.contact.phases.drilling": (f"{RUNS}/test_phases_of_runs.py",),
+    "mechanics.contact.phases.legs": (f"{RUNS}/test_both.py", f"{RUNS}/test_phases_of_runs.py"),
+    "mechanics.contact.phases.planar": (f"{CONTACT}/test_planar.py", f"{RUNS}/test_reference_cases.py"),
+    "mechanics.contact.phases.row": (f"{RUNS}/test_reference_cases.py", f"{RUNS}/test_both.py"),
+    "mechanics.contact.phases.rules": (f"{RUNS}/test_both.py", f"{RUNS}/test_phases_of_runs.py"),
 }
 """Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge them."""
 EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 there, and so is its own reciprocal
@@ -54,7 +68,7 @@ EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 there, and so is its own 
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 PLAIN = ("-x", "--assert=plain", "-o", "addopts=", "-p", "no:cacheprovider")
-LIMIT = 300  # seconds that a test file may take; longer is noticed too
+LIMIT = 600  # seconds that a test file may take; longer is noticed too
 
 
 class Mutant(NamedTuple):
@@ -239,12 +253,12 @@ def run_tests(module: str, tree: ast.Module) -> None:
         return compile(tree, self.path, "exec") if name == f"tippetop.{module}" else as_written(self, name)
 
     SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
-    file, *options = JUDGES[module]
+    judge = [str(TESTS / word) if word.endswith(".py") else word for word in JUDGES[module]]
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # most of the time goes to plugins that no judge needs
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         os.dup2(nowhere.fileno(), 2)
-        os._exit(pytest.main([*PLAIN, str(TESTS / file), *options]))
+        os._exit(pytest.main([*PLAIN, *judge]))
 
 
 def noticed(module: str, tree: ast.Module) -> bool:
@@ -254,14 +268,19 @@ def noticed(module: str, tree: ast.Module) -> bool:
     )
 
 
+def files_of(module: str) -> list[str]:
+    """The test files among the judges of a module."""
+    return [word for word in JUDGES.get(module, ()) if word.endswith(".py")]
+
+
 def judged_by(module: str) -> str:
     """The names of the judges of a module."""
-    return ", ".join(["laws"] * (module in order()) + list(JUDGES.get(module, ())[:1]))
+    return ", ".join(["laws"] * (module in order()) + files_of(module))
 
 
 def fingerprint(module: str) -> str:
     """What a verdict depends on: the formulas, and the judges."""
-    judge = [TESTS / JUDGES[module][0], TESTS / "helpers" / "landscape_oracle.py"] if module in JUDGES else []
+    judge = [TESTS / name for name in [*files_of(module), "helpers/landscape_oracle.py"]] if module in JUDGES else []
     files = [*judge, TESTS / "helpers" / "laws.py", *(path_of(name) for name in sorted(formula_files()))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
 

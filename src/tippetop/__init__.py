@@ -19,6 +19,7 @@ _NAMES = {
     "mechanics.system": "Parameter Quantity System",
     "mechanics.systems": "SYSTEMS",
     "mechanics.units": "Unit",
+    "library.asymptotics": "accelerations asymptotic_states least_energy",
     "library.bodies": "Cylinder HeavyTop TippeTop",
     "library.laws": "Contensou Coulomb Frictionless Latitude Mixed Modified Stribeck Viscous",
     "library.derivatives": "Sensitivities sensitivities",

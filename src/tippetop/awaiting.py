@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 import os
 import sys
 import threading
@@ -25,7 +26,8 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     Parameters
     ----------
     work
-        What is done, in a thread of its own; in any thread but the main one, which has the signals, just here.
+        What is done, in a thread of its own with the context of this one (what numpy does about errors is in there);
+        in any thread but the main one, which has the signals, just here.
     doing
         The line on stderr, if that is a terminal, about work that takes longer than 2 s.
     stop
@@ -33,6 +35,7 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     """
     if threading.current_thread() is not threading.main_thread():
         return work()
+    context = contextvars.copy_context()
     results: list[Any] = []
     errors: list[BaseException] = []
 
@@ -40,7 +43,7 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
 
     def done() -> None:
         try:
-            results.append(work())
+            results.append(context.run(work))
         except BaseException as error:
             errors.append(error)
         finally:

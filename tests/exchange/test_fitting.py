@@ -10,7 +10,7 @@ import pytest
 import tippetop as tt
 from tippetop import cli
 from tippetop.errors import InputError
-from tippetop.exchange.motion import Motion
+from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
 
 
@@ -40,14 +40,14 @@ def fit(film: Path) -> tt.Fitted:
 
 
 def test_numbers_are_recovered_within_their_errors(fit: tt.Fitted) -> None:
-    assert fit.reason.endswith("with care: it was sought from one start alone: a better fit may be elsewhere.")
-    assert not fit.converged
+    assert fit.reason == "the numbers fit: what is left is noise."
+    assert fit.converged
     for name, true in TRUE.items():
         estimate = fit.estimates[name]
         assert abs(estimate.value - true) < 4 * estimate.sigma
         assert estimate.sigma < 0.1 * true
         assert estimate.low < estimate.value < estimate.high
-    assert np.deg2rad(0.3) * 0.6 < np.sqrt(np.nanmean(fit.residuals["axis"] ** 2)) < np.deg2rad(0.3)
+    assert np.deg2rad(0.3) * 0.8 < np.sqrt(np.nanmean(fit.residuals["axis"] ** 2)) < np.deg2rad(0.3) * 1.2
     np.testing.assert_allclose(np.diag(fit.correlations), 1)
 
 
@@ -62,7 +62,7 @@ def test_a_fit_is_a_scenario_that_runs(fit: tt.Fitted, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["theta", "axis", "orientation", "place", "marker"])
 def test_jacobians_are_those_of_differences(kind: str) -> None:
     """Of every kind of measurement, by numbers of the body, the law, the start and the clock."""
-    free = ["parameters.I1", "friction.mu", "initial.omega3", "time.offset", "time.scale"]
+    free = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3", "time.offset", "time.scale"]
     t = np.array([0.02, 0.05, 0.11])
     n = len(t)
     q = np.tile([0.9, 0.1, 0.3, np.sqrt(1 - 0.91)], (n, 1))
@@ -81,6 +81,37 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
         if kind == "orientation":  # to first order in what is left
             continue
         np.testing.assert_allclose(slopes[:, :, k], expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max())
+
+
+def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
+    """Its height too, which depends on numbers of the body that are free."""
+    t, arm = np.array([0.02, 0.05, 0.11]), np.array([0.01, 0.0, 0.005])
+    free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
+    none = (None,) * 7
+    observation = Observation(tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3)))
+    off, _ = observation.predicted(free)["marker"]
+    changes = [f"{name}={value}" for name, value in free.items()]
+    run = tt.run(tt.load("inverting", changes), until=0.12, output_times=t).trajectory.sel(time=t)
+    height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
+    place = np.stack([run.x.values, run.y.values, height], axis=1)
+    np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)
+
+
+def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
+    found = tt.fit(film, tt.load("inverting", ["initial.theta=0.5", "initial.omega3=130.0"]), "friction.mu", starts=1)
+    assert not found.converged
+    assert "the residuals are no noise" in found.reason
+
+
+@pytest.mark.slow
+def test_starts_far_off_lead_to_the_same_numbers(film: Path, fit: tt.Fitted) -> None:
+    far = ["friction.mu=0.21", "initial.omega3=201.5", "initial.theta=0.35"]
+    found = tt.fit(film, tt.load("inverting", far), list(TRUE))
+    assert found.converged
+    for name in TRUE:
+        assert found.estimates[name].value == pytest.approx(
+            fit.estimates[name].value, abs=0.05 * found.estimates[name].sigma
+        )
 
 
 @pytest.mark.parametrize(
@@ -123,8 +154,8 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert cli.outcome([*arguments, "--json", "--out", str(out), "--figure", str(figure)]) == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["initial.theta"]["value"] - 0.5) < 0.01
-    assert "one start alone" in str(said["reason"])
-    assert said["converged"] is False
+    assert said["reason"] == "the numbers fit: what is left is noise."
+    assert said["converged"] is True
     assert said["correlations"]["initial.theta"]["initial.theta"] == 1.0
     assert out.is_file()
     assert figure.is_file()

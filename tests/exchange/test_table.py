@@ -7,7 +7,7 @@ import pytest
 
 from tippetop.errors import InputError
 from tippetop.exchange import table
-from tippetop.exchange.motion import Convention, motion, rotated
+from tippetop.exchange.motion import Convention, motion, turned
 
 
 def written(folder: Path, text: str) -> Path:
@@ -82,6 +82,6 @@ def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
     np.testing.assert_allclose(seen.axis[0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
 
 
-def test_rotated() -> None:
+def test_vectors_are_turned() -> None:
     q = np.array([[np.cos(0.5), 0, 0, np.sin(0.5)]])
-    np.testing.assert_allclose(rotated(q, np.array([1.0, 0, 0])), [[np.cos(1), np.sin(1), 0]])
+    np.testing.assert_allclose(turned(q, np.array([1.0, 0, 0])), [[np.cos(1), np.sin(1), 0]])

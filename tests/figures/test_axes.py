@@ -1,3 +1,6 @@
+"""What a figure is where it is shown."""
+
+
 def test_a_notebook_shows_a_figure_though_nobody_imported_pyplot() -> None:
     from tippetop.figures.style import figure
 

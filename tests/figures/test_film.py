@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from tippetop.figures import film, raycast
-from tippetop.runs.shape import shape
+from tippetop.runs.shape import axes_of, with_shape
 
 
 BALL = {
@@ -16,6 +16,7 @@ BALL = {
     "balls": [{"offset": 0.006, "radius": 0.02}],
     "ellipsoid": [0.02, 0.02],
     "fixed": False,
+    "axes": axes_of,
 }
 ATTRS = {"title": "a top", "initial": {"theta": 0.1}, "units": {"theta": "rad"}}
 
@@ -91,8 +92,8 @@ def test_every_kind_of_body_has_a_picture() -> None:
     heavy = {"system": "heavy-top", "parameters": {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}}
     cylinder = {"system": "rolling-cylinder", "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 4e-6, "g": 9.82}}
     for attrs in (heavy, cylinder):
-        body = shape(attrs)
         trajectory = xr.Dataset({"orientation": (("time", "wxyz"), np.array([[1.0, 0, 0, 0]]))})
+        _, _, body = with_shape(trajectory, None, attrs)
         scene = film._scene(trajectory, body, 0)
         reach, bottom, top = film._extent([scene])
         seen = raycast.picture(scene, -reach, reach, bottom, top, 60)

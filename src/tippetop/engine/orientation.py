@@ -2,6 +2,9 @@
 
 import numpy as np
 
+from ..mechanics.operand import Vector
+from ..mechanics.rotation import outer
+
 
 def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
     """The unit quaternion that turns body axes into space axes: v_space = q v_body q*.
@@ -23,15 +26,9 @@ def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
     Each row of 4 q q^t is q times a number and linear in the matrix: the row whose number is largest is taken, so that
     no digits are lost. With additions, products and square roots alone, the bits are the same wherever a row stands.
     """
-    (a, d, g), (c, f, i) = first, third
-    b, e, h = f * g - i * d, i * a - c * g, c * d - f * a  # axis 2 is axis 3 x axis 1
-    products = np.empty((4, 4, len(a)), dtype=first.dtype)
-    products[0] = 1 + a + e + i, h - f, c - g, d - b
-    products[1] = h - f, 1 + a - e - i, b + d, c + g
-    products[2] = c - g, b + d, 1 - a + e - i, f + h
-    products[3] = d - b, c + g, f + h, 1 - a - e + i
+    products = np.array(outer(Vector(*first), Vector(*third)))
     largest = np.argmax([products[k, k] for k in range(4)], axis=0)
-    q = products[largest, :, np.arange(len(a))]
+    q = products[largest, :, np.arange(first.shape[1])]
     q = q / np.sqrt((q[:, 0] ** 2 + q[:, 1] ** 2) + (q[:, 2] ** 2 + q[:, 3] ** 2))[:, None]
     leading = np.take_along_axis(q, np.argmax(q != 0, axis=1)[:, None], axis=1)
     return np.where(leading < 0, -q, q)

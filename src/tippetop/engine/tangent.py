@@ -13,6 +13,7 @@ import heyoka as hy
 import numpy as np
 
 from ..awaiting import awaited
+from ..mechanics.contact.body import Body, height
 from ..mechanics.friction import LAWS, Law
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
@@ -41,7 +42,7 @@ class Kind(NamedTuple):
     flags
         Names of the initial data that are set, and are no numbers.
     order
-        1, or 2: the highest derivative.
+        0, 1 or 2: the highest derivative; 0 for motions alone.
     """
 
     system: System
@@ -178,9 +179,12 @@ class Readings(NamedTuple):
 
 
 def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """What can be read of a state, by name: columns, axes of the body, event functions."""
+    """What can be read of a state, by name: columns, the height of the centre of mass, axes of the body, event
+    functions."""
     form = kind.form
     values = observed(kind.system, form, q, carried, body)
+    if isinstance(body, Body):
+        values |= {"height": height(form.scalars(q, body).z, body)}
     if kind.orientation and form.orientation:
         axes = orientation_of(form, q, carried, body)
         names = [f"{axis}_{c}" for axis in ("first", "third") for c in "xyz"]
@@ -234,10 +238,12 @@ class Tangents:
         Of the integrator; 0 is the rounding unit.
     most
         Steps per internal unit of time beyond which a motion counts as one that cannot be integrated; 0: any number.
+    uses
+        How often motions are asked for, about.
     """
 
-    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0):
-        self.kind, self.tolerance, self.most = kind, tolerance, most
+    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0, *, uses: int = 1):
+        self.kind, self.tolerance, self.most, self.uses = kind, tolerance, most, uses
 
     def states(
         self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray, needs: tuple[str, ...] | None = None
@@ -263,7 +269,7 @@ class Tangents:
         wanted = names if needs is None else needs
         lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
-        compact = float(np.abs(times).max(initial=0.0)) * total < SOON
+        compact = float(np.abs(times).max(initial=0.0)) * total * self.uses < SOON
         starts = awaited(lambda: compiled_starts(kind), "the start is being compiled")
         motion: Any = awaited(
             lambda: compiled_motion(kind, lanes, compact, self.tolerance, tuple(wanted)),

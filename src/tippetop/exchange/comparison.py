@@ -172,7 +172,7 @@ def _contact(there: Motion, problem: Problem) -> dict[str, Any]:
         return {}
     if problem.system.name == "heavy-top" or not np.isfinite(there.place[:, 2]).any():
         return {}
-    gap = there.place[:, 2] - (body.R - body.c * there.axis[:, 2])
+    gap = there.place[:, 2] - contact.height(there.axis[:, 2], body)
     size = body.R or abs(body.c)
     off = gap > TOUCH * size
     leaves = there.t[1:][off[1:] & ~off[:-1]]

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..mechanics.operand import Vector
+from ..mechanics.rotation import Quaternion, rotated
 from .table import Table
 
 
@@ -65,7 +67,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     q = _quaternion(table, convention, turn)
     axis = _axis(table, turn)
     if q is not None:
-        axis = rotated(q, np.array([0.0, 0.0, 1.0]))
+        axis = turned(q, np.array([0.0, 0.0, 1.0]))
     theta = table.columns.get("theta")
     if theta is None and axis is not None:
         theta = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
@@ -75,7 +77,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     omega = _vector(table, "omega_{}", turn)
     own = _vector(table, "omega_body_{}", turn)
     if omega is None and own is not None and q is not None:
-        omega = rotated(q, own)
+        omega = turned(q, own)
     omega3 = table.columns.get("omega3")
     if omega3 is None and own is not None:
         omega3 = own[:, 2]
@@ -138,12 +140,9 @@ def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | N
     return rows[:, turn]
 
 
-def rotated(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Vectors v, (3,) or (n, 3), turned by unit quaternions (n, 4)."""
-    w, u = q[:, :1], q[:, 1:]
-    v = np.broadcast_to(v, u.shape)
-    twice = 2 * np.cross(u, v)
-    return v + w * twice + np.cross(u, twice)
+    return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=1)
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:

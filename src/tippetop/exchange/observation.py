@@ -10,9 +10,11 @@ from ..engine.expressions import component
 from ..engine.tangent import Tangents
 from ..errors import InputError, suggestion
 from ..mechanics.parameter import Parameter
-from ..mechanics.units import METRE, ONE, RADIAN, SECOND
+from ..mechanics.units import METRE, ONE, SECOND
 from ..problem import Problem
+from . import residuals
 from .motion import Motion
+from .residuals import ACROSS
 
 
 OFFSET, CLOCK = "time.offset", "time.scale"
@@ -21,8 +23,16 @@ TIMES = {
     CLOCK: Parameter(ONE, "seconds of the motion per second of the table's clock", above=0),
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
-TOLERANCE = 1e-11  # of the integrator: data are never better
+TOLERANCE = 1e-9  # of the integrator: data are never better
+USES = 50  # of motions over all of the data, in a fit
 MOST_STEPS = 25.0  # per internal unit of time: a canonical inversion takes 9
+NAMES = {
+    "axis": tuple(component(f"u{c}") for c in "xyz"),
+    "place": ("x", "y"),
+    "marker": ("x", "y", "height"),
+    "orientation": (),
+}
+"""What each kind of measurement reads of a motion, where that is not its own name; axes of the body beside."""
 AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 
 
@@ -68,32 +78,30 @@ class Observation:
         self.numbers = Numbers(problem, self.own)
         self.second = float(problem.scales.of(SECOND))
         self.marker, self.places = marker, places
-        columns = {c: np.array([float(problem.scales.of(u))]) for c, u in (("x", METRE), ("angle", RADIAN))}
-        self.metre = float(columns["x"][0])
+        self.metre = float(problem.scales.of(METRE))
         self.groups = _groups(problem, seen, places)
         if not self.groups:
             raise InputError(["the table must have theta, an axis, a quaternion, omega3, a place or a marker."])
-        turning = bool({"orientation", "marker"} & self.groups.keys())
-        self.tangents = Tangents(self.numbers.kind(1, orientation=turning), TOLERANCE, MOST_STEPS)
+        self.turning = bool({"orientation", "marker"} & self.groups.keys())
+        self.tangents, self.motions = (
+            Tangents(self.numbers.kind(order, orientation=self.turning), TOLERANCE, MOST_STEPS, uses=USES)
+            for order in (1, 0)
+        )
         self.names = self._names()
         self.ways = self.numbers.directions(self.own)
 
     def _names(self) -> tuple[str, ...]:
         """What is read of states."""
-        reads = {
-            "theta": ("theta",),
-            "phi": ("phi",),
-            "axis": tuple(component(f"u{c}") for c in "xyz"),
-            "omega3": ("omega3",),
-            "place": ("x", "y"),
-            "orientation": AXES,
-            "marker": (*AXES, "x", "y"),
-        }
-        return tuple(dict.fromkeys(name for group in self.groups for name in reads[group]))
+        turning = AXES if self.turning else ()
+        return tuple(dict.fromkeys([*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]))
 
     def rule(self, name: str) -> Parameter:
         """Unit and interval of a number that is free."""
         return TIMES.get(name) or self.numbers.rule(name)
+
+    def parts(self, group: str) -> int:
+        """How many residuals a row of a group has."""
+        return ACROSS if group == "axis" else 3 if group == "orientation" else self.groups[group].shape[1]
 
     def start(self) -> dict[str, float]:
         """The values of the free numbers in the scenario."""
@@ -104,81 +112,87 @@ class Observation:
     ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """For each group: what was measured less what is predicted, (rows, parts), and how the prediction moves with
         each free number, (rows, parts, free), SI. NaN where nothing was measured, or the motion cannot be computed."""
-        t = self.t[rows]
-        scale, offset = values.get(CLOCK, 1.0), values.get(OFFSET, 0.0)
-        clock = (scale * t + offset) / self.second
-        own = {name: value for name, value in values.items() if name not in TIMES}
-        lanes = max(1, len(self.own))
-        point = np.repeat(self.numbers.internal(own)[:, None], lanes, axis=1)
-        ways = self.ways if len(self.own) else np.zeros_like(point)
-        timed = self.names if len(self.own) < len(self.free) else ()
-        needs = self.tangents.needs(self.names, timed)
-        states = self.tangents.states(point, ways, clock, needs)
-        read, rates = self.tangents.read(point, ways, states, self.names, timed)
-        value = {name: read[name][0][:, 0] for name in self.names}
-        slope = {name: self._slopes(name, read, rates, t) for name in self.names}
-        return {group: self._residual(group, seen[rows], value, slope) for group, seen in self.groups.items()}
+        return {group: (off[0], moves[0]) for group, (off, moves) in self.predictions([values], rows).items()}
 
-    def residuals(self, points: Sequence[dict[str, float]], rows: int) -> list[dict[str, np.ndarray]]:
-        """For each set of values: what was measured less what is predicted, by group, of the first rows; many in lanes,
-        without derivatives."""
-        own = [{name: v for name, v in values.items() if name not in TIMES} for values in points]
-        columns = np.stack([self.numbers.internal(values) for values in own], axis=1)
-        t = self.t[:rows]
+    def predictions(
+        self, points: Sequence[dict[str, float]], rows: slice = slice(None), *, slopes: bool = True
+    ) -> dict[str, tuple[np.ndarray, Any]]:
+        """The same for many sets of values at once, along a first axis; without `slopes` the moves are None."""
+        t, k = self.t[rows], len(points)
+        value, slope = self._read(points, t, slopes=slopes)
+        parts: dict[str, tuple[np.ndarray, Any]] = {}
+        for group, seen in self.groups.items():
+            off, moves = self._residual(group, np.tile(seen[rows], (k, 1)), value, slope)
+            parts[group] = (
+                off.reshape(k, len(t), -1),
+                moves if moves is None else moves.reshape(k, len(t), *moves.shape[1:]),
+            )
+        return parts
+
+    def curves(self, values: dict[str, float]) -> dict[str, np.ndarray]:
+        """What is predicted, as it was measured, by group, (rows, parts); of an orientation nothing."""
+        read = self._read([values], self.t, slopes=False)
+        return {group: self._model(group, *read)[0] for group in self.groups if group != "orientation"}
+
+    def _read(self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool) -> tuple[Any, Any]:
+        """What is read of the motions of sets of values: by name (points rows,), and how it moves with each free number
+        in its SI unit, (points rows, free), or None; in internal units."""
+        k, tangents = len(points), self.tangents if slopes else self.motions
+        lanes = max(1, len(self.own)) if slopes else 1
+        own = {name: np.array([values[name] for values in points]) for name in self.own}
+        columns = np.broadcast_to(
+            self.numbers.internal(own).reshape(len(self.numbers.names), -1), (len(self.numbers.names), k)
+        )
+        columns = np.repeat(columns, lanes, axis=1)
+        ways = np.tile(self.ways, (1, k)) if slopes and self.own else np.zeros_like(columns)
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points], axis=1) / self.second
-        ways = np.zeros_like(columns)
-        states = self.tangents.states(columns, ways, clock, self.tangents.needs(self.names, ()))
-        read, _ = self.tangents.read(columns, ways, states, self.names, ())
-        none = {name: np.zeros((len(t), 1)) for name in self.names}
-        return [
-            {
-                group: self._residual(group, seen[:rows], {n: read[n][0][:, k] for n in self.names}, none)[0]
-                for group, seen in self.groups.items()
-            }
-            for k in range(len(points))
-        ]
+        timed = self.names if slopes and len(self.own) < len(self.free) else ()
+        states = tangents.states(columns, ways, np.repeat(clock, lanes, axis=1), tangents.needs(self.names, timed))
+        read, rates = tangents.read(columns, ways, states, self.names, timed)
+        value = {name: read[name][0][:, ::lanes].T.ravel() for name in self.names}
+        if not slopes:
+            return value, None
+        moves = {}
+        for name in self.names:
+            along = read[name][1].reshape(len(t), k, lanes)
+            by = {free: along[:, :, i] / self.numbers.scale(free) for i, free in enumerate(self.own)}
+            if timed:
+                rate = rates[name][:, ::lanes] / self.second
+                by |= {OFFSET: rate, CLOCK: rate * t[:, None]}
+            moves[name] = np.stack([by[free].T.ravel() for free in self.free], axis=1)
+        return value, moves
 
-    def _slopes(self, name: str, read: Any, rates: Any, t: np.ndarray) -> np.ndarray:
-        """Of a reading, by each free number in its SI unit, (rows, free); the reading in internal units."""
-        by, lane = [], 0
-        for free in self.free:
-            if free == OFFSET:
-                by.append(rates[name][:, 0] / self.second)
-            elif free == CLOCK:
-                by.append(rates[name][:, 0] * t / self.second)
-            else:
-                by.append(read[name][1][:, lane] / self.numbers.scale(free))
-                lane += 1
-        return np.stack(by, axis=1)
-
-    def _residual(
-        self, group: str, seen: np.ndarray, value: dict[str, np.ndarray], slope: dict[str, np.ndarray]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        if group in ("orientation", "marker"):
-            first, third = (np.stack([value[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third"))
-            moved = [np.stack([slope[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third")]
-            axes = np.stack([first, np.cross(third, first), third], axis=2)  # (rows, space, axes)
-            turn = _turn(first, third, *moved)
-            if group == "orientation":
-                return _rotation_between(seen, axes), turn
-            arm = axes @ self.marker
-            height = self._height(third)
-            place = np.stack([value["x"], value["y"], height[0] / self.metre], axis=1) * self.metre
-            own = np.stack([slope["x"], slope["y"], 0 * slope["x"]], axis=1) * self.metre
-            own[:, 2] = height[1](moved[1][:, 2])
-            swung = np.cross(turn, arm[:, :, None], axis=1)
-            return seen - place - arm, own + swung
-        names = {"place": ("x", "y"), "axis": tuple(component(f"u{c}") for c in "xyz")}.get(group, (group,))
-        size = self.metre if group == "place" else 1 / self.second if group == "omega3" else 1.0
-        model = np.stack([value[name] for name in names], axis=1) * size
-        moves = np.stack([slope[name] for name in names], axis=1) * size
+    def _residual(self, group: str, seen: np.ndarray, value: Any, slope: Any) -> tuple[np.ndarray, np.ndarray | None]:
+        if group == "orientation":
+            axes, turn = self._axes(value, slope)
+            return residuals.of_orientation(seen, axes), turn
+        model, moves = self._model(group, value, slope)
+        if group == "axis":
+            return residuals.of_axis(seen, model, moves)
         off = seen - model
         return (np.remainder(off + np.pi, 2 * np.pi) - np.pi if group == "phi" else off), moves
 
-    def _height(self, third: np.ndarray) -> tuple[np.ndarray, Any]:
-        """The height of the centre of mass [m], and how it moves with the axis, of the scenario's own body."""
-        body = self.numbers.problem.body()
-        return body.R - body.c * third[:, 2], lambda moved: -body.c * moved
+    def _model(self, group: str, value: Any, slope: Any) -> tuple[np.ndarray, np.ndarray | None]:
+        """What is predicted for a group, and how it moves."""
+        size = self.metre if group in ("place", "marker") else 1 / self.second if group == "omega3" else 1.0
+        names = NAMES.get(group, (group,))
+        model = np.stack([value[name] for name in names], axis=1) * size
+        moves = None if slope is None else np.stack([slope[name] for name in names], axis=1) * size
+        if group == "marker":
+            axes, turn = self._axes(value, slope)
+            arm = axes @ self.marker
+            model = model + arm
+            moves = None if moves is None else moves + np.cross(turn, arm[:, :, None], axis=1)
+        return model, moves
+
+    def _axes(self, value: Any, slope: Any) -> tuple[np.ndarray, Any]:
+        """The axes of the body (rows, space, axes), and how they turn."""
+        first, third = (np.stack([value[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third"))
+        axes = np.stack([first, np.cross(third, first), third], axis=2)
+        if slope is None:
+            return axes, None
+        moved = (np.stack([slope[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third"))
+        return axes, residuals.turning(first, third, *moved)
 
 
 def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:
@@ -199,43 +213,3 @@ def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[s
     if places is not None:
         groups["marker"] = places
     return groups
-
-
-def _turn(first: np.ndarray, third: np.ndarray, first_moves: np.ndarray, third_moves: np.ndarray) -> np.ndarray:
-    """The rotation vector by which the body turns per unit of each free number, (rows, 3, free)."""
-    second = np.cross(third, first)
-    free = range(first_moves.shape[2])
-    turns = []
-    for k in free:
-        a, c = first_moves[:, :, k], third_moves[:, :, k]
-        b = np.cross(c, first) + np.cross(third, a)
-        turns.append((np.cross(first, a) + np.cross(second, b) + np.cross(third, c)) / 2)
-    return np.stack(turns, axis=2)
-
-
-def _rotation_between(seen: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """The rotation vector from predicted axes (rows, 3, 3) to measured quaternions (rows, 4), (rows, 3)."""
-    w, x, y, z = seen.T
-    there = np.stack(
-        [
-            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], axis=1),
-            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], axis=1),
-            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1),
-        ],
-        axis=1,
-    )
-    between = there @ axes.transpose(0, 2, 1)
-    sine = (
-        np.stack(
-            [
-                between[:, 2, 1] - between[:, 1, 2],
-                between[:, 0, 2] - between[:, 2, 0],
-                between[:, 1, 0] - between[:, 0, 1],
-            ],
-            axis=1,
-        )
-        / 2
-    )
-    size = np.linalg.norm(sine, axis=1)
-    angle = np.arctan2(size, (np.trace(between, axis1=1, axis2=2) - 1) / 2)
-    return sine * np.where(size > 1e-12, angle / np.maximum(size, 1e-12), 1.0)[:, None]

@@ -11,8 +11,8 @@ from ..mechanics.contact import body as contact
 from ..mechanics.contact.gliding.vector import angular_velocity
 from ..mechanics.friction import Coulomb, SetValued, is_frictionless
 from ..mechanics.operand import Vector
+from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..problem import Problem
-from .motion import rotated
 
 
 FORMATS = ("mjcf", "urdf")
@@ -48,13 +48,12 @@ def start_of(problem: Problem) -> Start:
         slip = np.nan_to_num(columns["nu_x"]) * e + np.nan_to_num(columns["nu_y"]) * t
         slip[2] = columns.get("nu_z", 0.0)
     velocity = slip - np.cross(w, arm)
-    height = columns.get("z", body.R - body.c * u[2])
+    height = columns.get("z", contact.height(u[2], body))
     place = np.array([float(columns.get("x", 0.0)), float(columns.get("y", 0.0)), float(height)])
     if fixed:
         place = -arm
     q = np.asarray(columns["orientation"])
-    back = q * np.array([1, -1, -1, -1])
-    return Start(place, q, velocity, rotated(back[None, :], w[None, :])[0])
+    return Start(place, q, velocity, np.array(rotated(inverse(Quaternion(*q)), Vector(*w))))
 
 
 def text_of(problem: Problem, to: str) -> str:

@@ -23,7 +23,7 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
     does, else over the whole.
 
     `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the body as
-    `runs.shape.shape` gives it.
+    `runs.shape.with_shape` gives it.
     """
     rows = _rows(trajectory)
     scenes = [_scene(trajectory, shape, row) for row in rows]
@@ -72,7 +72,7 @@ def _rows(trajectory: Any) -> np.ndarray:
 def _scene(trajectory: Any, shape: dict[str, Any], row: int) -> raycast.Scene:
     """The body at a row, in units of itself."""
     unit = shape["unit"]
-    axes = _matrix(trajectory["orientation"].values[row])
+    axes = shape["axes"](trajectory["orientation"].values[row])
     third = axes[:, 2]
     balls = [(ball["offset"] / unit, ball["radius"] / unit) for ball in shape["balls"]]
     if "z" in trajectory:
@@ -91,18 +91,6 @@ def _scene(trajectory: Any, shape: dict[str, Any], row: int) -> raycast.Scene:
     places = [(mass + offset * third, radius) for offset, radius in balls]
     across, along = (half / unit for half in shape["ellipsoid"])
     return raycast.Scene(shape["kind"], axes, mass, places, (across, along), tip)
-
-
-def _matrix(quaternion: np.ndarray) -> np.ndarray:
-    """The rotation of a unit quaternion w, x, y, z: its columns are the body axes in space."""
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def _extent(scenes: list[raycast.Scene]) -> tuple[float, float, float]:

@@ -13,7 +13,13 @@ NAMES = {"theta": "θ [rad]", "phi": "φ [rad]", "omega3": "ω₃ [rad/s]", "pla
 PARTS = "xyz"
 
 
-def fit(t: np.ndarray, measured: dict[str, np.ndarray], residuals: dict[str, np.ndarray], text: list[str]) -> Figure:
+def fit(
+    t: np.ndarray,
+    measured: dict[str, np.ndarray],
+    curves: dict[str, np.ndarray],
+    residuals: dict[str, np.ndarray],
+    text: list[str],
+) -> Figure:
     """For each kind of measurement: the data and the curve, the residuals and their histogram.
 
     Parameters
@@ -22,6 +28,8 @@ def fit(t: np.ndarray, measured: dict[str, np.ndarray], residuals: dict[str, np.
         (rows,) [s].
     measured, residuals
         Name -> (rows, parts); NaN in gaps.
+    curves
+        Name -> what is predicted, as it was measured; of an orientation there is none.
     text
         Lines that stand below: the numbers.
     """
@@ -33,13 +41,12 @@ def fit(t: np.ndarray, measured: dict[str, np.ndarray], residuals: dict[str, np.
         (above, words), (below, counts) = boxes[2 * k], boxes[2 * k + 1]
         off = residuals[name]
         colors = (RUN, UPPER, "#6d28d9", "#0f766e")
+        for i, curve in enumerate(curves[name].T if name in curves else ()):
+            above.plot(t, seen[:, i], ".", ms=3, color=QUIET, label="measured" if not i else None)
+            label = f"fit {PARTS[i]}" if seen.shape[1] > 1 else "fit"
+            above.plot(t, curve, color=colors[i % len(colors)], lw=1.2, label=label)
         for i in range(off.shape[1]):
             color = colors[i % len(colors)]
-            if name != "orientation":
-                above.plot(t, seen[:, i], ".", ms=3, color=QUIET, label="measured" if not i else None)
-                above.plot(
-                    t, seen[:, i] - off[:, i], color=color, lw=1.2, label=f"fit {PARTS[i] if off.shape[1] > 1 else ''}"
-                )
             below.plot(t, off[:, i], ".", ms=2.5, color=color)
             counts.hist(off[np.isfinite(off[:, i]), i], bins=30, orientation="horizontal", color=color, alpha=0.6)
         size = float(np.sqrt(np.nanmean(off**2)))
@@ -47,7 +54,7 @@ def fit(t: np.ndarray, measured: dict[str, np.ndarray], residuals: dict[str, np.
         below.set(ylabel="left", xlabel="t [s]", ylim=(-4.5 * size, 4.5 * size))
         counts.set(ylim=(-4.5 * size, 4.5 * size), xticks=[], yticklabels=[])
         above.set(ylabel=NAMES.get(name, name), xticklabels=[])
-        if name == "orientation":
+        if name not in curves:
             above.set_axis_off()
         else:
             above.legend(fontsize=8)
@@ -55,7 +62,3 @@ def fit(t: np.ndarray, measured: dict[str, np.ndarray], residuals: dict[str, np.
         words.text(0, 0.5, f"root mean square\n{size:.3g}\n{np.isfinite(off).sum()} numbers", va="center", fontsize=9)
     fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize=8, family="monospace")
     return fig
-
-
-def _label(i: int, off: np.ndarray) -> str:
-    return f"fit {PARTS[i]}" if off.shape[1] > 1 else "fit"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import path_of, whole
 from ..errors import InputError
 from ..exchange import fit_text, measured
-from ..exchange.fitting import names_of
+from ..exchange.fitting import STARTS, names_of
 from ..exchange.motion import Convention
 from ..exchange.verdict import Verdict, judged
 from ..problem import Problem
@@ -99,7 +99,8 @@ class Fitted:
     problem : Problem
         The scenario with the fitted numbers: `tippetop.run` takes it.
     residuals : dict of ndarray
-        What was measured less what is predicted, by kind of measurement, (rows, parts), SI.
+        What was measured less what is predicted, by kind of measurement, (rows, parts), SI; of an axis two parts,
+        across it.
     """
 
     def __init__(self, before: Problem, observation: Any, result: Any):
@@ -124,7 +125,9 @@ class Fitted:
         """Data, fit and residuals as a figure; saved where a path is given."""
         from ..figures import catalogue
 
-        figure = catalogue.fit(self._fit.t, self._observation.groups, self.residuals, str(self).split("\n"))
+        figure = catalogue.fit(
+            self._fit.t, self._observation.groups, self._fit.curves, self.residuals, str(self).split("\n")
+        )
         if path is not None:
             catalogue.check_format(path_of("path", path))
             catalogue.write(figure, path_of("path", path), overwrite=overwrite)
@@ -143,7 +146,7 @@ def fit(
     free: str | Sequence[str],
     *,
     loss: str = "linear",
-    starts: int = 4,
+    starts: int = STARTS,
     marker: Sequence[float] | None = None,
     quaternion: str | None = None,
     up: str = "z",
@@ -162,7 +165,8 @@ def fit(
     loss : str
         "linear", or "soft_l1", "huber", "cauchy", which outliers hardly move.
     starts : int
-        How many starts are followed: the scenario's own, and the best of 128 others.
+        How many starts are followed at most, until one leaves nothing but noise: the scenario's own, then the best of
+        512 others within 40 %.
     marker : three floats, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body axes [m].
     quaternion, up : str

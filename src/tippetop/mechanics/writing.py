@@ -22,12 +22,24 @@ NAMES = ("sqrt", "sin", "cos", "exp")
 CPP = Language(
     "const double ",
     lambda x: x.hex(),
-    {**{name: f"std::{name}" for name in NAMES}, "arctan2": "std::atan2", "maximum": "std::fmax"},
+    {
+        **{name: f"std::{name}" for name in NAMES},
+        "arctan2": "std::atan2",
+        "rint": "std::rint",
+        "maximum": "std::fmax",
+        "minimum": "std::fmin",
+    },
 )
 JAVASCRIPT = Language(
     "const ",
     lambda x: repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN",
-    {**{name: f"Math.{name}" for name in NAMES}, "arctan2": "Math.atan2", "maximum": "Math.max"},
+    {
+        **{name: f"Math.{name}" for name in NAMES},
+        "arctan2": "Math.atan2",
+        "rint": "Math.round",
+        "maximum": "Math.max",
+        "minimum": "Math.min",
+    },
 )
 SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "true_divide": "/"}
 

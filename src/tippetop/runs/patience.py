@@ -8,7 +8,7 @@ from ..mechanics.friction import Contensou
 from ..problem import Problem
 
 
-LONG = 600.0  # [s] that are left: then it is said
+LONG = 600.0  # [s] that are left: from there on there is a sentence
 AGAIN_AFTER = 3.0  # [s] of computing from which the rest is inferred
 SHORT = 0.02  # of a radian of the fastest angle: steps that spin alone does not ask for
 

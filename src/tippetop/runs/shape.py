@@ -1,15 +1,17 @@
 """What a body looks like: its balls, its stem, or the uniform ellipsoid that has its moments of inertia."""
 
-import math
 from typing import Any
+
+import numpy as np
 
 from ..errors import InputError, a_system
 from ..mechanics.contact.body import Body
 from ..mechanics.friction import Frictionless
+from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
 
 
-BIGGEST = 0.78  # of the distance from the tip: half axes of the ellipsoid of a heavy top that are longer are cut
+BIGGEST = 0.78  # of the distance from the tip: the longest half axis of the ellipsoid of a heavy top
 
 
 def body_of(attrs: dict[str, Any]) -> Body:
@@ -48,23 +50,37 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
         centre of mass, and radius), ellipsoid (half axes across and along), weight [N], fixed.
     """
     b = body_of(attrs)
-    balls, stem = [{"offset": b.c, "radius": b.R}], attrs.get("stem")
-    if stem:
-        balls.append({"offset": b.c + stem["h"], "radius": stem["r"]})
     kind = "cylinder" if is_planar(attrs) else "ball" if b.R > 0 else "heavy"
-    across2 = 2.5 * b.I3 / b.m
-    across, along = math.sqrt(across2), math.sqrt(max(5 * b.I1 / b.m - across2, 0.02 * across2))
-    size = min(1.0, BIGGEST * abs(b.c) / along, BIGGEST * abs(b.c) / across) if kind == "heavy" else 1.0
+    offset, radius, weight, *ellipsoid = map(float, sizes(b, heavy=kind == "heavy"))
+    balls, stem = [{"offset": offset, "radius": radius}], attrs.get("stem")
+    if stem:
+        balls.append({"offset": offset + stem["h"], "radius": stem["r"]})
     return {
         "kind": kind,
-        "unit": b.R if b.R > 0 else -b.c,
+        "unit": radius or -offset,
         "balls": balls,
-        "ellipsoid": [size * across, size * along],
-        "weight": b.m * b.g,
+        "ellipsoid": ellipsoid,
+        "weight": weight,
         "fixed": kind == "heavy" and is_fixed(attrs),
     }
 
 
+def sizes(b: Body, *, heavy: bool) -> tuple[Any, ...]:
+    """Of a body that touches the plane with one ball: the ball's offset along 3hat and radius, the weight, and the half
+    axes, across and along, of the ellipsoid with its moments of inertia; of a heavy top's it shrinks until it ends
+    before the tip. Numbers, or symbols of a page."""
+    across2 = 2.5 * b.I3 / b.m
+    across, along = np.sqrt(across2), np.sqrt(np.maximum(5 * b.I1 / b.m - across2, 0.02 * across2))
+    size = np.minimum(1.0, -b.c * BIGGEST / np.maximum(across, along)) if heavy else 1.0
+    return b.c, b.R, b.m * b.g, size * across, size * along
+
+
 def with_shape(trajectory: Any, events: Any, attrs: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """What the film strip of a run is made of: its rows, its attributes, its body."""
-    return trajectory, attrs, shape(attrs)
+    """What the film strip of a run is made of: its rows, its attributes, its body, and the function that gives the axes
+    of the body, as columns, of a quaternion."""
+    return trajectory, attrs, shape(attrs) | {"axes": axes_of}
+
+
+def axes_of(quaternion: np.ndarray) -> np.ndarray:
+    """The rotation matrix of a unit quaternion: its columns are the axes of the body."""
+    return np.array(axes(Quaternion(*quaternion))).T

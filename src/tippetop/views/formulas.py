@@ -1,11 +1,13 @@
 """The formulas of a system as JavaScript, written down by the symbols that they are fed."""
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..engine.expressions import component, observed
 from ..mechanics.contact.body import Body, tip_inertia
+from ..mechanics.contact.gliding.catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.vector import angular_velocity, axis, contact_velocity
 from ..mechanics.contact.rolling.reaction import kinematics, reaction
 from ..mechanics.friction import Law, slip_coefficient
@@ -16,6 +18,7 @@ from ..mechanics.theory.thresholds import thresholds
 from ..mechanics.units import Unit
 from ..mechanics.variables import Variables
 from ..mechanics.writing import JAVASCRIPT, function
+from ..runs.shape import sizes
 from .samples import well_quantities
 
 
@@ -46,6 +49,7 @@ def motions(system: System, form: Form, laws: dict[str, Law]) -> str:
         "initial": initial_names(system),
         "laws": {name: list(law.parameters) for name, law in laws.items()},
         "planar": not system.vectors,
+        "near": math.acos(COS_INVERTED),
     }
     by_law = ",\n".join(f"{json.dumps(name)}: {_of_law(system, variables, law)}" for name, law in laws.items())
     return f"export const facts = {json.dumps(facts)};\nexport const formulas = {{{by_law}}};\n{NO_POTENTIAL}"
@@ -62,6 +66,7 @@ def _of_law(system: System, variables: Variables, law: Law) -> str:
     form, names = variables.form, [*system.parameters, *law.parameters]
     template = system.body_of(dict.fromkeys(system.parameters, 1.0), law.record(*(1.0 for _ in law.parameters)))
     count, given = len(leaves(template)), initial_names(system)
+    heavy = "R" not in system.parameters
     state = [f"y[{i}]" for i in range(len(variables.names))]
     numbers = [f"b[{i}]" for i in range(count)]
 
@@ -100,6 +105,7 @@ def _of_law(system: System, variables: Variables, law: Law) -> str:
         ),
         "weights": _arrow(("b",), numbers, weights),
         "seen": _filling(("y", "b", "out"), [*state, *numbers], lambda symbols: seen(system, form, *of(symbols))),
+        "sizes": _arrow(("b",), numbers, lambda symbols: sizes(refill(template, iter(symbols)), heavy=heavy)),
         "thresholds": _thresholds(system, template, numbers),
         "potential": _arrow(
             ("z", "first", "second", "b"),

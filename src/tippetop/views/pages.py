@@ -12,6 +12,7 @@ from typing import Any
 from ..arguments import path_of
 from ..errors import StoreError
 from ..store.files import replacing, writing
+from . import rotations
 
 
 IMPORT = re.compile(r'^import\s+\{([^}]*)\}\s+from\s+"\./([\w.]+)";\n', re.MULTILINE)
@@ -32,7 +33,7 @@ def script(entry: str, written: Mapping[str, str]) -> str:
     entry
         The name of a file.
     written
-        Modules that are no files: name -> text.
+        Modules that are no files, beside `rotation.js`: name -> text.
 
     Returns
     -------
@@ -40,6 +41,7 @@ def script(entry: str, written: Mapping[str, str]) -> str:
         Every module is a function that gives what it exports; each stands after those that it imports.
     """
     parts: dict[str, str] = {}
+    written = {"rotation.js": rotations.module(), **written}
 
     def take(name: str) -> None:
         text = written[name] if name in written else source(name)

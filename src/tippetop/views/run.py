@@ -153,5 +153,5 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     ]
 
 
-def _number(value: float) -> float:
-    return float(value) if np.isfinite(value) else 0.0
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

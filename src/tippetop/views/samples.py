@@ -8,7 +8,8 @@ import numpy as np
 from ..mechanics.contact.body import Body, tip_inertia
 from ..mechanics.contact.gliding.vector import angular_velocity
 from ..mechanics.friction import SLIP, slip_coefficient
-from ..mechanics.operand import Vector, cross
+from ..mechanics.operand import Vector, cross, times
+from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.system import System
 from ..mechanics.systems import find
 from ..runs.shape import body_of, is_fixed, is_planar
@@ -60,7 +61,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     n = len(columns["time"])
     out = np.zeros((n, STRIDE))
     out[:, ORIENTATION] = columns["orientation"]
-    third = _third(columns["orientation"])
+    third = axes(Quaternion(*columns["orientation"].T))[2]
     if planar:
         omega = Vector(np.zeros(n), columns["theta_dot"], np.zeros(n))
         momentum = Vector(np.zeros(n), b.I1 * columns["theta_dot"], np.zeros(n))
@@ -70,13 +71,13 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         L3 = b.I3 * columns["omega3"]
         omega = angular_velocity(Vector(*columns["axis"].T), momentum, L3, inert)
     offset, radius = _ball(columns, attrs, b)
-    arm = Vector(offset * third[0], offset * third[1], offset * third[2] - radius)
+    arm = Vector(offset * third.x, offset * third.y, offset * third.z - radius)
     slip = _slip(columns, n)
     turning = cross(omega, arm)
     velocity = np.stack([slip[0] - turning.x, slip[1] - turning.y])
     out[:, OMEGA] = np.stack(omega, axis=1)
     out[:, 7:10] = _place(columns, third, offset, radius, is_fixed(attrs))
-    out[:, 10:13] = _force(columns, velocity, slip, third[2], b)
+    out[:, 10:13] = _force(columns, velocity, slip, third.z, b)
     out[:, 13:15] = slip.T
     out[:, 16:19] = np.stack(momentum, axis=1)
     out[:, 19] = columns["theta"]
@@ -85,12 +86,6 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         out[:, 20 + i] = columns[name]
     out[:, 22] = columns.get(level, np.nan)
     return out
-
-
-def _third(q: np.ndarray) -> np.ndarray:
-    """3hat of quaternions (n, 4), (3, n)."""
-    w, x, y, z = q.T
-    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
 def _ball(columns: Columns, attrs: dict[str, Any], b: Body) -> tuple[Any, Any]:
@@ -118,13 +113,12 @@ def _slip(columns: Columns, n: int) -> np.ndarray:
     return np.nan_to_num(v)
 
 
-def _place(columns: Columns, third: np.ndarray, offset: Any, radius: Any, fixed: bool) -> np.ndarray:
+def _place(columns: Columns, third: Vector, offset: Any, radius: Any, fixed: bool) -> np.ndarray:
     """The centre of mass, (n, 3)."""
     if fixed:
-        return -offset * third.T
-    n = third.shape[1]
-    height = columns["z"] if "z" in columns else radius - offset * third[2]
-    return np.stack([columns["x"], columns.get("y", np.zeros(n)), height], axis=1)
+        return np.stack(times(-offset, third), axis=1)
+    height = columns["z"] if "z" in columns else radius - offset * third.z
+    return np.stack([columns["x"], columns.get("y", np.zeros(len(third.z))), height], axis=1)
 
 
 def _force(columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Body) -> np.ndarray:

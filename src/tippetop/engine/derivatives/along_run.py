@@ -7,6 +7,7 @@ import numpy as np
 
 from ...columns import Column
 from ...errors import InputError
+from ...mechanics.rotation import Quaternion, after
 from ...mechanics.units import ONE, RADIAN, SECOND, Unit
 from ...problem import Problem
 from ..expressions import component
@@ -236,5 +237,4 @@ def _half_turn(matrix: np.ndarray, rate: np.ndarray, q: np.ndarray) -> np.ndarra
 
 def _product(w: np.ndarray, q: np.ndarray) -> np.ndarray:
     """The quaternion (0, w) q, (4, k)."""
-    scalar, vector = q[0], q[1:]
-    return np.concatenate([-(w * vector).sum(axis=0)[None], scalar * w + np.cross(w, vector, axis=0)])
+    return np.array(after(Quaternion(0.0, *w), Quaternion(*q)))

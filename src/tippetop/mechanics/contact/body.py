@@ -91,9 +91,15 @@ def rotation_energy(s, b):
 
 
 @formula
+def height(z, b):
+    """Height of the centre of mass above the plane that the body touches, s_z = R - c z [m]."""
+    return b.R - b.c * z
+
+
+@formula
 def height_energy(z, b):
-    """Energy of weight m g s_z [J], s_z = R - c z the height of the centre of mass."""
-    return b.m * b.g * (b.R - b.c * z)
+    """Energy of weight m g s_z [J]."""
+    return b.m * b.g * height(z, b)
 
 
 @formula

@@ -1,5 +1,5 @@
 /** The small sphere in the corner of the picture. */
-import { axes } from "./vector.js";
+import { axes } from "./rotation.js";
 
 /** @typedef {import("./palette.js").Palette} Palette */
 /** @typedef {import("./motion.js").Motion} Motion */

@@ -13,6 +13,8 @@ export const facts: {
   /** the numbers of each friction law, which follow the parameters */
   laws: Record<string, string[]>;
   planar: boolean;
+  /** how close to upright or inverted counts as such [rad] */
+  near: number;
 };
 
 type Numbers = ArrayLike<number>;
@@ -31,6 +33,8 @@ export const formulas: Record<
     weights: (b: Numbers) => number[];
     /** axes 1 and 3, then the channels of a sample from omega on, into out */
     seen: (y: Numbers, b: Numbers, out: Float64Array) => void;
+    /** offset along the axis and radius of the ball that touches the plane, weight, half axes of the ellipsoid */
+    sizes: (b: Numbers) => number[];
     thresholds: (b: Numbers) => { name: string; unit: string; words: string; value: number }[];
     potential: ((z: number, first: number, second: number, b: Numbers) => number) | null;
   }

@@ -21,7 +21,7 @@ const PAUSE = 3; // times the usual gap between turnings: there the band is brok
 
 export class Log {
   /**
-   * @param {{time: number, kind: string, theta: number, least?: boolean}[]} events ascending
+   * @param {{time: number, kind: string, theta: number | null, least?: boolean}[]} events ascending; null: no number
    * @param {Phase[]} phases
    * @param {import("./motion.js").Motion} motion
    * @param {boolean} wound whether theta is not bound to [0, pi]
@@ -35,13 +35,13 @@ export class Log {
     this.marks = events.map(({ time, kind, theta }) => ({
       time,
       kind,
-      text: `${WORDS[kind] ?? kind} at ${time.toFixed(4)} s, θ = ${((theta * 180) / Math.PI).toFixed(2)}°`,
+      text: `${WORDS[kind] ?? kind} at ${time.toFixed(4)} s${theta === null ? "" : `, θ = ${((theta * 180) / Math.PI).toFixed(2)}°`}`,
     }));
     this.times = this.marks.map((m) => m.time);
     /** @type {Turning[]} */
-    this.turnings = events
-      .filter((e) => e.kind === "turning")
-      .map(({ time, theta, least }) => ({ time, theta, least: !!least }));
+    this.turnings = events.flatMap(({ time, kind, theta, least }) =>
+      kind === "turning" && theta !== null ? [{ time, theta, least: !!least }] : [],
+    );
     this.bands = bands(this.turnings);
     let [low, high, least, most] = [Infinity, -Infinity, Infinity, -Infinity];
     for (let i = 0; i < motion.times.length; i++) {

@@ -1,8 +1,6 @@
-/**
- * A motion between its samples. The axis is a cubic through its samples with their velocities; the turn about the axis
- * is one too, with omega_3 as its slope, so that it may be many times around between two samples.
- */
-import { after, axes, cross, dot, inverse, mix, plus, swing, times, turn, unit } from "./vector.js";
+/** A motion between its samples. */
+import { axes, between } from "./rotation.js";
+import { mix, plus, times } from "./vector.js";
 
 /** @typedef {import("./vector.js").Vector} Vector */
 /** @typedef {import("./vector.js").Quaternion} Quaternion */
@@ -35,30 +33,6 @@ export const STRIDE = 23;
  * @property {number} theta [rad]
  * @property {Vector} well
  */
-
-/** @type {(a: number, da: number, b: number, db: number, s: number) => number} */
-function cubic(a, da, b, db, s) {
-  const r = 1 - s;
-  return r * r * (a * (1 + 2 * s) + da * s) + s * s * (b * (3 - 2 * s) - db * r);
-}
-
-/**
- * The attitude at the fraction s of an interval of length h between two attitudes with their angular velocities.
- * @type {(p: Quaternion, wp: Vector, q: Quaternion, wq: Vector, h: number, s: number) => Quaternion}
- */
-export function between(p, wp, q, wq, h, s) {
-  const u = axes(p)[2];
-  const v = axes(q)[2];
-  const du = times(h, cross(wp, u));
-  const dv = times(h, cross(wq, v));
-  const rest = after(q, inverse(after(swing(u, v), p)));
-  const some = 2 * Math.atan2(dot([rest[1], rest[2], rest[3]], v), rest[0]);
-  const [first, last] = [h * dot(wp, u), h * dot(wq, v)];
-  const whole = some + 2 * Math.PI * Math.round(((first + last) / 2 - some) / (2 * Math.PI));
-  const part = (/** @type {number} */ i) => cubic(u[i], du[i], v[i], dv[i], s);
-  const axis = unit([part(0), part(1), part(2)]);
-  return after(turn(axis, cubic(0, first, whole, last, s)), after(swing(u, axis), p));
-}
 
 export class Motion {
   /**

@@ -1,8 +1,8 @@
 /** The playground: a tippe top of one's own, integrated in the page while its numbers are changed. */
 import { facts } from "./formulas.js";
-import { simulated } from "./simulation.js";
+import { sampling, simulated } from "./simulation.js";
 import { Sliders } from "./sliders.js";
-import { part } from "./stage.js";
+import { part } from "./part.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
 /** @typedef {import("./simulation.js").Given} Given */
@@ -60,7 +60,6 @@ const LAWS = /** @type {Record<string, string>} */ ({
   none: "none",
 });
 const NAMES = /** @type {Record<string, string>} */ ({ lambda_u: "λᵤ", lambda_s: "λₛ", lambda_de: "λ_de" });
-const LEAST_STEP = 5e-4;
 
 export class Playground {
   /**
@@ -132,7 +131,7 @@ export class Playground {
       initial: { ...this.preset.initial, omega3, theta },
       atRest: this.preset.atRest,
       until,
-      step: Math.max(LEAST_STEP, Math.min(0.002, 0.4 / Math.max(omega3, 1)), until / 20_000),
+      step: sampling(omega3, until),
     };
   }
 
@@ -148,17 +147,8 @@ export class Playground {
     const began = performance.now();
     const found = simulated(given);
     const spent = performance.now() - began;
-    const { m, R, alpha, g } = given.parameters;
-    const body = /** @type {const} */ ({
-      kind: "ball",
-      unit: R,
-      balls: [{ offset: alpha * R, radius: R }],
-      ellipsoid: /** @type {[number, number]} */ ([R, R]),
-      weight: m * g,
-      fixed: false,
-    });
-    const { motion, log, potential } = found;
-    this.stage.take({ body: { ...body, balls: [...body.balls] }, motion, log, potential, wound: false }, keep);
+    const { motion, log, potential, sizes } = found;
+    this.stage.take({ body: { kind: "ball", fixed: false, ...sizes }, motion, log, potential, wound: false }, keep);
     this.thresholds(found.thresholds, Math.abs(motion.at(0, "well")[1]));
     part("verdict").textContent = verdict(found);
     part("cost").textContent = `integrated here in ${spent.toFixed(0)} ms, ${found.steps} steps`;
@@ -207,7 +197,8 @@ function verdict({ motion, log, end }) {
   const turned = passed ? `, passed 90° at ${passed.time.toFixed(2)} s` : "";
   if (end === "lifts off") return `Lifts off at ${when} s, at θ = ${theta.toFixed(1)}°: the model ends here.`;
   if (end) return `The integration ends at ${when} s.`;
-  const where = theta > 174 ? "inverted" : theta < 6 ? "upright" : "between";
+  const near = DEGREE * facts.near;
+  const where = theta > 180 - near ? "inverted" : theta < near ? "upright" : "between";
   return `After ${when} s it is ${where}, at θ = ${theta.toFixed(1)}°${turned}.`;
 }
 

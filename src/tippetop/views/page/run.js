@@ -2,7 +2,8 @@
 import { potential } from "./formulas.js";
 import { Log } from "./log.js";
 import { Motion } from "./motion.js";
-import { part, Stage } from "./stage.js";
+import { part } from "./part.js";
+import { Stage } from "./stage.js";
 
 /**
  * Numbers that stand in the page as base64, little-endian.

@@ -4,7 +4,8 @@ import { Program, Ribbon } from "./graphics.js";
 import { touching } from "./motion.js";
 import { ARROWS, rgb } from "./palette.js";
 import { INK, RAYS, RIBBON, SCREEN } from "./shaders.js";
-import { axes, dot, length, plus, times } from "./vector.js";
+import { axes } from "./rotation.js";
+import { dot, length, plus, times } from "./vector.js";
 
 /** @typedef {import("./vector.js").Vector} Vector */
 /** @typedef {import("./motion.js").Motion} Motion */

@@ -8,6 +8,8 @@ import { ofAxes } from "./vector.js";
 export const TOLERANCE = 1e-13;
 const FORCE = 12; // where the normal force stands in a sample, and theta
 const THETA = 19;
+const [SHORTEST, LONGEST] = [5e-4, 0.002]; // seconds between samples
+const MOST = 20_000; // samples
 
 /**
  * @typedef {object} Given
@@ -73,12 +75,31 @@ export function simulated(given, tolerance = TOLERANCE) {
     log,
     end,
     steps: solver.steps,
-    body: b,
+    sizes: drawn(known.sizes(b)),
     thresholds: known.thresholds(b),
     potential: potential
       ? (/** @type {number} */ z, /** @type {number} */ one, /** @type {number} */ two) => potential(z, one, two, b)
       : undefined,
   };
+}
+
+/**
+ * The sizes of a body as the picture takes them.
+ * @param {number[]} sizes
+ */
+function drawn([offset, radius, weight, across, along]) {
+  /** @type {[number, number]} */
+  const ellipsoid = [across, along];
+  return { unit: radius || -offset, balls: [{ offset, radius }], ellipsoid, weight };
+}
+
+/**
+ * How far apart samples of a motion are: a fifteenth of a turn, within limits.
+ * @param {number} spin [rad/s]
+ * @param {number} until [s]
+ */
+export function sampling(spin, until) {
+  return Math.max(SHORTEST, Math.min(LONGEST, 0.4 / Math.max(Math.abs(spin), 1)), until / MOST);
 }
 
 /**

@@ -1,13 +1,16 @@
 /** A motion on the page: picture, plots, controls and keyboard, all at one time. */
 import { Clock, SPEEDS, speedText } from "./clock.js";
 import { AxisPanel } from "./axis.js";
+import { keyboard, pointer } from "./gestures.js";
 import { ForcePanel, ThetaPanel } from "./panels.js";
 import { TimeLine } from "./timeline.js";
 import { WellPanel } from "./well.js";
 import { ARROWS, palette } from "./palette.js";
+import { part } from "./part.js";
 import { Recorder } from "./recorder.js";
 import { Scene } from "./scene.js";
-import { dot, axes } from "./vector.js";
+import { axes } from "./rotation.js";
+import { dot } from "./vector.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./log.js").Log} Log */
@@ -33,13 +36,6 @@ const QUALITIES = [
 const SLOW = [0.006, 0.03, 0.09]; // seconds of a picture with one ray for a pixel, above which the next one is taken
 const PATIENCE = 0.6; // seconds that a picture of a motion that rests may take
 
-/** @type {(name: string) => any} */
-export const part = (name) => {
-  const found = document.querySelector(`[data-part="${name}"]`);
-  if (!found) throw new Error(`the page has no part ${name}`);
-  return found;
-};
-
 export class Stage {
   /** @param {string} name of a recorded film */
   constructor(name) {
@@ -61,8 +57,8 @@ export class Stage {
     this.quality = 1;
     this.rested = 0;
     this.controls();
-    this.keyboard();
-    this.pointer();
+    keyboard(this);
+    pointer(this);
     const again = () => (this.dirty = true);
     new ResizeObserver(again).observe(document.body);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
@@ -218,46 +214,6 @@ export class Stage {
     part("record").textContent = this.recorder.recording ? "■ save" : "● film";
   }
 
-  keyboard() {
-    /** @type {Record<string, (event: KeyboardEvent) => void>} */
-    const keys = {
-      " ": () => this.play(!this.clock.playing),
-      ArrowRight: (event) => this.nudge(event.shiftKey ? 10 : 1),
-      ArrowLeft: (event) => this.nudge(event.shiftKey ? -10 : -1),
-      ".": () => this.step(true, true),
-      ",": () => this.step(false, true),
-      ">": () => this.step(true, false),
-      "<": () => this.step(false, false),
-      "+": () => this.hasten(1),
-      "-": () => this.hasten(-1),
-      Home: () => this.set(this.clock.start),
-      End: () => this.set(this.clock.end),
-      o: () => this.look("orbit"),
-      f: () => this.look("follow"),
-      a: () => this.look("above"),
-      m: () => part("show-mass").click(),
-      z: () => part("near").click(),
-      d: () => part("theme").click(),
-      "?": () => part("help").toggleAttribute("open"),
-    };
-    document.addEventListener("keydown", (event) => {
-      const target = /** @type {HTMLElement} */ (event.target);
-      const typing = ["INPUT", "SELECT", "BUTTON", "SUMMARY"].includes(target.tagName);
-      if (
-        event.ctrlKey ||
-        event.metaKey ||
-        event.altKey ||
-        (typing && (event.key === " " || event.key.startsWith("Arrow")))
-      )
-        return;
-      if (target.tagName === "SELECT") return;
-      const action = keys[event.key];
-      if (!action) return;
-      event.preventDefault();
-      action(event);
-    });
-  }
-
   /** @param {number} steps */
   hasten(steps) {
     this.clock.faster(steps);
@@ -268,53 +224,6 @@ export class Stage {
   nudge(steps) {
     this.play(false);
     this.set(this.clock.time + (steps * this.clock.speed) / 60);
-  }
-
-  pointer() {
-    const canvas = part("scene");
-    /** @type {Map<number, PointerEvent>} */
-    const down = new Map();
-    canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
-      down.set(event.pointerId, event);
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-      const last = down.get(event.pointerId);
-      if (!last) return;
-      if (down.size === 1) this.scene.camera.drag(event.clientX - last.clientX, event.clientY - last.clientY);
-      else {
-        const other = [...down.values()].find((e) => e.pointerId !== event.pointerId);
-        if (other) {
-          const apart = (/** @type {PointerEvent} */ e) =>
-            Math.hypot(e.clientX - other.clientX, e.clientY - other.clientY);
-          this.scene.camera.zoom((apart(last) + 1) / (apart(event) + 1));
-        }
-      }
-      down.set(event.pointerId, event);
-      part("camera").value = this.scene.camera.mode;
-      this.dirty = true;
-    });
-    for (const end of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(end, (/** @type {PointerEvent} */ event) => down.delete(event.pointerId));
-    }
-    canvas.addEventListener(
-      "wheel",
-      (/** @type {WheelEvent} */ event) => {
-        event.preventDefault();
-        this.scene.camera.zoom(Math.exp(0.0012 * event.deltaY));
-        this.dirty = true;
-      },
-      { passive: false },
-    );
-    for (const chart of [this.theta.chart, this.force.chart, this.line.chart]) {
-      const place = (/** @type {PointerEvent} */ event) => {
-        if (event.buttons !== 1) return;
-        this.play(false);
-        this.set(chart.value(event.clientX - chart.canvas.getBoundingClientRect().left));
-      };
-      chart.canvas.addEventListener("pointerdown", place);
-      chart.canvas.addEventListener("pointermove", place);
-    }
   }
 
   /** The stretch of time that the plots show. @returns {[number, number]} */

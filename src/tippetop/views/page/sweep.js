@@ -2,14 +2,11 @@
 import { CLASSES, SweepMap } from "./map.js";
 import { palette } from "./palette.js";
 import { numbers } from "./run.js";
-import { simulated } from "./simulation.js";
-import { part } from "./stage.js";
+import { sampling, simulated } from "./simulation.js";
+import { part } from "./part.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
 /** @typedef {{name: string, words: string, unit: string, names?: string[], values: Float32Array}} Column */
-
-const SHORTEST = 5e-4; // seconds between samples
-const MOST = 20_000;
 
 export class SweepPage {
   /**
@@ -152,8 +149,7 @@ export class SweepPage {
       if (table === "run") given[name] = values[top];
       else given[table === "friction" ? "parameters" : table][name] = values[top];
     }
-    const spin = Math.abs(given.initial.omega3 ?? 0);
-    given.step = Math.max(SHORTEST, Math.min(0.002, 0.4 / Math.max(spin, 1)), given.until / MOST);
+    given.step = sampling(given.initial.omega3 ?? 0, given.until);
     return given;
   }
 
@@ -162,12 +158,8 @@ export class SweepPage {
    * @param {boolean} keep
    */
   integrate(top, keep) {
-    const given = this.of(top);
-    const { motion, log, potential, end } = simulated(given);
-    const p = given.parameters;
-    const unit = p.R ?? p.l;
-    const offset = p.R === undefined ? -p.l : p.alpha * p.R;
-    const body = { ...this.body, unit, weight: p.m * p.g, balls: [{ offset, radius: p.R ?? 0 }] };
+    const { motion, log, potential, end, sizes } = simulated(this.of(top));
+    const body = { ...this.body, ...sizes };
     this.stage.take({ body, motion, log, potential, wound: this.body.kind === "cylinder" }, keep);
     part("said").textContent = end ? `${end} at ${motion.end.toFixed(3)} s` : "";
   }
