@@ -3,10 +3,14 @@ from .errors import InputError as InputError
 from .errors import Interrupted as Interrupted
 from .errors import StoreError as StoreError
 from .errors import Unfinished as Unfinished
+from .library.asymptotics import accelerations as accelerations
+from .library.asymptotics import asymptotic_states as asymptotic_states
+from .library.asymptotics import least_energy as least_energy
 from .library.bodies import Cylinder as Cylinder
 from .library.bodies import HeavyTop as HeavyTop
 from .library.bodies import TippeTop as TippeTop
 from .library.derivatives import Sensitivities as Sensitivities
+from .library.derivatives import lyapunov as lyapunov
 from .library.derivatives import sensitivities as sensitivities
 from .library.exchanging import Comparison as Comparison
 from .library.exchanging import Fitted as Fitted

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 from cyclopts import App, CycloptsError
 
 from .. import awaiting
-from . import exchange, host, landscape, plot, reference, run, show, streams, sweep, usage, view
+from . import exchange, host, landscape, plot, reconstruct, reference, run, show, streams, sweep, usage, view
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
@@ -39,7 +39,7 @@ app = App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
 )
-MODULES = (run, landscape, sweep, plot, show, view, exchange, reference)
+MODULES = (run, landscape, sweep, plot, show, view, exchange, reconstruct, reference)
 TEXT_ONLY = (*show.TEXT_ONLY, *reference.COMMANDS)
 for module in MODULES:
     for command in module.COMMANDS:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import finite, instance
-from ..columns import require
-from ..engine.observables import Observables
 from ..errors import InputError
-from ..mechanics.theory import main_equation, modes, regimes
+from ..landscape.reconstruction import reconstruction
+from ..mechanics.systems.spinning import thresholds_of_surface
+from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import nutation as one_dimensional
 from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.nutation import Nutation
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
-from ..mechanics.units import RADIAN_PER_SECOND, SECOND
+from ..mechanics.units import RADIAN_PER_SECOND
 from ..problem import Problem
 from .bodies import HeavyTop, TippeTop, Top
 from .laws import record_of
@@ -26,8 +26,6 @@ from .sources import problem_behind, top_of
 
 if TYPE_CHECKING:
     import xarray as xr
-
-LARGEST_MISMATCH = 1e-6  # of cos(theta) where pieces of a reconstruction meet; a good one has 1e-9 and less
 
 
 def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Threshold]:
@@ -42,8 +40,8 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     -------
     dict of Threshold
         By name, each with value, unit and long_name. Of a tippe top: lambda_u, lambda_s, lambda_de [kg m^3/s],
-        spin_upright, spin_inverted, spin_full [rad/s], gamma, gamma_c, gamma_plus. Of a heavy top: spin_sleeping
-        [rad/s].
+        spin_upright, spin_inverted, spin_full [rad/s], gamma, gamma_c, gamma_plus; of its surface and of rolling
+        lambda_pi [kg m^3/s] and gamma_star. Of a heavy top: spin_sleeping [rad/s].
 
     Raises
     ------
@@ -58,7 +56,7 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     if isinstance(body, HeavyTop):
         sleeping = limits.sleeping_spin(body.body())
         return {"spin_sleeping": Threshold(sleeping, RADIAN_PER_SECOND, "upright spin of a fixed tip stable above")}
-    return limits.thresholds(body.body())
+    return {**limits.thresholds(body.body()), **thresholds_of_surface(body.body())}
 
 
 def regime(top: TippeTop | Run | Problem | str, lam: float) -> Regime:
@@ -220,49 +218,7 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
     -----
     Rutstam (2010), eqs. 4.40 and 5.26.
     """
-    import xarray as xr
-
     instance("run", run, Run, "a Run")
     if period is not None and finite("period", period) <= 0:
         raise InputError([f"`period` must be greater than 0, but is {period!r:.60}."])
-    problem, rows = run.problem, run.trajectory
-    system = problem.system
-    if problem.contact is not None:
-        raise InputError(["the run must be one whose contact stays what it is, but its contact may change its phase."])
-    if len(system.momenta) != 2:
-        raise InputError([f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."])
-    require(("theta", "modified_energy", *system.momenta), rows, "what theta is reconstructed from")
-    log = run.events
-    turning = (log["kind"].values == 0) & log["significant"].values.astype(bool)
-    if period is None and not turning.any():
-        raise InputError(["`period` must be given where the run has no turnings, but is missing."])
-    guess = 2 * float(log["time"].values[turning][0]) if period is None else float(period)
-    units = {quantity.name: quantity.unit for quantity in system.quantities}
-    second = float(problem.scales.of(SECOND))
-    energy, *momenta = (
-        rows[name].values / float(problem.scales.of(units[name])) for name in ("modified_energy", *system.momenta)
-    )
-    solution = main_equation.reconstruct(
-        system,
-        Observables(problem).body,
-        rows["time"].values / second,
-        momenta,
-        energy,
-        math.cos(float(rows["theta"][0])),
-        guess / second,
-    )
-    if not solution.mismatch <= LARGEST_MISMATCH:
-        warnings.warn(
-            f"the pieces of the reconstruction disagree by {solution.mismatch:.1e} in cos(theta): "
-            "theta is not to be relied on.",
-            stacklevel=2,
-        )
-    theta = {"units": "rad", "long_name": "theta by the main equation"}
-    return xr.Dataset(
-        {"theta": ("time", np.arccos(solution.z), theta)},
-        {
-            "time": rows["time"],
-            "turning": ("turning", solution.turnings * second, {"units": "s", "long_name": "times of the turnings"}),
-        },
-        {"mismatch": solution.mismatch},
-    )
+    return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, period)

@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ..errors import unknown_key
@@ -110,6 +111,7 @@ class System:
     long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
     inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
     contact: tuple[str, bool] | None = None  # kind of friction, whether there is a stem; None: one phase
+    on_request: tuple[Quantity, ...] = ()  # quantities that are columns only where a run names them
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
 
     def __repr__(self) -> str:
@@ -232,6 +234,22 @@ class System:
         changes.setdefault("phases", {**self.phases, name: dataclasses.replace(phase, **of_phase)})
         return dataclasses.replace(self, **changes)
 
+    def with_requested(self, columns: Collection[str]) -> "System":
+        """The system with those of its quantities on request that are named; the same record for the same names.
+
+        Parameters
+        ----------
+        columns
+            Names of columns.
+
+        Returns
+        -------
+        System
+            This one, where none is named, or where the contact may change its phase.
+        """
+        wanted = tuple(q for q in self.on_request if q.name in columns) if self.contact is None else ()
+        return _with_quantities(self, wanted) if wanted else self
+
     def folds(self, form: Form) -> dict[str, float]:
         """What is 0 or 1 in the units of a form by construction."""
         return {name: value for name, value in self.normalised_to.items() if name not in form.not_normalised}
@@ -245,6 +263,11 @@ class System:
     def frictional(self) -> bool:
         """Whether a friction law must be given."""
         return bool(self.laws)
+
+
+@lru_cache(maxsize=64)
+def _with_quantities(system: System, more: tuple[Quantity, ...]) -> System:
+    return system.replace(quantities=(*system.quantities, *more))
 
 
 def of_one_phase(

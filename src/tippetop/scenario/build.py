@@ -66,6 +66,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     parameters = scenario.parameters.model_dump()
     initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
     run = scenario.run
+    system = system.with_requested(run.columns or ())
     events = tuple(run.events) if run.events is not None else tuple(e.name for e in system.events)
     law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
     form = choice(system).form if scenario.form == AUTO else system.forms[scenario.form]

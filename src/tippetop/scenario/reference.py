@@ -266,7 +266,8 @@ def _columns(system: System) -> list[tuple[str, ...]]:
         for q in system.quantities
         if q.is_column
     ]
-    return [*angles, *vectors, *turn, *quantities]
+    asked = [(q.name, q.unit.symbol, f"{q.long_name}; only where `run.columns` names it") for q in system.on_request]
+    return [*angles, *vectors, *turn, *quantities, *asked]
 
 
 TOPICS = {"scenario": scenario, "friction": friction, "systems": systems, "events": events, "columns": columns}

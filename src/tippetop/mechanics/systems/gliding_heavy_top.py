@@ -9,6 +9,7 @@ from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import euler as gliding_euler
+from ..contact.gliding import rates
 from ..contact.gliding.vector import axis
 from ..contact.integrals import integral
 from ..contact.orientation import carried_along
@@ -16,7 +17,7 @@ from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
 from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
-from ..system import Form, of_one_phase
+from ..system import Form, Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from . import heavy_top, outlook
 
@@ -138,6 +139,12 @@ CONTACT = Form(
 )
 
 
+@formula
+def own_Lz_rate(s, b):
+    """L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
+    return Lz_rate(rates.push_n(s, b), b)
+
+
 GLIDING_HEAVY_TOP = of_one_phase(
     "slip",
     name="gliding-heavy-top",
@@ -149,6 +156,10 @@ GLIDING_HEAVY_TOP = of_one_phase(
     angles=gliding_euler.ANGLES,
     forms={"vector": gliding.VECTOR, "contact": CONTACT, "euler": gliding.EULER},
     quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),
+    on_request=(
+        Quantity("Lz_rate", "L_z'", rates.TORQUE, "rate of L_z about the tip", own_Lz_rate),
+        rates.MODIFIED_ENERGY_RATE,
+    ),
     integrals=("L3",),
     events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
     undefined_at_poles=gliding.UNDEFINED_AT_POLES,

@@ -24,10 +24,9 @@ from ..theory.thresholds import (
     sleeping_spin,
     spin_of,
     thresholds,
-    two_wells_from,
 )
 from ..theory.tumbling import lambda_t
-from ..units import JELLETT, ONE, RADIAN_PER_SECOND
+from ..units import JELLETT, RADIAN_PER_SECOND
 
 
 Start = Mapping[str, float]
@@ -45,7 +44,7 @@ def tippe_top(b: Body, start: Start) -> Outlook:
         fate = f"ends in {now.attractors[0]}" + UNLESS
     else:
         fate = "depends on the start: " + ", or ".join(now.attractors) + UNLESS
-    return Outlook(now.sentence(), fate, thresholds(b))
+    return Outlook(now.sentence(), fate, {**thresholds(b), **_of_surface(b)})
 
 
 def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
@@ -84,18 +83,18 @@ def tippe_top_borders(b: Body) -> dict[str, Any]:
 
 def rolling_tippe_top(b: Body, start: Start) -> Outlook:
     """A rolling tippe top: one degree of freedom. [T ch. 4]"""
-    from .spinning import lambda_pi  # it stands on `tippe_top`, which takes its outlook from here
-
-    limit, least = float(lambda_pi(b)), two_wells_from(b)
+    limits = _of_surface(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
-    stable = "stable" if abs(start["jellett"]) > limit else "unstable"
-    limits = {
-        "lambda_pi": Threshold(limit, JELLETT, "inverted spin stable in rolling above"),
-        "gamma": thresholds(b)["gamma"],
-        "gamma_star": Threshold(least, ONE, "two wells of the potential are possible above"),
-    }
+    stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
+    limits["gamma"] = thresholds(b)["gamma"]
     fate = f"nutation between two angles{UNLESS}; the inverted spin of this lambda is {stable} in rolling"
     return Outlook(sentence, fate, limits)
+
+
+def _of_surface(b: Body) -> dict[str, Threshold]:
+    from .spinning import thresholds_of_surface  # it stands on `tippe_top`, which takes its outlook from here
+
+    return thresholds_of_surface(b)
 
 
 def heavy_top(b: Body, start: Start) -> Outlook:

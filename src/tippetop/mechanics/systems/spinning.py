@@ -5,7 +5,8 @@ In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.2
 
 from ..contact.body import height_energy
 from ..operand import formula, sqrt
-from ..theory.thresholds import spin
+from ..theory.thresholds import Threshold, spin, two_wells_from
+from ..units import JELLETT, ONE
 from . import tippe_top
 
 
@@ -40,6 +41,20 @@ def lambda_pi(b):
     """|lambda| from which the inverted state lies on the minimal surface [kg m^3/s]; below, it lies above. [5.1]"""
     h = b.R + b.c
     return 2 * h * sqrt(b.m * b.g * b.c * b.I3 * tippe_top.d(-1, b)) / (1 + b.m * b.R * h / b.I3)
+
+
+def thresholds_of_surface(b) -> dict[str, Threshold]:
+    """lambda_pi and gamma*: of the minimal surface and of pure rolling.
+
+    Parameters
+    ----------
+    b
+        The body, SI, floats.
+    """
+    return {
+        "lambda_pi": Threshold(float(lambda_pi(b)), JELLETT, "inverted spin stable in rolling above"),
+        "gamma_star": Threshold(two_wells_from(b), ONE, "two wells of the potential are possible above"),
+    }
 
 
 @formula

@@ -6,6 +6,7 @@ from ..contact import body as contact
 from ..contact.body import Body
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import euler as gliding_euler
+from ..contact.gliding import rates
 from ..friction import LAWS
 from ..operand import Operand, formula, sqrt
 from ..potential import PotentialCoefficients
@@ -155,6 +156,18 @@ QUANTITIES = (
     *gliding.QUANTITIES,
 )
 
+
+@formula
+def own_routh_rate(s, b):
+    """D' [kg m^2/s^2] of the state itself. [T 4.17]"""
+    return routh_rate(s.z, rates.push_n(s, b), b)
+
+
+ON_REQUEST = (
+    Quantity("routh_rate", "D'", rates.TORQUE, "rate of Routh's function", own_routh_rate),
+    rates.MODIFIED_ENERGY_RATE,
+)
+
 TIPPE_TOP = of_one_phase(
     "slip",
     name="tippe-top",
@@ -171,6 +184,7 @@ TIPPE_TOP = of_one_phase(
     angles=gliding_euler.ANGLES,
     forms=gliding.FORMS,
     quantities=QUANTITIES,
+    on_request=ON_REQUEST,
     integrals=("jellett",),
     events=gliding.EVENTS,
     long_names=gliding.LONG_NAMES,

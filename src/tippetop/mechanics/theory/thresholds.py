@@ -73,6 +73,11 @@ def gamma_plus(alpha: float) -> float:
     return (1 - alpha) * (7 + alpha + sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
+def gamma_de(alpha: Any) -> Any:
+    """lambda_s > lambda_de if and only if gamma is above it; below 1 - alpha for alpha > 3 - sqrt(8). [T 4.31-4.34]"""
+    return (1 + alpha) * (1 - 3 * alpha) / (1 - alpha) ** 2
+
+
 def two_wells_from(b: Body) -> float:
     """gamma*, above which the potential can have two minima; infinite where it never can. [section 5, item 4]"""
     alpha, _, sigma, _ = shape(b)

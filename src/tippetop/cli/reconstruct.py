@@ -1,0 +1,79 @@
+"""`tippetop reconstruct`: theta(t) of a stored run again, from its D(t) and E~(t) alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+
+def reconstruct(
+    store: Path,
+    *,
+    period: float | None = None,
+    out: Path | None = None,
+    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Solve the main equation for theta(t) by a run's D(t) and E~(t), or L_z(t) and E~(t), and compare it with the run.
+
+    Parameters
+    ----------
+    store
+        A run of a tippe top or a heavy top that starts at a turning angle, with some hundred rows per nutation.
+    period
+        A guess of the period of nutation [s]; by default twice the first turning time of the run.
+    out
+        Write time, theta of the main equation and theta of the run to this CSV file.
+    overwrite
+        Replace an existing file.
+    as_json
+        Print the result as one JSON object.
+    """
+    import numpy as np
+
+    from ..errors import InputError
+    from ..landscape.reconstruction import reconstruction
+    from ..scenario import build
+    from ..store import files, root
+
+    attrs = root.attributes(store)
+    if "content" in attrs:
+        raise InputError([f"what is reconstructed must be a run, but `{store}` is a {attrs['content']}."])
+    if period is not None and not 0 < period < float("inf"):
+        raise InputError([f"--period must be positive and finite, but is {period}."])
+    root.refuse_other_rows(store, attrs)
+    rows = root.loaded(root.open_group(store, "trajectory"), store)
+    result = reconstruction(
+        build.stored(attrs), lambda: rows, lambda: root.loaded(root.open_group(store, "events"), store), period
+    )
+    difference = np.abs(result["theta"].values - rows["theta"].values)
+    whole = np.isfinite(difference)
+    report = {
+        "turnings": int(result.sizes["turning"]),
+        "rows": int(whole.sum()),
+        "rows_of_run": int(rows.sizes["time"]),
+        "difference": float(difference[whole].max()) if whole.any() else None,
+        "mismatch": float(result.attrs["mismatch"]),
+    }
+    if out is not None:
+        table = np.column_stack([rows["time"].values, result["theta"].values, rows["theta"].values])
+        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+            header = "time [s],theta by the main equation [rad],theta of the run [rad]"
+            np.savetxt(scratch, table, "%.17g", ",", header=header, comments="")
+    if as_json:
+        print(json.dumps(root.finite(report), allow_nan=False))
+        return 0
+    print(f"turnings     {report['turnings']}")
+    print(f"rows         {report['rows']} of {report['rows_of_run']}")
+    if whole.any():
+        print(f"difference   {report['difference']:.2g} rad at most from theta of the run")
+    print(f"mismatch     {report['mismatch']:.2g} of cos(theta) where pieces meet")
+    if out is not None:
+        print(f"file         {out}")
+    return 0
+
+
+COMMANDS: list[Any] = [reconstruct]

@@ -1,0 +1,132 @@
+"""The states in which a tippe top may end, the energy that decides between them, and the general system."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arguments import finite
+from ..errors import InputError
+from ..mechanics.contact.rolling.euler import EulerState, general_accelerations
+from ..mechanics.theory import least_energy as least
+from ..mechanics.theory.least_energy import AsymptoticState
+from ..problem import Problem
+from .bodies import TippeTop
+from .run import Run
+from .sources import top_of
+
+
+def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float) -> list[AsymptoticState]:
+    """The spinning and tumbling states of a tippe top for a value of Jellett's integral.
+
+    Parameters
+    ----------
+    top : TippeTop, Run, Problem or str
+        The body, or what has one: a run, a problem, the name of a preset, a TOML file.
+    lam : float
+        Jellett's integral lambda [kg m^3/s].
+
+    Returns
+    -------
+    list of AsymptoticState
+        From theta = 0 to pi, each with kind (upright, tumbling, inverted), theta [rad], phi_dot and omega3 [rad/s],
+        energy [J], and whether it is stable where the contact glides.
+
+    Raises
+    ------
+    InputError
+        If the body is another one.
+
+    Notes
+    -----
+    They are the critical points of `least_energy`, and stable where it has a minimum. Rutstam (2010), theorems 3.3.1
+    and 3.3.2, corrected.
+    """
+    return least.asymptotic_states(finite("lam", lam), top_of(top, TippeTop).body())
+
+
+def least_energy(
+    top: TippeTop | Run | Problem | str, theta: float | np.ndarray, lam: float | np.ndarray
+) -> float | np.ndarray:
+    """The least energy E_lambda of a tippe top at an inclination, for a value of Jellett's integral.
+
+    Parameters
+    ----------
+    top : TippeTop, Run, Problem or str
+        The body, or what has one, as for `asymptotic_states`.
+    theta : float or array
+        Inclination [rad].
+    lam : float or array
+        Jellett's integral lambda [kg m^3/s].
+
+    Returns
+    -------
+    float or ndarray
+        E_lambda [J], of the broadcast shape.
+
+    Raises
+    ------
+    InputError
+        If the body is another one.
+
+    Notes
+    -----
+    E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda = -lambda a/(a.I a).
+    Rutstam (2010), eqs. 3.43 and 3.44, corrected.
+    """
+    return least.least_energy(np.cos(theta), np.asarray(lam)[()], top_of(top, TippeTop).body())
+
+
+class Accelerations(NamedTuple):
+    """theta'', phi'' and omega_3' [rad/s^2]."""
+
+    theta_ddot: float
+    phi_ddot: float
+    omega3_dot: float
+
+
+def accelerations(
+    top: TippeTop | Run | Problem | str,
+    *,
+    theta: float,
+    theta_dot: float = 0.0,
+    phi_dot: float = 0.0,
+    omega3: float = 0.0,
+    w_x: float = 0.0,
+    w_y: float = 0.0,
+) -> Accelerations:
+    """The general system: accelerations of a tippe top whose contact point accelerates as given.
+
+    Parameters
+    ----------
+    top : TippeTop, Run, Problem or str
+        The body, or what has one, as for `asymptotic_states`.
+    theta : float
+        Inclination [rad], in (0, pi).
+    theta_dot, phi_dot, omega3 : float
+        Rates [rad/s].
+    w_x, w_y : float
+        Acceleration of the contact point [m/s^2], dv_A/dt = w_x e + w_y 2hat; none is pure rolling. Under friction it
+        is w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x.
+
+    Returns
+    -------
+    Accelerations
+        theta_ddot, phi_ddot, omega3_dot [rad/s^2].
+
+    Raises
+    ------
+    InputError
+        If the body is another one, or theta is not in (0, pi).
+
+    Notes
+    -----
+    Whatever friction does, F = m s'' + m g zhat follows from the motion. Rutstam (2010), eqs. 3.36, 4.2-4.4.
+    """
+    body, theta = top_of(top, TippeTop).body(), finite("theta", theta)
+    if not 0 < theta < math.pi:
+        raise InputError([f"`theta` must lie in (0, pi), but is {theta}."])
+    rates = (("theta_dot", theta_dot), ("phi_dot", phi_dot), ("omega3", omega3))
+    state = EulerState(theta, *(finite(name, value) for name, value in rates))
+    pushes = finite("w_x", w_x), finite("w_y", w_y)
+    return Accelerations(*general_accelerations(state, math.sin(theta), math.cos(theta), *pushes, body))

@@ -1,0 +1,113 @@
+"""Asymptotic states, the least energy of a lambda, the general system, rates as columns, and theta made again."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.cli import outcome
+
+
+TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.4e-6, I3=3.2e-6, g=9.82)  # gamma = 0.75 < gamma_plus
+LAM = 2.6e-6
+RATES = ["theta", "routh", "modified_energy", "routh_rate", "modified_energy_rate"]
+
+
+def test_asymptotic_states_are_the_critical_points_of_the_least_energy() -> None:
+    """Stable ones are minima; each has the lambda that was asked for, and its sign."""
+    states = tt.asymptotic_states(TOP, LAM)
+    assert [s.kind for s in states] == ["upright", "tumbling", "tumbling", "inverted"]
+    assert [s.stable for s in states] == [True, False, True, False]
+    theta = np.linspace(0, math.pi, 20001)
+    energy = tt.least_energy(TOP, theta, LAM)
+    inside = np.flatnonzero(np.diff(np.sign(np.diff(energy))) != 0) + 1
+    np.testing.assert_allclose(theta[inside], [s.theta for s in states[1:3]], atol=2e-4)
+    np.testing.assert_allclose(energy[inside], [s.energy for s in states[1:3]], rtol=1e-8)
+    mirrored = tt.asymptotic_states(TOP, -LAM)
+    for one, other in zip(states, mirrored, strict=True):
+        start = {"theta": one.theta, "phi_dot": one.phi_dot, "omega3": one.omega3}
+        problem = tt.run(TOP, tt.Viscous(mu=0.3), start=start, until=1e-3, output_times=[0.0, 1e-3])
+        assert float(problem.trajectory.jellett[0]) == pytest.approx(LAM, rel=1e-12)
+        assert float(problem.trajectory.energy[0]) == pytest.approx(one.energy, rel=1e-12)
+        assert (one.theta, one.omega3, one.phi_dot) == (other.theta, -other.omega3, -other.phi_dot)
+    assert tt.asymptotic_states(TOP, 0.0)[0].omega3 == 0
+
+
+def test_no_state_has_less_energy_than_the_least() -> None:
+    run = tt.run("inverting", until=0.5, output_step=0.01, columns=["theta", "energy", "jellett"])
+    rows = run.trajectory
+    assert np.all(rows.energy > tt.least_energy(run, rows.theta, rows.jellett))
+
+
+def test_the_general_system_is_the_gliding_top_with_its_contact_acceleration() -> None:
+    """From differences of a run: w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x."""
+    h, columns = 1e-6, ["theta", "theta_dot", "phi_dot", "omega3", "nu_x", "nu_y"]
+    start = {"theta": 0.8, "theta_dot": 3.0, "phi_dot": 10.0, "omega3": 90.0, "nu_x": 0.2, "nu_y": -0.1}
+    run = tt.run(TOP, tt.Viscous(mu=0.3), start=start, until=2 * h, output_times=[0.0, h, 2 * h], columns=columns)
+    before, now, after = (run.trajectory.isel(time=i) for i in range(3))
+    rate = {name: (float(after[name]) - float(before[name])) / (2 * h) for name in columns}
+    state = {name: float(now[name]) for name in columns[:4]}
+    push = {
+        "w_x": rate["nu_x"] - state["phi_dot"] * float(now.nu_y),
+        "w_y": rate["nu_y"] + state["phi_dot"] * float(now.nu_x),
+    }
+    expected = [rate[name] for name in ("theta_dot", "phi_dot", "omega3")]
+    np.testing.assert_allclose(tt.accelerations(TOP, **state, **push), expected, rtol=1e-6)
+    for theta in (0.0, math.pi):
+        with pytest.raises(tt.InputError, match="theta"):
+            tt.accelerations(TOP, theta=theta)
+
+
+@pytest.mark.parametrize(
+    ("source", "start", "pairs"),
+    [
+        ("inverting", {"theta": 0.8}, (("routh", "routh_rate"), ("modified_energy", "modified_energy_rate"))),
+        ("gliding-heavy-top", {}, (("Lz", "Lz_rate"), ("modified_energy", "modified_energy_rate"))),
+    ],
+)
+def test_rates_are_columns_when_a_run_asks_for_them(source: str, start: dict, pairs: tuple) -> None:
+    columns = ["theta", *(name for pair in pairs for name in pair)]
+    rows = tt.run(source, start=start, until=0.1, output_step=1e-4, columns=columns).trajectory
+    for name, its_rate in pairs:
+        assert rows[its_rate].attrs["units"] in ("kg m2 s-2", "W")
+        difference = np.gradient(rows[name].values, rows.time.values)[1:-1] - rows[its_rate].values[1:-1]
+        assert abs(difference).max() < 1e-3 * abs(rows[its_rate].values).max()
+
+
+def test_rates_are_not_columns_of_other_runs(tmp_path: Path) -> None:
+    assert not {"routh_rate", "modified_energy_rate"} & set(tt.run("inverting", until=0.01).trajectory)
+    with pytest.raises(tt.InputError, match="routh_rate"):
+        tt.run("rolling", until=0.01, columns=["routh_rate"])
+    stored = tt.run("inverting", until=0.01, columns=RATES, out=tmp_path / "r.zarr")
+    again = tt.open(tmp_path / "r.zarr")
+    assert set(again.trajectory) == set(stored.trajectory) == set(RATES)
+    assert set(again.problem.columns) == set(RATES)
+
+
+def test_thresholds_of_the_surface_stand_beside_the_others() -> None:
+    limits = tt.thresholds("inverting")
+    assert limits["lambda_pi"].value == pytest.approx(1.70683e-6, rel=1e-5)  # [section 14]
+    assert limits["gamma_star"].value == pytest.approx(2.1213, abs=1e-4)
+
+
+def test_theta_is_made_again_by_a_command(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    store, table = tmp_path / "r.zarr", tmp_path / "theta.csv"
+    tt.run("inverting", start={"theta": 0.8}, until=0.3, output_step=1e-4, out=store)
+    assert outcome(["reconstruct", str(store), "--json", "--out", str(table)]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["difference"] < 1e-9 > report["mismatch"]
+    assert report["turnings"] > 10
+    rows = np.loadtxt(table, delimiter=",", skiprows=1)
+    assert rows.shape == (report["rows_of_run"], 3)
+    assert np.nanmax(abs(rows[:, 1] - rows[:, 2])) == report["difference"]
+    assert outcome(["reconstruct", str(store)]) == 0
+    assert "difference" in capsys.readouterr().out
+    assert outcome(["reconstruct", str(store), "--out", str(table)]) == 5  # it exists
+    assert outcome(["reconstruct", str(store), "--period", "-1"]) == 2
+    assert outcome(["reconstruct", str(tmp_path / "no.zarr")]) == 5
+    tt.run("gliding-cylinder", until=0.01, out=tmp_path / "c.zarr")
+    assert outcome(["reconstruct", str(tmp_path / "c.zarr")]) == 2
+    assert "tippe top or a heavy top" in capsys.readouterr().err
