@@ -22,6 +22,12 @@ def _loop() -> None:
     solve(build.load("inverting", until=0.01), keep=False)
 
 
+def _lanes() -> None:
+    import tippetop
+
+    tippetop.ensemble("inverting", {"friction.mu": [0.1, 0.2]}, until=0.01)
+
+
 def _minima() -> None:
     from tippetop.landscape import surface
     from tippetop.scenario import build
@@ -52,7 +58,7 @@ def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     if not worker or request.session.testscollected < MANY:
         return
     place = tmp_path_factory.getbasetemp().parent
-    for compile_some in (_loop, _minima, _wide_observer, _turnings):  # 23, 15, 8 and 6 s
+    for compile_some in (_loop, _lanes, _minima, _wide_observer, _turnings):  # 10, 12, 10, 3 and 3 s
         with contextlib.suppress(FileExistsError):
             (place / f"kernels{compile_some.__name__}").mkdir()  # whoever makes it does it
             compile_some()

@@ -21,7 +21,7 @@ from .origin import Foreign, digest
 
 
 HAS_NUMBA = find_spec("numba") is not None
-"""Without numba kernels are Python: the same numbers, a hundred times slower."""
+"""Without numba kernels are Python: the same numbers, some twenty times slower."""
 
 Words = array  # of int64: a result, then the words of arguments
 Code = Callable[[Words], int]
@@ -171,7 +171,7 @@ class Entry(Kernel):
 def _warn() -> None:
     """Once in a process."""
     warnings.warn(
-        "numba is not installed: events are sought in plain Python, a hundred times slower; install tippetop[grids].",
+        "numba is not installed: events are sought in plain Python, some twenty times slower; install tippetop[grids].",
         RuntimeWarning,
         stacklevel=4,
     )

@@ -53,6 +53,8 @@ def _taken(argument: Any, numbers: list[int]) -> Any:
     """The kind of an argument; adds its words."""
     if isinstance(argument, np.ndarray):
         flags = argument.flags.num & FLAGS
+        if flags & C_ORDER:  # so is one with a single row in the other order too: it is no other kind for that
+            flags &= ~F_ORDER
         if not flags & ALIGNED or argument.dtype.hasobject:
             raise TypeError(f"an array must be aligned and of numbers, but is {argument.dtype}")
         numbers.append(_address(argument))

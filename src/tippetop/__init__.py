@@ -22,7 +22,7 @@ _NAMES = {
     "library.asymptotics": "accelerations asymptotic_states least_energy",
     "library.bodies": "Cylinder HeavyTop TippeTop",
     "library.laws": "Contensou Coulomb Frictionless Latitude Mixed Modified Stribeck Viscous",
-    "library.derivatives": "Sensitivities sensitivities",
+    "library.derivatives": "Sensitivities lyapunov sensitivities",
     "library.exchanging": "Comparison Fitted compare fit",
     "library.landscapes": "band marked_lines minimal_surface potential turning_angles",
     "library.many": "ensemble",

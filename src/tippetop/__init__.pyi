@@ -10,6 +10,7 @@ from .library.bodies import Cylinder as Cylinder
 from .library.bodies import HeavyTop as HeavyTop
 from .library.bodies import TippeTop as TippeTop
 from .library.derivatives import Sensitivities as Sensitivities
+from .library.derivatives import lyapunov as lyapunov
 from .library.derivatives import sensitivities as sensitivities
 from .library.exchanging import Comparison as Comparison
 from .library.exchanging import Fitted as Fitted

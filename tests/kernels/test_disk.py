@@ -15,7 +15,7 @@ import pytest
 
 from tippetop.runs.run import solve
 from tippetop.scenario import build
-from tippetop_kernels import compiling, disk, grid, jit, origin
+from tippetop_kernels import compiling, disk, grid, jit, origin, words
 from tippetop_kernels.jit import entry, inlined
 
 
@@ -325,3 +325,10 @@ def test_a_process_that_finds_the_code_does_without_numba() -> None:
     code = "import sys; import tippetop as tt; run = tt.run('inverting', until=0.1); print('numba' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_an_array_of_one_row_is_of_the_kind_of_many() -> None:
+    """It is contiguous in both orders; numba compiles the same for both. Before, a run of one lane compiled anew."""
+    kinds = {words.of((np.zeros(shape),))[0] for shape in ((3, 4), (1, 4), (3, 1), (1, 1))}
+    assert len(kinds) == 1
+    assert words.of((np.zeros((3, 4), order="F"),))[0] not in kinds

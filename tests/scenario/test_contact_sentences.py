@@ -64,6 +64,7 @@ def sentences(base: dict[str, Any], changes: dict[str, Any]) -> list[str]:
         ({"run.on_liftoff": "jump"}, ["`run.on_liftoff`", "'fly'", "'jump'"]),
         ({"run.stop_when": "settled"}, ['`run.stop_when` must be "until"']),
         ({"run.output": "keyframes"}, ['`run.output` must not be "keyframes"']),
+        ({"run.precision": "quad"}, ['`run.precision` must be "double" or "longdouble"', 'is "quad".']),
         ({"run.events": ["landing"]}, ["`run.events`", "impact", "'landing'"]),
         ({"form": "euler"}, ["`form` must be", "'euler'"]),
         ({"system": "rolling-tippe-top", "friction": None}, ["`contact` must be of a tippe-top"]),

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 Json = Annotated[bool, Parameter(name="--json", negative=())]
 
 
-def info(store: Path, *, as_json: Json = False) -> int:
+def info(store: Path, *, as_json: Json = False, errors: Annotated[bool, Parameter(negative=())] = False) -> int:
     """Print what is in a store: status, events, inversion, drift of the invariants, provenance.
 
     Parameters
@@ -21,6 +21,9 @@ def info(store: Path, *, as_json: Json = False) -> int:
         A store that `run`, `sweep`, `surface` or `potential` wrote, finished or not.
     as_json
         Print it as one JSON object.
+    errors
+        Of a run: also how fast small errors of its start grow, and from when on a double says nothing. It is
+        integrated again with its derivatives, which costs some ten runs.
     """
     from rich.table import Table
 
@@ -40,14 +43,17 @@ def info(store: Path, *, as_json: Json = False) -> int:
 
         return describe(attrs, as_json)
     content = summary_of(attrs)
+    growth = _growth(attrs) if errors else None
     if as_json:
-        print(json.dumps(content.to_dict(), allow_nan=False))
+        print(json.dumps(content.to_dict() | ({"errors": growth} if growth else {}), allow_nan=False))
         return 0
     out = console()
     out.print(attrs["title"], style="bold")
     table = Table.grid(padding=(0, 2))
     for name, text in lines(content):
         table.add_row(name, text)
+    if growth:
+        table.add_row("errors", growth["sentence"])
     units = attrs["units"] | _units(attrs)
     for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
         if name in content:
@@ -60,6 +66,22 @@ def info(store: Path, *, as_json: Json = False) -> int:
         table.add_row("begun with", f"{words}; {before['cpu']}")
     out.print(table)
     return 0
+
+
+def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
+    """How errors of the start of a stored run grow. Raises InputError where it has no derivatives."""
+    import numpy as np
+
+    from ..engine.derivatives.growth import growth
+    from ..engine.derivatives.numbers import refuse
+    from ..scenario import build
+    from ..store.root import finite
+
+    problem = build.stored(attrs)
+    refuse(problem, ())
+    result = growth(problem, np.linspace(0.0, attrs["report"]["t_end"], 201))
+    numbers = {"factor": float(result.factor[-1]), "exponent": float(result.exponents[-1]), "horizon": result.horizon}
+    return finite(numbers) | {"sentence": result.sentence()}
 
 
 def check(

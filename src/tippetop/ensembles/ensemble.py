@@ -45,7 +45,8 @@ class _Queue:
         """As many as are empty of a thread's lanes, and what they may take next: nothing at the end, so that none has
         tops that wait and another empty lanes."""
         with self._lock:
-            waiting = min(self._lanes - empty, len(self._numbers) // (4 * self._lanes * self._threads))
+            left, others = len(self._numbers), self._threads - 1
+            waiting = min(self._lanes - empty, left // (4 * self._lanes * others) if others else left)
             most = 0 if self.stopped else empty + waiting
             taken, self._numbers = self._numbers[:most], self._numbers[most:]
             return taken

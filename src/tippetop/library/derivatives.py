@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..arguments import refuse_unknown, whole
 from ..columns import with_coordinates
 from ..errors import InputError
-from ..problem import Problem
 from .run import Run
 from .scenarios import problem_of
 
@@ -92,7 +93,7 @@ def sensitivities(
     wrt = _names(wrt)
     if whole("order", order) > 2:
         raise InputError([f"`order` must be 1 or 2, but is {order!r:.60}."])
-    problem = source if isinstance(source, Problem) else problem_of(source, friction, **arguments)
+    problem = problem_of(source, friction, **arguments)
     if problem.output == "keyframes":
         raise InputError(['`output` must keep rows for derivatives, but is "keyframes".'])
     refuse(problem, wrt)
@@ -110,6 +111,63 @@ def sensitivities(
             names["unit"] = (PARAMETER, units)
         tables.append(table.assign_coords(names))
     return Sensitivities(run, *tables)
+
+
+def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any) -> "xr.Dataset":
+    """How fast small errors of the start of a run grow, and from when on a double says nothing.
+
+    Parameters
+    ----------
+    source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
+        As for `run`.
+    friction : law, mapping or list of str, optional
+        As for `run`.
+    rows : int
+        Times from 0 to the end of the run.
+    **arguments
+        What else `run` takes: start, until, ...
+
+    Returns
+    -------
+    xarray.Dataset
+        `factor` (the largest growth of an error, in units of the body) and `exponent` (finite-time Lyapunov exponent,
+        s-1) along `time`; attributes `horizon` (when an error of 1e-16 has grown to 1e-3 [s]; NaN if it does not) and
+        `sentence`.
+
+    Raises
+    ------
+    InputError
+        If the run has no derivatives: its contact changes, or its law is set-valued.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> print(tt.lyapunov("inverting").sentence)
+    """
+    import xarray as xr
+
+    from ..engine.derivatives.growth import growth
+    from ..engine.derivatives.numbers import refuse
+    from ..runs.run import solve
+
+    refuse_unknown("lyapunov", arguments, ["rows", *inspect.signature(problem_of).parameters, *RUN])
+    if whole("rows", rows) < 2:
+        raise InputError([f"`rows` must be at least 2, but is {rows!r:.60}."])
+    problem = problem_of(source, friction, **arguments)
+    refuse(problem, ())
+    result = growth(problem, np.linspace(0.0, float(solve(problem).times[-1]), rows))
+    about = {
+        "factor": (result.factor, "1", "largest growth of a small error of the start"),
+        "exponent": (result.exponents, "s-1", "finite-time Lyapunov exponent"),
+    }
+    return xr.Dataset(
+        {
+            name: ("time", values, {"units": units, "long_name": words})
+            for name, (values, units, words) in about.items()
+        },
+        {"time": ("time", result.times, {"units": "s", "long_name": "time"})},
+        {"horizon": result.horizon, "sentence": result.sentence()},
+    )
 
 
 def _names(wrt: Any) -> tuple[str, ...]:

@@ -75,6 +75,14 @@ def _lift(name: str) -> Callable:
 sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("exp"), _lift("atan2")
 
 
+def rounding(x: Any) -> float:
+    """That of a number's kind: of a double, one of 80 bits, one of heyoka's 128 bits, or one of mpmath."""
+    context = getattr(x, "context", None)  # of mpmath
+    if context is not None:
+        return float(context.eps)
+    return float(np.finfo(type(x)).eps) if isinstance(x, float | np.floating) else 2.0**-112
+
+
 def product_error(x: Operand, y: Operand) -> Operand:
     """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971; in numba an fma).
 

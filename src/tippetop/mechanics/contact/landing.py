@@ -9,9 +9,7 @@ divided out. Numbers of any kind, in Python; doubles in numba.
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from ..operand import formula, sqrt
+from ..operand import formula, rounding, sqrt
 from .flight import Hop, gap_in_flight, gap_series
 
 
@@ -93,7 +91,7 @@ def _bracketed(h: Hop, low: Any, high: Any) -> Any:
 
 def landing_time(h: Hop) -> Any:
     """`landing_within` the rounding of a hop's numbers, float or longdouble."""
-    return landing_within(h, float(np.finfo(np.result_type(h.Omega)).eps))
+    return landing_within(h, rounding(h.Omega))
 
 
 def first_landing(hops: Sequence[Hop]) -> tuple[int, Any]:

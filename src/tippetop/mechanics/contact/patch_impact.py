@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..operand import Operand, formula, sqrt
+from ..operand import Operand, formula, rounding, sqrt
 from .ball import Ball, Mobility, mobility
 from .drilling import drag
 from .struck import RESTITUTIONS
@@ -170,11 +170,6 @@ class _Way:
         twist = p * (self.patch or 1.0)
         sizes = np.array([*map(float, (still, still, turn, p, p, p, twist, p * self.size, p * self.size))])
         return 135 * self.eps * sizes + 1e-14 * self.eps
-
-
-def rounding(x: Any) -> float:
-    """That of a number's kind: a double, one of 80 bits, or one of heyoka's."""
-    return float(np.finfo(type(x)).eps) if isinstance(x, float | np.floating) else 2.0**-112
 
 
 def extrapolated(rate: Callable, t: Any, y: np.ndarray, step: Any) -> tuple[np.ndarray, np.ndarray]:

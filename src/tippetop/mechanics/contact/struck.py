@@ -10,8 +10,7 @@ import math
 from operator import mul
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from ..operand import rounding
 from .ball import Mobility
 
 
@@ -121,7 +120,7 @@ class _Slip:
 
     def __init__(self, K: Mobility, mu: Any, speed: Any, turn: int) -> None:
         self.K, self.mu, self.turn, self.mode = K, mu, turn, "slip"  # turn: the sign of v_2
-        eps = _epsilon(speed)
+        eps = rounding(speed)
         self.stopped_below = eps * speed * min(1, mu) / 1000
         self.order = max(20, math.ceil(-0.56 * math.log(eps)))
         self.straight_below = eps**2 / 100  # v_2 is sqrt(2 b) w
@@ -201,12 +200,6 @@ class _Slip:
                 if a[n]:
                     h = min(h, float(share * size / abs(a[n])) ** (1 / (n - first)))
         return h
-
-
-def _epsilon(x: Any) -> float:
-    """The rounding of a number's kind."""
-    context = getattr(x, "context", None)  # of mpmath
-    return float(context.eps if context else np.finfo(type(x)).eps)
 
 
 def _term(a: list, b: list) -> Any:

@@ -1,0 +1,98 @@
+"""How fast nearby motions part: how small errors of the start grow, and when a double says little more."""
+
+import dataclasses
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...mechanics.units import SECOND
+from ...problem import Problem
+from ..tangent import Tangents
+from .numbers import Numbers
+
+
+ROUNDING = 1e-16  # the error of the start
+LOST = 1e-3  # what it has grown to when digits that a figure shows are lost
+INDEPENDENT = 1e-9  # of the largest: directions of the start that are shorter are none (at a pole, phi turns nothing)
+
+
+class Growth(NamedTuple):
+    """How small errors of the start grow along a run.
+
+    Parameters
+    ----------
+    times
+        (rows,) [s], from 0.
+    factor
+        The largest growth of an error, in the units of the body (mass, length, time), (rows,); 1 at the start.
+    """
+
+    times: np.ndarray
+    factor: np.ndarray
+
+    @property
+    def exponents(self) -> np.ndarray:
+        """The finite-time Lyapunov exponent up to each row [1/s], (rows,); NaN at the start."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.times > 0, np.log(self.factor) / self.times, np.nan)
+
+    @property
+    def horizon(self) -> float:
+        """When an error of 1e-16 has grown to 1e-3 [s]; NaN if it does not within the run."""
+        beyond = np.flatnonzero(self.factor * ROUNDING > LOST)
+        if not len(beyond):
+            return math.nan
+        k = beyond[0]
+        logs = np.log(self.factor[k - 1 : k + 1])
+        part = (math.log(LOST / ROUNDING) - logs[0]) / (logs[1] - logs[0])
+        return float(self.times[k - 1] + part * (self.times[k] - self.times[k - 1]))
+
+    def sentence(self) -> str:
+        """What it says."""
+        if math.isfinite(self.horizon):
+            return (
+                f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: a double says little beyond"
+            )
+        end, rate = self.times[-1], self.exponents[-1]
+        size = ROUNDING * float(self.factor.max())
+        exponent = f"Lyapunov exponent {rate:.3g} 1/s to t = {end:.6g} s"
+        return f"an error of 1e-16 at the start grows to at most {size:.2g} ({exponent})"
+
+
+def growth(problem: Problem, times: np.ndarray) -> Growth:
+    """The growth of errors of the start, by the variational equations.
+
+    Parameters
+    ----------
+    problem
+        The run, in doubles; in vector form where its system has one.
+    times
+        Of the rows [s], (n,), ascending, the first 0.
+
+    Raises
+    ------
+    InputError
+        If the run has no derivatives: its contact changes, or its law is set-valued.
+    """
+    system, data = problem.system, dict(problem.initial)
+    theta = data.get("theta", 0.0)
+    body = system.body_of(problem.parameters, problem.friction)
+    angles = system.start(data, math.sin(theta), math.cos(theta), body)._asdict()
+    start = {name: float(value) for name, value in angles.items() if name in system.initial} | {"theta": theta}
+    given = dataclasses.replace(problem, initial=start)
+    wrt = [f"initial.{name}" for name in start if name not in ("x", "y")]
+    numbers = Numbers(given, wrt)
+    kind = numbers.kind(1, orientation=False)
+    kind = kind._replace(form_name="vector") if "vector" in system.forms else kind
+    ways = numbers.directions(wrt)
+    point = np.repeat(numbers.internal()[:, None], len(wrt), axis=1)
+    moving = kind.variables.names[: kind.variables.moving]
+    states = Tangents(kind, problem.tolerance).states(point, ways, times / float(problem.scales.of(SECOND)), moving)
+    moves = states[:, 1, : len(moving)]  # (rows, variables, directions)
+    _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
+    kept = sizes > INDEPENDENT * sizes[0]
+    unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1
+    return Growth(
+        times, np.array([np.linalg.norm(row @ unit, 2) if np.isfinite(row).all() else np.nan for row in moves])
+    )

@@ -1,0 +1,51 @@
+"""How errors grow: exactly as the linear motion about an equilibrium does, and as runs that start beside each other."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop import cli
+from tippetop.engine.derivatives.growth import Growth
+
+
+def test_about_an_unstable_equilibrium_errors_grow_as_the_linear_motion_says() -> None:
+    """A cylinder with its centre of mass above: theta'' = s^2 (theta - pi), and the matrix of it is known."""
+    m, R, alpha, I, g = 0.1, 0.04, 0.3, 5e-5, 9.82
+    c = alpha * R
+    rate = math.sqrt(m * g * c / (I + m * (R + c) ** 2))
+    cylinder = tt.Cylinder(m=m, R=R, alpha=alpha, I=I, g=g)
+    table = tt.lyapunov(cylinder, start={"theta": math.pi}, until=1.0, rows=6)
+    second = 2.0 ** round(math.log2(math.sqrt(R / g)))
+    for t, factor in zip(table.time.values, table.factor.values, strict=True):
+        x, k = rate * t, rate * second
+        matrix = [[math.cosh(x), math.sinh(x) / k], [k * math.sinh(x), math.cosh(x)]]
+        assert factor == pytest.approx(np.linalg.norm(matrix, 2), rel=1e-6)
+
+
+def test_the_horizon_is_where_the_error_is_a_thousandth() -> None:
+    t = np.linspace(0, 10, 11)
+    growth = Growth(t, np.exp(4.0 * t))
+    assert growth.horizon == pytest.approx(math.log(1e13) / 4)
+    np.testing.assert_allclose(growth.exponents[1:], 4.0)
+    assert "grows to 1e-3 at t = 7.4834 s: a double" in growth.sentence()
+    assert math.isnan(Growth(t, np.exp(t)).horizon)
+    assert "at most 2.2e-12 (Lyapunov exponent 1 1/s" in Growth(t, np.exp(t)).sentence()
+
+
+def test_info_says_how_errors_grow(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    store = tmp_path / "R.zarr"
+    assert cli.outcome(["run", "rolling-cylinder", "--until", "0.5", "--out", str(store)]) == 0
+    capsys.readouterr()
+    assert cli.outcome(["info", str(store), "--errors", "--json"]) == 0
+    errors = json.loads(capsys.readouterr().out)["errors"]
+    assert errors["horizon"] is None
+    assert 0.5 < errors["factor"] < 1e3
+
+
+def test_a_contact_that_opens_has_no_growth() -> None:
+    with pytest.raises(tt.InputError, match="the contact must never change"):
+        tt.lyapunov("flying", until=0.1)
