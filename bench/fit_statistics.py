@@ -32,7 +32,7 @@ def film(axis: np.ndarray, t: np.ndarray, random: np.random.Generator) -> Motion
 
 
 def main() -> None:
-    """Prints a line for each fit that is wrong, and what all of them say."""
+    """Prints a line for each fit, and what all of them say."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sets", type=int, default=200)
     count = parser.parse_args().sets
@@ -48,8 +48,12 @@ def main() -> None:
         found = fit(Observation(problem, list(TRUE), seen))
         seconds.append(time.process_time() - began)
         errors = [(e.value - TRUE[name]) / e.sigma for name, e in found.estimates.items()]
-        if max(map(abs, errors)) > ERRORS:
-            print(f"set {k} ended elsewhere, converged: {found.converged}. {' '.join(found.reason)}", flush=True)
+        where = "at the truth" if max(map(abs, errors)) < ERRORS else "elsewhere"
+        print(
+            f"{k}: {seconds[-1]:.2f} s, ended {where}, converged: {found.converged}. {' '.join(found.reason)}",
+            flush=True,
+        )
+        if where == "elsewhere":
             continue
         right += 1
         held.append([e.low <= TRUE[name] <= e.high for name, e in found.estimates.items()])

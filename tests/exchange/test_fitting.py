@@ -91,7 +91,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     observation = Observation(tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3)))
     off, _ = observation.predicted(free)["marker"]
     changes = [f"{name}={value}" for name, value in free.items()]
-    run = tt.run(tt.load("inverting", changes), until=0.12, output_times=t).trajectory.sel(time=t)
+    run = tt.run("inverting", changes, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
     place = np.stack([run.x.values, run.y.values, height], axis=1)
     np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)

@@ -109,6 +109,8 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         tt.TippeTop(m=1, R=1, alpha=0.5, I1=1, I3=3, g=9.82)
     with pytest.raises(tt.InputError, match=r"`friction.mu` must be at least 0.0.*\n.*eps` must be greater than 0.0"):
         tt.Coulomb(mu=-1, eps=0)
+    with pytest.raises(tt.InputError, match="a Problem must stand alone, but is given beside `until`, `output_step`"):
+        tt.run(tt.load("inverting"), until=1.0, output_step=0.1)
     with pytest.raises(tt.InputError, match=r"`parameters.m` must be a number, but is 'one'"):
         tt.HeavyTop(m="one", l=1, I1=1, I3=1, g=9.82)  # type: ignore[arg-type]
     mixed = tt.TippeTop(m=np.float64(0.02), R=np.array(0.02), alpha=0.3, I1=np.float32(2.0), I3=np.int64(1), g=9.82)

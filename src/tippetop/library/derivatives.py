@@ -10,7 +10,6 @@ import numpy as np
 from ..arguments import dotted_keys, refuse_unknown, whole
 from ..columns import with_coordinates
 from ..errors import InputError
-from ..problem import Problem
 from .run import Run
 from .scenarios import problem_of
 
@@ -95,7 +94,7 @@ def sensitivities(
     wrt = _names(wrt)
     if whole("order", order) > 2:
         raise InputError([f"`order` must be 1 or 2, but is {order!r:.60}."])
-    problem = source if isinstance(source, Problem) else problem_of(source, friction, **arguments)
+    problem = problem_of(source, friction, **arguments)
     if problem.output == "keyframes":
         raise InputError(['`output` must keep rows for derivatives, but is "keyframes".'])
     wrt = tuple(dotted_keys(wrt, problem.rules))
@@ -156,7 +155,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     refuse_unknown("lyapunov", arguments, ["rows", *inspect.signature(problem_of).parameters, *RUN])
     if whole("rows", rows) < 2:
         raise InputError([f"`rows` must be at least 2, but is {rows!r:.60}."])
-    problem = source if isinstance(source, Problem) else problem_of(source, friction, **arguments)
+    problem = problem_of(source, friction, **arguments)
     refuse(problem, ())
     result = growth(problem, np.linspace(0.0, float(solve(problem).times[-1]), rows))
     about = {

@@ -68,7 +68,7 @@ def ensemble(
     >>> import numpy as np, tippetop as tt
     >>> tt.ensemble("inverting", {"omega3": np.linspace(100, 200, 64)}, until=8.0)
     """
-    base = source if isinstance(source, Problem) else problem_of(source, friction, until=until, **scenario)
+    base = problem_of(source, friction, until=until, **scenario)
     if not isinstance(variations, Mapping):
         raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])
     dotted = dict(zip(dotted_keys(variations, base.rules), variations.values(), strict=True))

@@ -147,32 +147,28 @@ def run(
     >>> tt.run(top, tt.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
-    problem = (
-        source
-        if isinstance(source, Problem)
-        else problem_of(
-            source,
-            friction,
-            start=start,
-            initial=initial,
-            parameters=parameters,
-            system=system,
-            form=form,
-            contact=contact,
-            stem=stem,
-            events=events,
-            columns=columns,
-            until=until,
-            output_step=output_step,
-            output_times=output_times,
-            output=output,
-            keyframe_steps=keyframe_steps,
-            precision=precision,
-            tolerance=tolerance,
-            on_liftoff=on_liftoff,
-            stop_when=stop_when,
-            orientation=orientation,
-        )
+    problem = problem_of(
+        source,
+        friction,
+        start=start,
+        initial=initial,
+        parameters=parameters,
+        system=system,
+        form=form,
+        contact=contact,
+        stem=stem,
+        events=events,
+        columns=columns,
+        until=until,
+        output_step=output_step,
+        output_times=output_times,
+        output=output,
+        keyframe_steps=keyframe_steps,
+        precision=precision,
+        tolerance=tolerance,
+        on_liftoff=on_liftoff,
+        stop_when=stop_when,
+        orientation=orientation,
     )
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")

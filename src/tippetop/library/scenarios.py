@@ -38,6 +38,14 @@ def problem_of(
     **run: Any,
 ) -> Problem:
     """The checked Problem of what `run` takes. Raises InputError."""
+    if isinstance(source, Problem):
+        beside = {"friction": friction, "start": start, "initial": initial, "parameters": parameters, "system": system,
+                 "form": form, "contact": contact, "stem": stem, "events": events, "columns": columns, "until": until,
+                 **run}  # fmt: skip
+        if surplus := [f"`{key}`" for key, value in beside.items() if value is not None]:
+            words = ", ".join(surplus)
+            raise InputError([f"a Problem must stand alone, but is given beside {words}: change it in `load`."])
+        return source
     named, own = _named(None if events is None else given_events(events), Event)
     named_columns, own_columns = _named(None if columns is None else given_columns(columns), Quantity)
     try:

@@ -23,6 +23,7 @@ from tippetop.mechanics.contact.flight import (
 from tippetop.mechanics.contact.gliding.chart import axis_and_momentum
 from tippetop.mechanics.contact.gliding.euler import Angles
 from tippetop.mechanics.contact.landing import first_landing, landing_time
+from tippetop.mechanics.contact.phases.rules import stem_height
 from tippetop.mechanics.operand import Vector
 
 
@@ -185,3 +186,13 @@ def test_the_first_of_two_balls_lands(rng: np.random.Generator) -> None:
 def test_what_does_not_open_lands_at_once() -> None:
     assert landing_time(made(0.0, -0.1, -9.8, 0.0, 0.0, 1.0)) == 0
     assert landing_time(made(0.0, 0.0, 0.0, -0.006, 0.006, 1000.0)) == 0
+
+
+def test_the_height_of_a_stem_is_that_of_its_lowest_point(rng: np.random.Generator) -> None:
+    """Of points all over its ball, whose middle is `offset` along the axis from the centre of mass."""
+    points = rng.normal(size=(200_000, 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    for z in (-1.0, -0.3, 0.7):
+        axis = np.array([np.sqrt(1 - z * z), 0.0, z])
+        lowest = (0.05 + 0.016 * axis[2] + 0.004 * points[:, 2]).min()
+        assert stem_height(0.05, z, 0.016, 0.004) == pytest.approx(lowest, abs=1e-7)
