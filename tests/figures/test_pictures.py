@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from tippetop.figures import film, theta
 from tippetop.figures.style import LIGHT, styled
+from tippetop.runs.shape import axes_of
 
 
 BALL = {
@@ -17,6 +18,7 @@ BALL = {
     "balls": [{"offset": 0.006, "radius": 0.02}],
     "ellipsoid": [0.02, 0.02],
     "fixed": False,
+    "axes": axes_of,
 }
 ATTRS: dict[str, Any] = {"title": "a top", "initial": {"theta": 0.3}, "units": {"theta": "rad"}}
 pytestmark = pytest.mark.filterwarnings("ignore")  # of the comparison itself
