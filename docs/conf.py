@@ -1,5 +1,6 @@
 """How Sphinx makes the manual: python -m sphinx -W -b html docs build/manual."""
 
+from pathlib import Path
 from typing import Any
 
 import tippetop
@@ -22,7 +23,7 @@ extensions = [
 myst_enable_extensions = ["amsmath", "attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 nb_execution_mode = "cache"
-nb_execution_cache_path = "../build/manual-cache"
+nb_execution_cache_path = str(Path(__file__).parents[1] / "build" / "manual-cache")
 nb_execution_raise_on_error = True
 nb_execution_timeout = 900
 nb_merge_streams = True
