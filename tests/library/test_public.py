@@ -187,7 +187,7 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
         (("nothing",), {}, "neither a TOML file nor a preset"),
         (("inverting", ["mu"]), {}, "^an assignment must be table.key=value"),
         (("inverting", [0.3]), {}, "must be texts"),
-        (("inverting", 0.3), {}, "the friction law float must be registered"),
+        (("inverting", 0.3), {}, "the friction law must be a record such as Viscous"),
         (("inverting",), {"until": -1.0}, "^`until` must be greater than 0"),
         (("inverting",), {"until": "soon"}, "^`until` must be a number"),
         (("inverting",), {"events": ["landing"]}, "^`events` must be of turning"),
@@ -430,7 +430,7 @@ def test_what_is_no_finite_number_is_refused(value) -> None:
         lambda: tt.nutation(TOP, energy=0.01, theta=0.5, D=value, lam=1e-6),
         *([] if value is None else [lambda: tt.reconstruct(rolling, period=value), lambda: rolling.certify(value)]),
     ):
-        with pytest.raises(tt.InputError, match=r"must be a finite number|must be given"):
+        with pytest.raises(tt.InputError, match=r"must be a (finite )?number|must be given"):
             call()
 
 

@@ -119,7 +119,7 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
     for kind, name in (("drift", "energy"), ("energy", "modified_energy"), ("sphere", "axis"), ("band", "routh")):
         with pytest.raises(InputError, match=f"the figure `{kind}` must have .*`{name}`"):
             run.plot(kind)
-    with pytest.raises(InputError, match="the band along a run must have `routh`, `jellett`, `modified_energy`, but"):
+    with pytest.raises(InputError, match="the band along a run must have `routh`, `jellett`, `modified_energy`, which"):
         tt.band(run)
     with pytest.raises(InputError, match="what theta is reconstructed from must have `modified_energy`"):
         tt.reconstruct(run)
