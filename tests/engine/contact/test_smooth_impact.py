@@ -68,7 +68,9 @@ def test_the_regularised_law_tends_to_coulombs() -> None:
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.01)
 
 
-@pytest.mark.parametrize(("number", "digits"), [(np.longdouble, 1e-18), (hy.real128, 1e-32)])
+@pytest.mark.parametrize(
+    ("number", "digits"), [(np.longdouble, 1e-18), pytest.param(hy.real128, 1e-32, marks=pytest.mark.slow)]
+)
 def test_an_impact_has_the_digits_of_its_numbers(number: Any, digits: float) -> None:
     """The works, which are integrated, and the impulse, which is not: in doubles they agree to 1e-16."""
     K, v = contacts()[1]
