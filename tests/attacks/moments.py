@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -76,7 +77,9 @@ def operations(words: list[object]) -> int:
 def victim(words: list[object], when: dict[str, Any]) -> Done | None:
     """A command in a process that is killed at a moment; how it ended if it was faster than that."""
     if when["how"] == "fresh":
-        code = f"from tippetop.cli import main; main({[str(w) for w in words]!r})"
+        tools = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "helpers")]
+        chunks = f"import sys; sys.path += {tools!r}; import undisturbed; undisturbed.many_chunks()"  # as in the forks
+        code = f"{chunks}; from tippetop.cli import main; main({[str(w) for w in words]!r})"
         process = subprocess.Popen(
             [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )

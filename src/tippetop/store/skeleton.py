@@ -183,6 +183,11 @@ def _node(folder: Path, kind: str) -> dict[str, Any]:
     return stored
 
 
+def group(folder: Path) -> dict[str, Any]:
+    """The metadata of a group. Raises StoreError if it is none."""
+    return _node(folder, "group")
+
+
 def _array(folder: Path) -> dict[str, Any]:
     """The metadata of an array such as `tables.create_table` makes."""
     stored = _node(folder, "array")

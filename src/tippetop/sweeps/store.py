@@ -224,6 +224,8 @@ def _there(folder: Path, plan: Plan) -> Path:
                 f"and here is {wanted[key]}."
             )
     skeleton.compare(folder, GROUP, tables.metadata(_columns(plan), {"top": (plan.n, plan.chunk)}))
+    if (folder / RUNS / "zarr.json").exists():  # it is made with the first of them
+        skeleton.group(folder / RUNS)
     return folder
 
 
