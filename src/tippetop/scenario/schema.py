@@ -7,6 +7,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.contact.struck import RESTITUTIONS
 from ..mechanics.system import Parameter, System
 from ..problem import AUTO, UNTIL
 
@@ -75,9 +76,7 @@ class RunTable(Table):
 
 
 class ContactTable(Table):
-    restitution: Annotated[Literal["energetic", "poisson", "newton"], Field(description="the law of impact")] = (
-        "energetic"
-    )
+    restitution: Annotated[Literal[RESTITUTIONS], Field(description="the law of impact")] = "energetic"  # type: ignore[valid-type]
     e_n: _number(CONTACT["e_n"]) = 0.0  # type: ignore[valid-type]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact.ball import Ball
-from ...mechanics.contact.coulomb import along_and_across, reaction_of_rolling_vector, slip_force_vector
+from ...mechanics.contact.coulomb import reaction_of_rolling_vector, slip_motion
 from ...mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
 from ...mechanics.contact.phases.legs import Body, Kind
 from ...mechanics.operand import Vector, cross
@@ -18,11 +18,7 @@ MOST_HALVINGS = 10
 
 def pushed(u: Vector, L: Vector, beta: Any, b: Ball) -> tuple[Vector, Any, Any]:
     """The force of sliding in the direction beta, and P, Q; of numbers or arrays."""
-    n = Vector(np.cos(beta), np.sin(beta), 0 * beta)
-    bias = balls_.bias_vector(u, L, b)
-    F = slip_force_vector(u, bias, n, b)
-    P, Q = along_and_across(balls_.contact_acceleration_vector(u, bias, F, b), n)
-    return F, P, Q
+    return slip_motion(u, L, Vector(np.cos(beta), np.sin(beta), 0 * beta), b)
 
 
 def direction(u: Vector, L: Vector, b: Ball) -> Vector | None:

@@ -31,9 +31,7 @@ class Sliding(Impacts):
     def _run_out(self, kind: Kind, body: Body, b: Ball, moment: Moment, v: Vector, w: Any) -> tuple[Moment, Any]:
         """The last of a slide, |v_A| = w so small that its rates stay: the end, and the time to it."""
         n = Vector(v.x / w, v.y / w, 0 * w)
-        bias = balls_.bias_vector(moment.u, moment.L, b)
-        F = coulomb.slip_force_vector(moment.u, bias, n, b)
-        P, _ = coulomb.along_and_across(balls_.contact_acceleration_vector(moment.u, bias, F, b), n)
+        _, P, _ = coulomb.slip_motion(moment.u, moment.L, n, b)
         lag = -w / P
         q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
         end = [x + lag * rate for x, rate in zip(q, kind.form.rates(q, body), strict=True)]
@@ -54,9 +52,7 @@ class Sliding(Impacts):
     def _run_in(self, ball: int, b: Ball, moment: Moment, n: Vector) -> tuple[Moment, Any]:
         """The first of a slide along n from rest, so short that its rates stay; and the time that it takes."""
         kind, body = self.kinds["dry-slip"], self.balls[ball]
-        bias = balls_.bias_vector(moment.u, moment.L, b)
-        F = coulomb.slip_force_vector(moment.u, bias, n, b)
-        P, _ = coulomb.along_and_across(balls_.contact_acceleration_vector(moment.u, bias, F, b), n)
+        F, P, _ = coulomb.slip_motion(moment.u, moment.L, n, b)
         speed = self.number(BEGINS_AT)
         lag = speed / P
         u = plus(moment.u, times(lag, balls_.axis_rate(moment.u, moment.L, b)))

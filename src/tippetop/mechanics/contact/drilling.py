@@ -73,12 +73,6 @@ def drilling_torque(N, Omega_z, drag, mu, patch):
 
 
 @formula
-def drilling_power(N, w2, Omega_z, drag, mu, patch):
-    """What the patch takes of the energy [W]: mu N (f w + m U)."""
-    return mu * N * (drag.k * w2 + drag.twist * (patch * Omega_z) ** 2)
-
-
-@formula
 def rolling_torque(N, omega, mu_r, still=0):
     """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever. `still` [rad/s]
     makes it smooth where omega_h = 0."""

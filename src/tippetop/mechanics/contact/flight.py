@@ -1,47 +1,12 @@
-"""Free flight in closed form: L stays, the axis turns about it, the centre of mass falls. [contact 3.1]
+"""The gap of a ball in free flight, in closed form: L stays, the axis turns about it, the centre falls. [contact 3.1]
 
 Numbers, float or longdouble; the time may be an array of them.
 """
 
 from typing import Any, NamedTuple
 
-from ..operand import Operand, Vector, cross, dot, formula, plus, sin, sqrt, times
+from ..operand import Vector, cross, dot, formula, sin, sqrt, times
 from .ball import Ball
-
-
-def rotated(x: Vector, omega: Vector, t: Operand) -> Vector:
-    """The vector x after it has turned with the constant angular velocity omega for the time t."""
-    rate = sqrt(dot(omega, omega))
-    if rate == 0:
-        return plus(x, times(0 * t, x))
-    across = cross(omega, x)
-    turned = plus(times(sin(rate * t) / rate, across), times(2 * (sin(rate * t / 2) / rate) ** 2, cross(omega, across)))
-    return plus(x, turned)
-
-
-def axis_in_flight(u: Vector, L: Vector, I1: float, t: Operand) -> Vector:
-    """3hat at the time t of a flight that begins with 3hat = u: it turns about L with Omega = |L|/I1."""
-    return rotated(u, times(1 / I1, L), t)
-
-
-def axes_in_flight(first: Vector, u: Vector, L: Vector, ball: Ball, t: Operand) -> tuple[Vector, Vector]:
-    """The body's axes 1 and 3 at the time t; `first` and u are those of t = 0, omega_3 = L.u/I3 stays."""
-    spin = (1 / ball.I3 - 1 / ball.I1) * dot(L, u)  # about 3hat, beside the turn about L
-    return rotated(rotated(first, u, spin * t), times(1 / ball.I1, L), t), axis_in_flight(u, L, ball.I1, t)
-
-
-def transverse_in_flight(f: Vector, u: Vector, L: Vector, I1: float, t: Operand) -> Vector:
-    """The transverse vector f that follows the axis without spin about it (`orientation.transport`), at the time t."""
-    return rotated(rotated(f, u, -dot(L, u) / I1 * t), times(1 / I1, L), t)
-
-
-def centre_in_flight(place: Vector, V: Vector, g: float, t: Operand) -> tuple[Vector, Vector]:
-    """Place and velocity of the centre of mass at the time t."""
-    x, fallen = plus(place, times(t, V)), g * t
-    return x._replace(z=x.z - fallen * t / 2), Vector(V.x + 0 * t, V.y + 0 * t, V.z - fallen)
-
-
-# --- the gap ----------------------------------------------------------------------------------------------------------
 
 
 class Hop(NamedTuple):

@@ -9,7 +9,6 @@ from ...units import METRE, ONE
 
 
 LEAST_RADIUS, LONGEST = 1e-9, 1e6  # of a stem's ball, and of a stem, by the radius of the sphere: the rest is a slip
-RESTITUTIONS = ("energetic", "poisson", "newton")
 
 
 class ContactLaw(NamedTuple):
@@ -18,7 +17,7 @@ class ContactLaw(NamedTuple):
     Parameters
     ----------
     restitution
-        The law of impact, one of RESTITUTIONS.
+        The law of impact, one of `struck.RESTITUTIONS`.
     e_n
         Its coefficient.
     r, h
