@@ -56,7 +56,6 @@ def run(
     from ..runs import attributes, starting
     from ..scenario.suspicions import suspicions
     from ..store import root
-    from .plot import check_picture
     from .text import following, warn
 
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
@@ -67,6 +66,8 @@ def run(
         raise
     warn(suspicions(problem))
     if figure is not None:
+        from .plot import check_picture
+
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
             raise InputError(['`run.output` must keep rows to be drawn by --figure, but is "keyframes".'])

@@ -70,14 +70,12 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
             group, dim = file.create_group(name), DIMENSIONS[name]
             group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
             for array in arrays.values():
-                metadata: Any = array.metadata
-                for extra, size in zip(metadata.dimension_names[1:], array.shape[1:], strict=True):
+                for extra, size in zip(array.dims[1:], array.shape[1:], strict=True):
                     if extra not in group.dimensions:
                         group.dimensions[extra] = size
             for key, array in arrays.items():
                 kind = "i1" if array.dtype == bool else array.dtype
-                metadata = array.metadata
-                variable = group.create_variable(key, metadata.dimension_names, kind, compression="gzip")
+                variable = group.create_variable(key, array.dims, kind, compression="gzip")
                 variable.attrs.update({k: _plain(v) for k, v in array.attrs.items()})
             start = 0
             for piece in chunks.pieces(store, name, list(arrays)):
@@ -114,8 +112,7 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
     import pandas as pd
 
     arrays = tables.read_member(store, group)
-    named: Any = {name: array.metadata for name, array in arrays.items() if array.ndim == 2}
-    components = {name: metadata.dimension_names[1] for name, metadata in named.items()}  # letters: xyz, wxyz
+    components = {name: array.dims[1] for name, array in arrays.items() if array.ndim == 2}  # letters: xyz, wxyz
     meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
     first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time", "start", "end"]
     names = sorted(arrays, key=lambda name: (first.index(name) if name in first else len(first), name))
