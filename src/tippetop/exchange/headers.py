@@ -71,16 +71,16 @@ def heading(header: Sequence[str]) -> Heading:
         known = [(i, RENAMED.get(name, name)) for i, name in enumerate(header)]
         places, names = zip(*((i, name) for i, name in known if name in COLUMNS), strict=True)
         return Heading(places, names, (1.0,) * len(names))
-    found = [_column(text) for text in header]
-    names = tuple(name for name, _, _ in found)
-    faults = [fault for _, _, fault in found if fault]
-    faults += [_unknown([name for name, _, fault in found if name not in COLUMNS and not fault])]
+    columns = [_column(text) for text in header]
+    names = tuple(name for name, _, _ in columns)
+    faults = [fault for _, _, fault in columns if fault]
+    faults += [_unknown([name for name, _, fault in columns if name not in COLUMNS and not fault])]
     faults += [
         f"the column `{name}` must stand once, but stands twice." for name in set(names) if names.count(name) > 1
     ]
     if "t" not in names:
         faults.append("the times must be a column `t [s]`, but there is none.")
-    return Heading(tuple(range(len(names))), names, tuple(size for _, size, _ in found), tuple(filter(None, faults)))
+    return Heading(tuple(range(len(names))), names, tuple(size for _, size, _ in columns), tuple(filter(None, faults)))
 
 
 def _column(text: str) -> tuple[str, float, str]:

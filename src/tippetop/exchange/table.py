@@ -81,10 +81,10 @@ def read(path: str | Path, *, wrapped: bool = True) -> Table:
 
 def _heading(path: Path, header: list[str]) -> Heading:
     """What is read of a file with this header. Raises InputError."""
-    found = heading(header)
-    if found.faults:
-        raise InputError([f"`{path}`: {sentence}" for sentence in found.faults])
-    return found
+    columns = heading(header)
+    if columns.faults:
+        raise InputError([f"`{path}`: {sentence}" for sentence in columns.faults])
+    return columns
 
 
 def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool) -> list[str]:

@@ -109,8 +109,8 @@ class Run:
 
     @cached_property
     def _derived(self) -> "dict[str, xr.Dataset]":
-        made = self.solution.sensitivities
-        return {name: attributes.dataset(columns, self.attributes) for name, columns in made.items()}
+        derived = self.solution.sensitivities
+        return {name: attributes.dataset(columns, self.attributes) for name, columns in derived.items()}
 
     @property
     def sensitivities(self) -> "xr.Dataset":

@@ -93,8 +93,8 @@ class Recorder:
         events = type(log)(log.kinds, *(arrays[name][:] for name in log.columns()))
         times = problem.times[: self.integration.filled]
         make = partial(sensitivities.tables, problem, times, events)
-        made = awaited(make, "the derivatives of the run are being computed", self.stop)
-        for name, columns in made.items():
+        derived = awaited(make, "the derivatives of the run are being computed", self.stop)
+        for name, columns in derived.items():
             self._later(partial(self.tables[name].append, columns))
 
     def _later(self, work: Callable[[], None]) -> None:

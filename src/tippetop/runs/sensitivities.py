@@ -30,14 +30,14 @@ def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str,
         return {}
     most = MOST_DERIVATIVES // len(wrt)
     first = EventTable(events.kinds, *(values[:most] for values in events.columns().values()))
-    found = _named(problem, differentiate(problem, wrt, times, first))
+    derived = _named(problem, differentiate(problem, wrt, times, first))
     if len(events.time) > most:
         gap = np.full((len(events.time) - most, len(wrt)), np.nan)
-        found[NAMES[1]] = {
+        derived[NAMES[1]] = {
             name: c._replace(values=events.kind if name == "kind" else np.concatenate([c.values, gap]))
-            for name, c in found[NAMES[1]].items()
+            for name, c in derived[NAMES[1]].items()
         }
-    return found
+    return derived
 
 
 def no_rows(problem: Problem, kinds: tuple[str, ...]) -> dict[str, dict[str, Column]]:
