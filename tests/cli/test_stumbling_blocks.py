@@ -9,7 +9,7 @@ import pytest
 
 from tippetop.cli import outcome
 from tippetop.cli.application import whole
-from tippetop.figures import catalogue
+from tippetop.figures import catalogue, drawing
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs.summary import lines
 
@@ -95,8 +95,8 @@ def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> No
     text = help_of(capsys, "plot")
     for name, kind in catalogue.FIGURES.items():
         assert f"{name}: " in text
-        assert callable(catalogue._function(kind.draw))
-        assert kind.prepare is None or callable(catalogue._function(kind.prepare))
+        assert callable(drawing._function(kind.draw))
+        assert kind.prepare is None or callable(drawing._function(kind.prepare))
     assert set(catalogue.SWEEP_KINDS) == set(NEEDED)
     assert all(f"{name}: {shows}" in text for name, shows in catalogue.SWEEP_KINDS.items())
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from tippetop.figures import catalogue, film, labels, thinning
+from tippetop.figures import catalogue, drawing, film, labels, thinning
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.runs import attributes
 from tippetop.runs.run import solve
@@ -24,7 +24,7 @@ def inverting() -> tuple[xr.Dataset, xr.Dataset, dict]:
 def drawn(kind: str, inverting: tuple) -> Figure:
     """A figure of the inversion, as the catalogue feeds it."""
     trajectory, events, attrs = inverting
-    return catalogue.figure_of(kind, {"trajectory": trajectory, "events": events}, attrs)
+    return drawing.figure_of(kind, {"trajectory": trajectory, "events": events}, attrs)
 
 
 def lines(figure: Figure) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, labels, overlay
+from tippetop.figures import catalogue, drawing, labels, overlay
 from tippetop.figures.style import figure, save
 from tippetop.figures.window import in_window
 
@@ -28,7 +28,7 @@ def a_run(**more: Any) -> tuple[xr.Dataset, dict[str, Any]]:
 def test_runs_are_named_by_what_is_different_in_them() -> None:
     laws = [{"law": "viscous", "mu": 0.3}, {"law": "coulomb", "mu": 0.3, "eps": 0.01}, {"law": "none"}]
     runs = [a_run(friction=law) for law in laws]
-    ax = catalogue.several("theta", runs, ["a", "b", "c"])
+    ax = drawing.several("theta", runs, ["a", "b", "c"])
     words = [line.get_label() for line in ax.get_lines()]
     assert words == [
         "viscous friction, μ = 0.3 s m⁻¹", "regularised Coulomb friction, μ = 0.3, ε = 0.01 m s⁻¹", "no friction"
@@ -46,7 +46,7 @@ def test_runs_are_named_by_what_is_different_in_them() -> None:
 def test_the_kinds_that_compare_runs_are_those_that_say_so() -> None:
     assert {name for name, kind in catalogue.FIGURES.items() if kind.compares} == set(overlay.SHOWN)
     with pytest.raises(InputError, match=r"several runs are drawn together as theta, .*; `sphere` is drawn of one"):
-        catalogue.several("sphere", [a_run(), a_run()], ["a", "b"])
+        drawing.several("sphere", [a_run(), a_run()], ["a", "b"])
 
 
 def test_a_part_of_a_run_keeps_its_first_row_for_the_changes() -> None:

@@ -11,7 +11,7 @@ from stores import assert_same
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, film
+from tippetop.figures import catalogue, drawing, film
 from tippetop.problem import column_names
 from tippetop.runs import attributes, recording
 from tippetop.runs.run import solve
@@ -135,11 +135,11 @@ def test_a_figure_needs_no_more_than_it_names(preset: str, monkeypatch: pytest.M
     monkeypatch.setattr(film, "PIXELS", 20)
 
     def shown(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> list[Any]:
-        drawing = catalogue.figure_of(kind, groups, attrs)
-        lines = [np.asarray(line.get_data()) for axes in drawing.axes for line in axes.get_lines()]
-        marks = [np.ma.filled(some.get_offsets()) for axes in drawing.axes for some in axes.collections]
-        words = [text.get_text() for axes in drawing.axes for text in (*axes.texts, axes.title, axes.xaxis.label)]
-        labels = [label for axes in drawing.axes for label in axes.get_legend_handles_labels()[1]]
+        picture = drawing.figure_of(kind, groups, attrs)
+        lines = [np.asarray(line.get_data()) for axes in picture.axes for line in axes.get_lines()]
+        marks = [np.ma.filled(some.get_offsets()) for axes in picture.axes for some in axes.collections]
+        words = [text.get_text() for axes in picture.axes for text in (*axes.texts, axes.title, axes.xaxis.label)]
+        labels = [label for axes in picture.axes for label in axes.get_legend_handles_labels()[1]]
         return [*lines, *marks, np.array(words), np.array(labels)]
 
     problem = build.load(preset, until=0.3)

@@ -56,9 +56,9 @@ def compare(
     problem = _problem(files[-1], set_)
     result = Verdict(*judged(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up)))
     if figure is not None:
-        from ..figures import catalogue
+        from ..figures import drawing
 
-        catalogue.write(catalogue.comparison(result.motions, result.title), figure, overwrite=overwrite)
+        drawing.write(drawing.comparison(result.motions, result.title), figure, overwrite=overwrite)
     _print(result, finite(result.to_dict()), as_json)
     return 0
 
@@ -153,10 +153,10 @@ def fit(
         with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
             scratch.write_text(scenario_text, encoding="utf-8")
     if figure is not None:
-        from ..figures import catalogue
+        from ..figures import drawing
 
-        drawing = catalogue.fit(result.t, observation.groups, result.curves, result.residuals, text)
-        catalogue.write(drawing, figure, overwrite=overwrite)
+        picture = drawing.fit(result.t, observation.groups, result.curves, result.residuals, text)
+        drawing.write(picture, figure, overwrite=overwrite)
     print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else "\n".join(text))
     return 0
 

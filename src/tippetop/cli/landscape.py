@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..figures import catalogue
+from ..figures import drawing
 from ..figures.catalogue import PLAIN, Look
 
 
@@ -84,7 +84,7 @@ def surface(
     if figure is not None:
         few = tuple(v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas))
         grid = awaited(lambda: surface.minimal_surface(parameters, *few, system, gradient=False), COMPILING)
-        catalogue.write(_surface(grid, parameters), figure, overwrite=overwrite)
+        drawing.write(_surface(grid, parameters), figure, overwrite=overwrite)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0
 
@@ -193,7 +193,7 @@ def potential(
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
         recording.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": report})
     if figure is not None:
-        catalogue.write(_potential(V, least), figure, overwrite=overwrite)
+        drawing.write(_potential(V, least), figure, overwrite=overwrite)
     if as_json:
         print(json.dumps(root.finite(report), allow_nan=False))
     else:
@@ -235,7 +235,7 @@ def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any
     from ..landscape import marked_lines
 
     lines = marked_lines.marked_lines(parameters, grid["lambda"].values)
-    return catalogue.composed("figures.landscape:surface", (grid, lines), look)
+    return drawing.composed("figures.landscape:surface", (grid, lines), look)
 
 
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
@@ -243,7 +243,7 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     D, lam = float(least["D"]), float(least["lambda"])
     title = f"Effective potential V(z)\nD = {D * 1e6:.5g} × 10⁻⁶ kg m² s⁻¹, λ = {lam * 1e6:.5g} × 10⁻⁶ kg m³ s⁻¹"
     at = least.squeeze(drop=True).rename(theta="theta_star")
-    return catalogue.composed("figures.potential:potential", ([("", V, at)], title), look)
+    return drawing.composed("figures.potential:potential", ([("", V, at)], title), look)
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..figures import catalogue
+from ..figures import catalogue, drawing
 from ..figures.catalogue import Look
 
 
@@ -56,7 +56,7 @@ def plot(
     figure = awaited(
         lambda: _drawn(stores, kind, (from_, until), look), "the figure is being made (its formulas are compiled first)"
     )
-    catalogue.write(figure, out, look, overwrite=overwrite)
+    drawing.write(figure, out, look, overwrite=overwrite)
     return 0
 
 
@@ -86,7 +86,7 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
         root.refuse_other_rows(store, attrs)
     if contents[0] == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
-        return catalogue.figure_of_sweep(kind or "class", stores[0], look)
+        return drawing.figure_of_sweep(kind or "class", stores[0], look)
     if contents[0] != "run":
         from .landscape import picture
 
@@ -100,8 +100,8 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     if len(stores) > 1:
         names = [store.name.removesuffix(".zarr") for store in stores]
         runs = [(groups["trajectory"], attrs) for groups, attrs in parts]
-        return catalogue.several(kind, runs, names, look).get_figure(root=True)
-    return catalogue.figure_of(kind, *parts[0], look)
+        return drawing.several(kind, runs, names, look).get_figure(root=True)
+    return drawing.figure_of(kind, *parts[0], look)
 
 
 def _states(scenario: str, look: Look) -> Any:
@@ -112,7 +112,7 @@ def _states(scenario: str, look: Look) -> Any:
     problem = build.load(scenario)
     lam = forecast.at_start(problem).get("jellett", 0.0)
     parameters = {name: float(value) for name, value in problem.parameters.items()}
-    return catalogue.states_of(problem.system.name, parameters, lam, look, scenario)
+    return drawing.states_of(problem.system.name, parameters, lam, look, scenario)
 
 
 def _size(text: str | None) -> tuple[float, float] | None:

@@ -200,12 +200,12 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite:
     """Draws theta(t) of a run in memory or of a store."""
     if figure is None:
         return
-    from ..figures import catalogue
+    from ..figures import drawing
     from ..store.chunks import for_figures
 
     if isinstance(groups, Path):
         groups = for_figures(groups, attrs)
-    catalogue.draw("theta", groups, attrs, figure, overwrite=overwrite)
+    drawing.draw("theta", groups, attrs, figure, overwrite=overwrite)
 
 
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:

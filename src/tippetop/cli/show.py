@@ -73,7 +73,7 @@ def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
     import numpy as np
 
     from ..engine.derivatives.growth import growth
-    from ..engine.derivatives.numbers import refuse
+    from ..problem import refuse
     from ..scenario import build
     from ..store.root import finite
 

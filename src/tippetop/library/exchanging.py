@@ -34,12 +34,12 @@ class Comparison(Verdict):
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given, over a
         file that is there if it may be overwritten."""
-        from ..figures import catalogue
+        from ..figures import catalogue, drawing
 
-        figure = catalogue.comparison(self.motions, self.title)
+        figure = drawing.comparison(self.motions, self.title)
         if path is not None:
             catalogue.check_format(path_of("path", path))
-            catalogue.write(figure, path_of("path", path), overwrite=overwrite)
+            drawing.write(figure, path_of("path", path), overwrite=overwrite)
         return figure
 
 
@@ -123,14 +123,14 @@ class Fitted:
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Data, fit and residuals as a figure; saved where a path is given."""
-        from ..figures import catalogue
+        from ..figures import catalogue, drawing
 
-        figure = catalogue.fit(
+        figure = drawing.fit(
             self._fit.t, self._observation.groups, self._fit.curves, self.residuals, str(self).split("\n")
         )
         if path is not None:
             catalogue.check_format(path_of("path", path))
-            catalogue.write(figure, path_of("path", path), overwrite=overwrite)
+            drawing.write(figure, path_of("path", path), overwrite=overwrite)
         return figure
 
     def __str__(self) -> str:

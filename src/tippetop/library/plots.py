@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..arguments import finite, path_of
 from ..errors import InputError
-from ..figures import catalogue
+from ..figures import catalogue, drawing
 from ..figures.catalogue import FIGURES, Look
 
 
@@ -87,7 +87,7 @@ class Plots:
         look = _look(options)
         figure = self._axes(kind, None, look, options, beside).get_figure(root=True)
         if file is not None:
-            catalogue.write(figure, file, look, overwrite=overwrite)
+            drawing.write(figure, file, look, overwrite=overwrite)
         return figure
 
     def __getattr__(self, name: str) -> "Callable[..., Axes]":
@@ -121,8 +121,8 @@ class Plots:
         parts = [in_window(run._for_figures(window), run.attributes, *window) for run in runs]
         if beside:
             names = [f"run {i + 1}" for i in range(len(runs))]
-            return catalogue.several(kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax)
-        return catalogue.axes_of(kind, *parts[0], look, ax)
+            return drawing.several(kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax)
+        return drawing.axes_of(kind, *parts[0], look, ax)
 
 
 def _look(options: dict[str, Any]) -> Look:

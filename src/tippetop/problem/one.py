@@ -48,6 +48,7 @@ class Problem:
     stop_when: str = "until"  # or "settled"
     orientation: bool = True  # whether the turn of the body about its axis is integrated too
     columns: tuple[str, ...] | None = None  # that rows have beside the time; None: all that there are
+    sensitivities: tuple[str, ...] = ()  # dotted numbers by which derivatives of columns and events are kept
     contact: ContactLaw | None = None  # where the contact may change its phase: how it opens and closes
     origin: dict[str, Any] | None = None  # the end of another run, where it starts exactly; `initial` says it rounded
 

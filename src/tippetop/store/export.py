@@ -11,9 +11,11 @@ import numpy as np
 
 from ..errors import InputError, StoreError
 from . import chunks, files, root, skeleton, tables
+from .array import Array
 
 
-DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top"}
+DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top",
+              "sensitivities": "time", "event_sensitivities": "event"}  # fmt: skip
 
 
 def export(store: Path, to: str, out: Path, group: str | None = None, *, overwrite: bool = False) -> None:
@@ -112,7 +114,7 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
     import pandas as pd
 
     arrays = tables.read_member(store, group)
-    components = {name: array.dims[1] for name, array in arrays.items() if array.ndim == 2}  # letters: xyz, wxyz
+    parts = {name: _parts(name, array) for name, array in arrays.items() if array.ndim > 1}
     meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
     first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time", "start", "end"]
     names = sorted(arrays, key=lambda name: (first.index(name) if name in first else len(first), name))
@@ -121,14 +123,21 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
         columns: dict[str, Any] = {}
         for name in names:
             values = piece[name]
-            if values.ndim == 2:
-                columns |= {f"{name}_{axis}": values[:, i] for i, axis in enumerate(components[name])}
+            if values.ndim > 1:
+                columns |= dict(zip(parts[name], values.reshape(len(values), -1).T, strict=True))
             else:
                 columns[name] = np.array(meanings[name])[values] if meanings[name] else values
         empty = False
         yield pd.DataFrame(columns)
     if empty:
         yield pd.DataFrame({name: [] for name in names})
+
+
+def _parts(name: str, array: Array) -> list[str]:
+    """The names of the components of a column: of a vector by its letters, of a derivative by its numbers too."""
+    letters = [f"{name}_{axis}" for dim in array.dims[1:] if dim != "parameter" for axis in dim] or [name]
+    by = str(array.attrs.get("parameters", "")).split()
+    return [f"d_{letter}/d_{number}" for number in by for letter in letters] if by else letters
 
 
 def _plain(value: Any) -> Any:
