@@ -70,9 +70,9 @@ def exists(name: str) -> bool:
         return name[3:] in dir(tt)
     kind, _, rest = name.partition(" ")
     if kind == "tippetop":
-        from tippetop import cli
+        from tippetop.cli.overview import COMMANDS
 
-        return rest in [command.__name__ for module in cli.MODULES for command in module.COMMANDS]
+        return rest in COMMANDS
     if kind == "column":
         return any(rest in columns(system) for system in tt.SYSTEMS.values())
     if kind == "docs":

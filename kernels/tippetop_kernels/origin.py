@@ -14,7 +14,6 @@ import importlib.util
 import inspect
 import math
 import os
-import platform
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -120,8 +119,8 @@ def files() -> bytes:
                 if os.fstat(file.fileno()).st_ctime > latest:
                     raise Foreign(f"{path}, changed since this process began")
                 text = file.read()
-            name = next(os.path.relpath(path, root) for root in roots if path.startswith(os.path.join(root, "")))
-            total.update(f"\0{package}/{name} {len(text)}\0".encode() + text)
+            name = next(path[len(root) :] for root in roots if path.startswith(os.path.join(root, "")))
+            total.update(f"\0{package}{name} {len(text)}\0".encode() + text)
     return total.digest()
 
 
@@ -133,7 +132,10 @@ def _software() -> tuple[str, ...]:
     given = Path(".numba_config.yaml")
     written = given.read_text() if given.is_file() else ""
     settings = {name: value for name, value in os.environ.items() if name.startswith("NUMBA_") and name not in IDLE}
-    versions = (*_installed(), llvmlite_version, np.__version__, sys.version, platform.platform())
+    libc = os.confstr("CS_GNU_LIBC_VERSION") if "CS_GNU_LIBC_VERSION" in os.confstr_names else None
+    system = os.uname()  # `platform` would start a process to ask for the processor
+    versions = (*_installed(), llvmlite_version, np.__version__, sys.version, system.sysname, system.release)
+    versions += (system.machine, str(libc))
     return (*versions, repr(sorted(settings.items())), written)
 
 

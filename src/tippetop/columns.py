@@ -68,8 +68,11 @@ LETTERS = ("xyz", "wxyz")
 
 def with_coordinates(table: "xr.Dataset") -> "xr.Dataset":
     """A table with its coordinates: the letters of vectors, the time, and the kinds of events, as flags."""
-    letters = {name: (name, list(name)) for name in LETTERS if name in table.dims}
-    return table.assign_coords(letters).set_coords([name for name in ("time", "kind") if name in table])
+    labels = {name: (name, list(name)) for name in LETTERS if name in table.dims}
+    by = next((c.attrs["parameters"].split() for c in table.values() if "parameters" in c.attrs), None)
+    labels |= {"parameter": ("parameter", by)} if by else {}
+    named = [name for name in ("time", "kind") if name in table and table[name].ndim == 1]
+    return table.assign_coords(labels).set_coords(named)
 
 
 def flag_attributes(names: tuple[str, ...], text: str) -> dict[str, Any]:

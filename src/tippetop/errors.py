@@ -1,6 +1,5 @@
 """Errors that the user can mend: each is one or more sentences."""
 
-import difflib
 import functools
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
@@ -11,6 +10,8 @@ NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and
 
 def nearest(word: str, known: Iterable[str], cutoff: float = NEAR) -> str | None:
     """The known word nearest to a mistyped one, None where none is near; upper and lower case are the same."""
+    import difflib
+
     lower = {k.lower(): k for k in known}
     matches = difflib.get_close_matches(word.lower(), lower, n=1, cutoff=cutoff)
     return lower[matches[0]] if matches else None

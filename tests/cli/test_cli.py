@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -140,10 +138,3 @@ def test_every_kind_of_figure_is_drawn(
     said(capsys, "plot", str(store), kind, "--out", str(picture))
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
-
-
-def test_help_does_not_wait_for_heavy_libraries() -> None:
-    heavy = "heyoka", "numpy", "matplotlib", "zarr", "pydantic"
-    code = f"import sys; from tippetop.cli import app; print([m for m in {heavy} if m in sys.modules])"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"

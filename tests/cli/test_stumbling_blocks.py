@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tippetop.cli import app, outcome
+from tippetop.cli import outcome
+from tippetop.cli.application import whole
 from tippetop.figures import catalogue, drawing
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs.summary import lines
@@ -19,7 +20,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 0) 
 
 
 def help_of(capsys: pytest.CaptureFixture[str], command: str) -> str:
-    app([command, "--help"] if command else ["--help"], result_action="return_value")
+    assert outcome([*([command] if command else []), "--help"]) == 0
     return " ".join(capsys.readouterr().out.replace("│", " ").split())
 
 
@@ -101,6 +102,7 @@ def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_every_argument_and_option_has_help(capsys: pytest.CaptureFixture[str]) -> None:
+    app = whole()
     for command in ("run", "resume", "info", "check", "surface", "potential", "sweep", "plot", "export", "systems"):
         collection = app[command].assemble_argument_collection(parse_docstring=True)
         for argument in collection:

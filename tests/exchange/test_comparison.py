@@ -10,6 +10,7 @@ import tippetop as tt
 from tippetop import cli
 from tippetop.errors import InputError
 from tippetop.exchange.simulators import start_of, text_of
+from tippetop.store.export import export
 
 
 SCENARIO = {
@@ -49,6 +50,18 @@ def test_our_own_motion_is_the_reference(run: tt.Run, tmp_path: Path) -> None:
     assert found["theta"]["max"] < 2e-15
     assert found["place"]["max"] < 1e-16
     assert found["attitude"]["leaves"] == {"0.001": None, "0.01": None, "0.1": None}
+
+
+@pytest.mark.parametrize("to", ["csv", "parquet"])
+def test_an_exported_run_is_its_own_scenario(run: tt.Run, tmp_path: Path, to: str) -> None:
+    pytest.importorskip("pyarrow")
+    store, file = tmp_path / "run.zarr", tmp_path / f"run.{to}"
+    run.save(store)
+    export(store, to, file)
+    found = tt.compare(file, SCENARIO).to_dict()
+    assert found["rows"] == len(run.trajectory.time)
+    assert all(found[name]["max"] < 2e-15 for name in ("theta", "axis", "attitude", "place"))
+    assert found["omega3"]["max"] < 1e-11
 
 
 def test_a_known_error_is_measured_and_its_order_found(run: tt.Run, tmp_path: Path) -> None:

@@ -32,12 +32,32 @@ def test_a_parquet_file_is_read_as_csv_is(tmp_path: Path) -> None:
     np.testing.assert_allclose(table.read(path).columns["theta"], [np.pi / 18])  # a row without anything goes
 
 
+OWN = "time,phase,theta,theta_dot,orientation_w,energy,modified_energy,normal_force"
+
+
+def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
+    """Its phases are words, and its integrals no measurements: both are left out."""
+    path = written(tmp_path, f"{OWN}\n0,slip,0.1,0,1,3,3,1\n0.5,roll,4,0,1,3,3,1\n")
+    with pytest.raises(InputError, match="in 0 to pi"):
+        table.read(path)
+    read = table.read(path, wrapped=False)  # as of a cylinder
+    assert list(read.columns) == ["t", "theta", "theta_dot", "q_w"]
+    np.testing.assert_array_equal(read.columns["theta"], [0.1, 4.0])
+
+
+def test_columns_that_are_not_known_are_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="the columns `time`, `L` are not known") as raised:
+        table.read(written(tmp_path, "time,theta [rad],L\n0,1,1\n1,1,1\n"))
+    assert len(raised.value.sentences) == 2
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("t, theta\n0,1\n1,1\n", r"`t` must have a unit, \[s\]"),
         ("t [s], theta\n0,1\n1,1\n", r"`theta` must have a unit, \[rad\] or \[deg\]"),
         ("t [s], tetha [deg]\n0,1\n1,1\n", "Did you mean `theta`"),
+        ("time,theta [rad]\n0,1\n1,1\n", r"`time` is not known \(a run that tippetop exported"),
         ("0,1\n1,1\n", "begin with a header"),
         ("", "begin with a header"),
         ("t [s], theta [rad]\n0,1\n0.2,1\n0.1,1\n", r"times must ascend, but that of row 3, 0\.1 s, follows 0\.2 s"),

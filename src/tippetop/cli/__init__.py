@@ -1,4 +1,7 @@
-"""The command line: arguments become calls, errors become sentences and an exit code. Heavy imports wait."""
+"""The command line: arguments become calls, errors become sentences and an exit code.
+
+Imports wait until something needs them: `tippetop --help` takes no longer than to start Python.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +14,8 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from cyclopts import App, CycloptsError
-
 from .. import awaiting
-from . import exchange, host, landscape, plot, reconstruct, reference, run, show, streams, sweep, usage, view
+from . import overview, streams
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
@@ -22,39 +23,6 @@ THE_DISKS = {  # errors of the system that are no bug of ours, wherever they com
     *(errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO),
     *(errno.EACCES, errno.EPERM, errno.ELOOP, errno.EMFILE, errno.ENFILE, errno.ENOTDIR),
 }
-
-app = App(
-    name="tippetop",
-    help=(
-        "Tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane: integrated to rounding, with "
-        "their events, stored, checked and drawn.\n\n"
-        "A first run: `tippetop run inverting --figure inverting.png`. `tippetop presets` lists the scenarios to start "
-        "from, `tippetop new` writes one with every key, `tippetop help` explains them. The manual is README.md and "
-        "docs/ of the source."
-    ),
-    version_flags=["--version"],
-    version=lambda: _version(),
-    console=streams.Console(),
-    help_format="plaintext",
-    result_action="return_value",
-    suppress_keyboard_interrupt=False,  # `outcome` says how the run ended
-)
-MODULES = (run, landscape, sweep, plot, show, view, exchange, reconstruct, reference)
-TEXT_ONLY = (*show.TEXT_ONLY, *reference.COMMANDS)
-for module in MODULES:
-    for command in module.COMMANDS:
-        app.command(command if command in TEXT_ONLY else host.prepared(command))
-
-
-def _commands() -> list[str]:
-    return [command.__name__ for module in MODULES for command in module.COMMANDS]
-
-
-def _version() -> str:
-    from importlib.metadata import version
-
-    return version("tippetop")
-
 
 _received: list[int] = []  # exit codes of the signals that came
 
@@ -103,10 +71,14 @@ def _warn(message: Warning | str, *_: Any) -> None:
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
     """What `main` exits with."""
+    words = sys.argv[1:] if arguments is None else [*arguments]
     try:
-        return app(arguments, exit_on_error=False, print_error=False) or DONE
-    except CycloptsError as error:
-        return complain([usage.sentence(error, _commands())], USAGE)
+        if (answer := overview.answer(words)) is not None:
+            print(answer)
+            return DONE
+        from .application import called
+
+        return called(words)
     except KeyboardInterrupt:
         return complain(["interrupted; nothing was stored."], INTERRUPTED)
     except BrokenPipeError:  # the reader of our output went away

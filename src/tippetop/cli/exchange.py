@@ -173,4 +173,4 @@ def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int
     return 0
 
 
-COMMANDS: list[Any] = [compare, fit]
+COMMANDS: dict[str, Any] = {"compare": compare, "fit": fit}

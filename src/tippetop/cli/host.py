@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -19,6 +20,7 @@ def prepared(command: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(command)
     def ready(*arguments: Any, **options: Any) -> int:
+        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for them reads all that is installed
         from ..engine import taylor
 
         keep_memory()

@@ -281,4 +281,4 @@ def _wrong(sentence: str) -> Exception:
     return InputError([sentence])
 
 
-COMMANDS: list[Any] = [surface, potential]
+COMMANDS: dict[str, Any] = {"surface": surface, "potential": potential}

@@ -142,4 +142,4 @@ def check_picture(path: Path, option: str, overwrite: bool = False) -> None:
         raise StoreError(f"`{path}` exists: name another picture, or say --overwrite.")
 
 
-COMMANDS: list[Any] = [plot]
+COMMANDS: dict[str, Any] = {"plot": plot}

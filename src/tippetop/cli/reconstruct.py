@@ -76,4 +76,4 @@ def reconstruct(
     return 0
 
 
-COMMANDS: list[Any] = [reconstruct]
+COMMANDS: dict[str, Any] = {"reconstruct": reconstruct}

@@ -140,11 +140,10 @@ def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
     shell
         bash, zsh or fish.
     """
-    from . import app
+    from .application import whole
 
-    sys.stdout.write(app.generate_completion(shell=shell))
+    sys.stdout.write(whole().generate_completion(shell=shell))
     return 0
 
 
-help_.__name__ = "help"
-COMMANDS: list[Any] = [new, help_, completion]
+COMMANDS: dict[str, Any] = {"new": new, "help": help_, "completion": completion}

@@ -56,7 +56,6 @@ def run(
     from ..runs import attributes, starting
     from ..scenario.suspicions import suspicions
     from ..store import root
-    from .plot import check_picture
     from .text import following, warn
 
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
@@ -67,6 +66,8 @@ def run(
         raise
     warn(suspicions(problem))
     if figure is not None:
+        from .plot import check_picture
+
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
             raise InputError(['`run.output` must keep rows to be drawn by --figure, but is "keyframes".'])
@@ -158,17 +159,14 @@ def replay(
         Print the result as one JSON object.
     """
     from ..runs.replay import into_store
-    from .text import console
 
     report = into_store(store, from_, until, step, out, overwrite=overwrite, accept_other_version=accept_other_version)
     if as_json:
         print(json.dumps(report, allow_nan=False))
         return 0
     seconds = f"{report['steps']} steps, integrated in {1e3 * report['seconds']:.1f} ms"
-    console().print(
-        f"{report['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {report['began']:.9g} s: {seconds}"
-    )
-    console().print(f"store  {out}")
+    print(f"{report['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {report['began']:.9g} s: {seconds}")
+    print(f"store  {out}")
     return 0
 
 
@@ -251,4 +249,4 @@ def _contract(attrs: dict[str, Any]) -> int:
     return 4 if broken else 0
 
 
-COMMANDS: list[Any] = [run, resume, replay]
+COMMANDS: dict[str, Any] = {"run": run, "resume": resume, "replay": replay}

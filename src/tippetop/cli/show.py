@@ -73,7 +73,7 @@ def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
     import numpy as np
 
     from ..engine.derivatives.growth import growth
-    from ..engine.derivatives.numbers import refuse
+    from ..problem import refuse
     from ..scenario import build
     from ..store.root import finite
 
@@ -305,5 +305,4 @@ def _with_unit(entry: Any, unit: str) -> str:
     return _plain(entry) if plain or unit == "1" else f"{_plain(entry)} {unit}"
 
 
-COMMANDS: list[Any] = [info, check, export, systems, presets]
-TEXT_ONLY: list[Any] = [export, systems, presets]  # they compute nothing, and need no engine
+COMMANDS: dict[str, Any] = {"info": info, "check": check, "export": export, "systems": systems, "presets": presets}

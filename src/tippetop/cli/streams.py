@@ -5,9 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
-from typing import Any, NoReturn
-
-from rich.console import Console as RichConsole
+from typing import Any
 
 from ..errors import StoreError
 
@@ -32,14 +30,6 @@ class _Errors(io.FileIO):
             return super().write(data)
         except OSError:
             return memoryview(data).nbytes
-
-
-class Console(RichConsole):
-    """A console that leaves a reader who went away to `cli.outcome`."""
-
-    def on_broken_pipe(self) -> NoReturn:
-        """Called in an except block: raises the BrokenPipeError again."""
-        raise
 
 
 def ready() -> None:

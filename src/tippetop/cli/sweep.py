@@ -126,4 +126,4 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
     return 0
 
 
-COMMANDS: list[Any] = [sweep]
+COMMANDS: dict[str, Any] = {"sweep": sweep}

@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from collections.abc import Callable, Mapping
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
-
-from rich.table import Table
 
 from ..runs.patience import Patience
 from ..runs.summary import lines
-from .streams import Console
 
 
 if TYPE_CHECKING:
     from ..progress import Bar
+    from .console import Console
+
+
+WIDE = 160  # columns of what is no terminal
 
 
 def console() -> Console:
     """Standard output; no colour when it is not a terminal, and then wide unless COLUMNS says otherwise."""
-    narrow = sys.stdout.isatty() or "COLUMNS" in os.environ
-    return Console(highlight=False, markup=False, width=None if narrow else 160)
+    from .console import Console
+
+    return Console(highlight=False, markup=False, width=None if _narrow() else WIDE)
+
+
+def _narrow() -> bool:
+    return sys.stdout.isatty() or "COLUMNS" in os.environ
 
 
 def warn(sentences: list[str]) -> list[str]:
@@ -49,13 +57,12 @@ def following(bar: Bar) -> Callable[[Any], None]:
 
 
 def summary(headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:
-    """Prints a run in a few lines."""
-    out = console()
-    out.print(headline, style="bold")
-    table = Table.grid(padding=(0, 2))
-    for name, text in lines(info, seconds):
-        table.add_row(name, text)
-    for name, place in places.items():
-        if place is not None:
-            table.add_row(name, str(place))
-    out.print(table)
+    """Prints a run in a few lines, without rich: to import it takes longer than to integrate."""
+    coloured = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+    print(f"\x1b[1m{headline}\x1b[0m" if coloured else headline)
+    rows = [*lines(info, seconds), *((name, str(place)) for name, place in places.items() if place is not None)]
+    indent = max(len(name) for name, _ in rows) + 2
+    width = max(shutil.get_terminal_size().columns if _narrow() else WIDE, indent + 20)
+    for name, text in rows:
+        first, *more = wrap(text, width - indent, break_on_hyphens=False) or [""]
+        print(f"{name:<{indent}}{first}", *(" " * indent + line for line in more), sep="\n")

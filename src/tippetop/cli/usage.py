@@ -11,7 +11,7 @@ from ..errors import nearest, suggestion
 
 
 RUN = ["until", "output_step", "output_times", "output", "keyframe_steps", "stop_when", "events", "on_liftoff"]
-RUN += ["precision", "tolerance", "columns", "orientation"]
+RUN += ["precision", "tolerance", "columns", "orientation", "sensitivities"]
 NUMBERS = {float: "a number", int: "a whole number"}
 
 

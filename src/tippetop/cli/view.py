@@ -70,4 +70,4 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
     return page_of_store(store, attrs, start, until)
 
 
-COMMANDS = [view]
+COMMANDS = {"view": view}

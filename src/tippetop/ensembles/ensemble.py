@@ -266,6 +266,8 @@ def base_faults(base: Problem) -> list[str]:
             f"`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: {others}, but is "
             f'"{base.form.name}", which has no {missing[0]}.'
         )
+    if base.sensitivities:
+        sentences.append("`run.sensitivities` must not be given in an ensemble: it keeps no rows.")
     if base.precision != "double":
         sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')
     return sentences

@@ -76,7 +76,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     InputError
         If the table is wrong, or says nothing that can be compared.
     """
-    table = read(path)
+    table = read(path, wrapped=bool(problem.system.vectors))
     given = motion(table, convention)
     t = given.t
     if t[0] < 0 or t[-1] <= 0:

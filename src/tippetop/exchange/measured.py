@@ -30,7 +30,7 @@ def observation_of(
     InputError
         If the table, the names or the conventions are wrong.
     """
-    table = read(data)
+    table = read(data, wrapped=bool(problem.system.vectors))
     if len(table.t) > MOST_ROWS:
         raise InputError([f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."])
     return Observation(problem, free, motion(table, convention), *_marker(table, convention, marker))

@@ -87,7 +87,7 @@ def sensitivities(
     import xarray as xr
 
     from ..engine.derivatives.along_run import OTHER, PARAMETER, differentiate
-    from ..engine.derivatives.numbers import refuse
+    from ..problem import refuse
     from ..runs.run import solve
 
     refuse_unknown("sensitivities", arguments, ["order", *inspect.signature(problem_of).parameters, *RUN])
@@ -149,7 +149,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     import xarray as xr
 
     from ..engine.derivatives.growth import growth
-    from ..engine.derivatives.numbers import refuse
+    from ..problem import refuse
     from ..runs.run import solve
 
     refuse_unknown("lyapunov", arguments, ["rows", *inspect.signature(problem_of).parameters, *RUN])

@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
-from ..runs import attributes, results
+from ..runs import attributes, results, sensitivities
 from ..runs.certificate import certificate
 from ..runs.phases import NAMES
 from ..runs.results import Record, Summary
@@ -43,6 +43,9 @@ class Run:
     phases, impacts : xarray.Dataset
         Of a run whose contact may change its phase: each phase's start and end [s], the ball, why it began; each
         impact's time [s], velocities before and after [m/s], impulses [N s], work [J].
+    sensitivities, event_sensitivities : xarray.Dataset
+        Of a run whose scenario has `run.sensitivities`: the derivative of every column along `time` and `parameter`,
+        of the time of every event, and of theta there, along `event` and `parameter`; SI units per SI unit.
     summary : Summary
         The summary of the run, as `tippetop info --json` prints it.
     drift : Record
@@ -104,6 +107,27 @@ class Run:
         """The impacts along `impact`, in SI units."""
         return self._of_contact("impacts")
 
+    @cached_property
+    def _derived(self) -> "dict[str, xr.Dataset]":
+        derived = self.solution.sensitivities
+        return {name: attributes.dataset(columns, self.attributes) for name, columns in derived.items()}
+
+    @property
+    def sensitivities(self) -> "xr.Dataset":
+        """The derivatives of the columns along `time` and `parameter`, SI per SI."""
+        return self._of_derivatives("sensitivities")
+
+    @property
+    def event_sensitivities(self) -> "xr.Dataset":
+        """The derivatives of the times of events, and of theta there, along `event` and `parameter`, SI per SI."""
+        return self._of_derivatives("event_sensitivities")
+
+    def _of_derivatives(self, name: str) -> "xr.Dataset":
+        """A table that only a run has whose scenario asks for it. Raises AttributeError."""
+        if not self._derivatives:
+            raise AttributeError(f"there is no table `{name}`: the scenario has no `run.sensitivities`")
+        return self._derived[name]
+
     def _of_contact(self, name: str) -> "xr.Dataset":
         """A table that only a run has whose contact may change its phase. Raises AttributeError."""
         if "contact" not in self.attributes:
@@ -114,7 +138,13 @@ class Run:
     def _tables(self) -> "dict[str, xr.Dataset]":
         """All tables, by name."""
         names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in (*names, *self._derivatives)}
+
+    @property
+    def _derivatives(self) -> tuple[str, ...]:
+        """The names of the tables of derivatives."""
+        attrs = self.attributes
+        return sensitivities.NAMES if attrs["run"].get("sensitivities") and "replay" not in attrs else ()
 
     @cached_property
     def summary(self) -> Summary:

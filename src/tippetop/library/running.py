@@ -54,6 +54,7 @@ def run(
     on_liftoff: Literal["stop", "continue", "fly"] | None = None,
     stop_when: Literal["until", "settled"] | None = None,
     orientation: bool | None = None,
+    sensitivities: Sequence[str] | None = None,
     out: str | Path | None = None,
     overwrite: bool = False,
     progress: bool = False,
@@ -118,6 +119,9 @@ def run(
     orientation : bool, optional
         Whether the turn of the body about its axis is integrated too: the columns `psi` and `orientation`; by default
         it is.
+    sensitivities : list of str, optional
+        Dotted names of numbers, such as "friction.mu", by which the derivatives of columns and events are computed too,
+        and stored: the tables `sensitivities` and `event_sensitivities` of the run.
     out : path, optional
         A store that is written as the run goes: for runs that exceed memory. The result is then a StoredRun.
     overwrite : bool
@@ -169,6 +173,7 @@ def run(
         on_liftoff=on_liftoff,
         stop_when=stop_when,
         orientation=orientation,
+        sensitivities=sensitivities,
     )
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")

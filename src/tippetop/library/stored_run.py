@@ -52,6 +52,10 @@ class StoredRun(Run):
         names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
         return {name: root.open_group(self.path, name) for name in names}
 
+    @cached_property
+    def _derived(self) -> "dict[str, xr.Dataset]":
+        return {name: root.open_group(self.path, name) for name in self._derivatives}
+
     def replay(self, start: float, until: float, step: float, *, accept_other_version: bool = False) -> "xr.Dataset":
         """Integrates a part of the run again, from the nearest keyframe.
 

@@ -5,6 +5,7 @@ of a run is computed there, and a single run is the case n = 1.
 """
 
 from .choice import AUTO, Choice, choice
+from .differentiable import MOST_DERIVATIVES, kept_faults, refuse
 from .faults import key_faults, variation_faults
 from .kept import ORIENTATION, PSI, TURN, column_faults, column_names
 from .many import Problems
@@ -14,6 +15,7 @@ from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
 __all__ = [
     "AUTO",
     "KEYFRAME_STEPS",
+    "MOST_DERIVATIVES",
     "ORIENTATION",
     "PRECISIONS",
     "PSI",
@@ -26,6 +28,8 @@ __all__ = [
     "choice",
     "column_faults",
     "column_names",
+    "kept_faults",
     "key_faults",
+    "refuse",
     "variation_faults",
 ]

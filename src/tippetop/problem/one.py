@@ -56,6 +56,8 @@ class Problem:
         Whether the turn of the body about its axis is integrated too.
     columns
         What rows have beside the time; None: all that there are.
+    sensitivities
+        Dotted numbers by which derivatives of columns and events are kept.
     contact
         Where the contact may change its phase: how it opens and closes.
     origin
@@ -78,6 +80,7 @@ class Problem:
     stop_when: str = "until"
     orientation: bool = True
     columns: tuple[str, ...] | None = None
+    sensitivities: tuple[str, ...] = ()
     contact: ContactLaw | None = None
     origin: dict[str, Any] | None = None
 

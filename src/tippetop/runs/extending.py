@@ -16,7 +16,7 @@ from ..store.checkpoint import END, END_FILE, ROWS
 from ..store.chunks import Appender
 from ..store.files import Lock
 from ..store.provenance import FORMAT_VERSION
-from . import recording, resuming
+from . import recording, resuming, sensitivities
 from .integration import Integration
 
 
@@ -127,6 +127,7 @@ def _unfinished(target: Path, integration: Integration, ending: dict[str, Any]) 
         "rows": integration.filled,
         "events": integration.log.tally.rows,
         **integration.story.rows(),
+        **dict.fromkeys(sensitivities.NAMES, 0),
         "keyframes": done // integration.problem.keyframe_steps if integration.problem.output == "keyframes" else 0,
         "integration": ending["slice"],
         "report": root.finite(integration.report()),

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..awaiting import awaited
 from ..columns import Column
 from ..engine.status import Status
 from ..errors import Interrupted
@@ -21,7 +22,7 @@ from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
 from ..store.files import Lock
 from ..store.root import finish, finite, new_store
-from . import attributes, keyframes, phases
+from . import attributes, keyframes, phases, sensitivities
 from .events import EventTable, event_columns
 from .integration import Integration
 
@@ -81,6 +82,20 @@ class Recorder:
         for name, table in new.items():
             if len(next(iter(table.values()))):
                 self._later(partial(self.tables[name].append, phases.columns(name, table)))
+
+    def derivatives(self) -> None:
+        """Makes the tables of derivatives, where the run has come to its end, from its rows and its log there."""
+        problem, log = self.integration.problem, self.integration.log.empty
+        if not problem.sensitivities:
+            return
+        self._now(lambda: None)
+        arrays = self.tables["events"].arrays
+        events = type(log)(log.kinds, *(arrays[name][:] for name in log.columns()))
+        times = problem.times[: self.integration.filled]
+        make = partial(sensitivities.tables, problem, times, events)
+        derived = awaited(make, "the derivatives of the run are being computed", self.stop)
+        for name, columns in derived.items():
+            self._later(partial(self.tables[name].append, columns))
 
     def _later(self, work: Callable[[], None]) -> None:
         """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
@@ -216,6 +231,8 @@ def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Col
     yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
     if integration.problem.contact is not None:
         yield from ((name, columns, phases.PER_CHUNK) for name, columns in phases.empty().items())
+    for name, columns in sensitivities.no_rows(integration.problem, integration.log.empty.kinds).items():
+        yield name, columns, sensitivities.PER_CHUNK
     if integration.problem.output == "keyframes":
         yield "keyframes", keyframes.empty(integration), keyframes.PER_CHUNK
 
@@ -241,6 +258,7 @@ def run_into(
             if begin is not None:
                 begin(recorder)
             integration.run(recorder, progress)
+            recorder.derivatives()
             return integration, recorder.finish()
 
 

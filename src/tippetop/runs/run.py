@@ -3,14 +3,17 @@
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ..columns import Column
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError
 from ..problem import Problem
+from . import sensitivities
 from .events import EventTable
 from .integration import Integration
 from .sinks import Memory, Nowhere
@@ -34,6 +37,11 @@ class Solution:
     seconds: dict[str, float]  # where the time went: compile, integrate
     last_slice: dict[str, Any] | None = None  # where it began: what a longer run continues from
     others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)  # parts of further tables
+
+    @cached_property
+    def sensitivities(self) -> dict[str, dict[str, Column]]:
+        """The tables of derivatives that the scenario asks for, by name."""
+        return sensitivities.tables(self.problem, self.times, self.events)
 
     def columns(self) -> dict[str, Any]:
         """The rows as named SI columns."""

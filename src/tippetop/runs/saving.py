@@ -37,6 +37,8 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
             appenders["events"].append(event_columns(solution.events))
         for name, columns in phases.joined(solution.others).items() if solution.others else ():
             appenders[name].append(columns)
+        for name, columns in solution.sensitivities.items():
+            appenders[name].append(columns)
         for appender in appenders.values():
             appender.flush()
             appender.sync()

@@ -27,6 +27,7 @@ from ..problem import (
     choice,
     column_faults,
     column_names,
+    kept_faults,
 )
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
@@ -91,6 +92,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         stop_when=run.stop_when,
         columns=_columns(run.columns, known_columns, known),
         orientation=run.orientation if run.orientation is not None else any(name in TURN for name in asked),
+        sensitivities=tuple(run.sensitivities or ()),
         contact=rules,
         origin=origin,
     )
@@ -100,6 +102,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         *_pole_faults(built),
         *_run_faults(system, run),
         *column_faults(run.columns or [], known_columns, run.orientation),
+        *kept_faults(built),
     ] or built.start_faults()
     if faults:
         raise InputError(faults)
@@ -215,6 +218,7 @@ def resolved(problem: Problem) -> dict[str, Any]:
             "stop_when": problem.stop_when,
             "orientation": problem.orientation,
             **({} if problem.columns is None else {"columns": list(problem.columns)}),
+            **({"sensitivities": list(problem.sensitivities)} if problem.sensitivities else {}),
         },
     }
 

@@ -69,6 +69,10 @@ class RunTable(Table):
         Annotated[float, Field(ge=0, lt=1)], Field(description="error of a step, relative; 0: the precision's rounding")
     ] = 0.0
     columns: Annotated[list[str] | None, Field(description="the columns that rows have beside the time; all")] = None
+    sensitivities: Annotated[
+        list[str] | None,
+        Field(description="numbers, such as friction.mu, by which columns and events are differentiated too; none"),
+    ] = None
     orientation: Annotated[
         bool | None,
         Field(description="whether the turn of the body about its axis is integrated; where a column needs it"),

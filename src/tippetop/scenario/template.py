@@ -82,6 +82,7 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
         "events": [event.name for event in system.events],
         "on_liftoff": "stop",
         "columns": ["theta"],
+        "sensitivities": [],
         "orientation": True,
     }
     run = {

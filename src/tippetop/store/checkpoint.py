@@ -19,7 +19,8 @@ CHECKPOINT = "checkpoint.json"
 END, END_FILE = "end", "end.json"  # a root attribute; the file in which the first stores kept it
 SCENARIO, DIGEST = "root_attributes", "digest"
 LATER = ("certificate", "seal", END)  # attributes that a finished store gets, which say nothing of how it was made
-ROWS = {name: name for name in ("events", "keyframes", "phases", "impacts")} | {"trajectory": "rows"}
+DERIVED = ("sensitivities", "event_sensitivities")  # made at the end of a run: none of their rows is acknowledged
+ROWS = {name: name for name in ("events", "keyframes", "phases", "impacts", *DERIVED)} | {"trajectory": "rows"}
 """What a checkpoint calls the rows of a group."""
 
 FIELDS: dict[str, dict[str, Any]] = {
@@ -31,6 +32,7 @@ FIELDS: dict[str, dict[str, Any]] = {
         "keyframes": int,
         "phases": int,
         "impacts": int,
+        **dict.fromkeys(DERIVED, int),
         "digests": dict,
         "integration": dict,
         "report": dict,
@@ -76,7 +78,7 @@ def read(folder: Path, attributes: dict[str, Any], name: str = CHECKPOINT) -> di
         if stored[DIGEST] != digest({key: value for key, value in stored.items() if key != DIGEST}):
             raise ValueError("its digest is another")
         if name == CHECKPOINT:  # one that was written before a contact could change its phase has no such tables
-            stored = {"phases": 0, "impacts": 0, **stored}
+            stored = {"phases": 0, "impacts": 0, **dict.fromkeys(DERIVED, 0), **stored}
         if wrong := [key for key, kind in FIELDS[name].items() if type(stored[key]) is not kind]:
             raise ValueError(f"`{wrong[0]}` has another type")
         scenario = stored[SCENARIO]

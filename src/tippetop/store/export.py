@@ -11,9 +11,11 @@ import numpy as np
 
 from ..errors import InputError, StoreError
 from . import chunks, files, root, skeleton, tables
+from .array import Array
 
 
-DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top"}
+DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top",
+              "sensitivities": "time", "event_sensitivities": "event"}  # fmt: skip
 
 
 def export(store: Path, to: str, out: Path, group: str | None = None, *, overwrite: bool = False) -> None:
@@ -70,14 +72,12 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
             group, dim = file.create_group(name), DIMENSIONS[name]
             group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
             for array in arrays.values():
-                metadata: Any = array.metadata
-                for extra, size in zip(metadata.dimension_names[1:], array.shape[1:], strict=True):
+                for extra, size in zip(array.dims[1:], array.shape[1:], strict=True):
                     if extra not in group.dimensions:
                         group.dimensions[extra] = size
             for key, array in arrays.items():
                 kind = "i1" if array.dtype == bool else array.dtype
-                metadata = array.metadata
-                variable = group.create_variable(key, metadata.dimension_names, kind, compression="gzip")
+                variable = group.create_variable(key, array.dims, kind, compression="gzip")
                 variable.attrs.update({k: _plain(v) for k, v in array.attrs.items()})
             start = 0
             for piece in chunks.pieces(store, name, list(arrays)):
@@ -114,8 +114,7 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
     import pandas as pd
 
     arrays = tables.read_member(store, group)
-    named: Any = {name: array.metadata for name, array in arrays.items() if array.ndim == 2}
-    components = {name: metadata.dimension_names[1] for name, metadata in named.items()}  # letters: xyz, wxyz
+    parts = {name: _parts(name, array) for name, array in arrays.items() if array.ndim > 1}
     meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
     first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time", "start", "end"]
     names = sorted(arrays, key=lambda name: (first.index(name) if name in first else len(first), name))
@@ -124,14 +123,21 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
         columns: dict[str, Any] = {}
         for name in names:
             values = piece[name]
-            if values.ndim == 2:
-                columns |= {f"{name}_{axis}": values[:, i] for i, axis in enumerate(components[name])}
+            if values.ndim > 1:
+                columns |= dict(zip(parts[name], values.reshape(len(values), -1).T, strict=True))
             else:
                 columns[name] = np.array(meanings[name])[values] if meanings[name] else values
         empty = False
         yield pd.DataFrame(columns)
     if empty:
         yield pd.DataFrame({name: [] for name in names})
+
+
+def _parts(name: str, array: Array) -> list[str]:
+    """The names of the components of a column: of a vector by its letters, of a derivative by its numbers too."""
+    letters = [f"{name}_{axis}" for dim in array.dims[1:] if dim != "parameter" for axis in dim] or [name]
+    by = str(array.attrs.get("parameters", "")).split()
+    return [f"d_{letter}/d_{number}" for number in by for letter in letters] if by else letters
 
 
 def _plain(value: Any) -> Any:

@@ -68,5 +68,6 @@ RUN: dict[str, Any] = {
     "output?": str,
     "keyframe_steps?": int,
     "columns?": [str],
+    "sensitivities?": [str],
     "orientation?": bool,
 }

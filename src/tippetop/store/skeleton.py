@@ -14,6 +14,7 @@ from typing import Any
 
 from ..errors import StoreError
 from . import seal
+from .checkpoint import DERIVED
 from .patterns import ATTRIBUTES, OPTIONAL, REPORT, RUN, WORDS
 from .provenance import FORMAT, FORMAT_VERSION
 from .seal import DOCUMENT
@@ -97,6 +98,8 @@ def groups_of(attrs: Mapping[str, Any]) -> tuple[str, ...]:
     """The groups of a store with these root attributes."""
     more = ["keyframes"] if has_keyframes(attrs) else []
     more += ["phases", "impacts"] if "content" not in attrs and "contact" in attrs else []
+    derived = "content" not in attrs and attrs["run"].get("sensitivities") and "replay" not in attrs
+    more += DERIVED if derived else []
     return (*GROUPS[attrs.get("content", "run")], *more)
 
 

@@ -56,7 +56,9 @@ def _columns_of(problem: Problem) -> dict[str, _Read]:
             read["psi"] = _Read(("psi",), RADIAN, ())
         axes = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
         read["orientation"] = _Read(axes, ONE, ("wxyz",))
-    return read | {q.name: _Read((q.name,), q.unit, ()) for q in system.quantities if q.is_column and not q.meanings}
+    read |= {q.name: _Read((q.name,), q.unit, ()) for q in system.quantities if q.is_column and not q.meanings}
+    kept = problem.columns
+    return read if kept is None else {name: each for name, each in read.items() if name in kept}
 
 
 class Passed(Protocol):
@@ -73,6 +75,17 @@ class Passed(Protocol):
     @property
     def kinds(self) -> tuple[str, ...]:
         """The names of the kinds."""
+
+
+def empty(problem: Problem, wrt: Sequence[str], kinds: tuple[str, ...]) -> Derivatives:
+    """The first derivatives of a run, of no rows."""
+    n = len(wrt)
+    rows = {
+        name: _column(name, read, np.zeros((0, n, *(len(dim) for dim in read.dims))), (PARAMETER,))
+        for name, read in _columns_of(problem).items()
+    }
+    none = np.zeros((0, n))
+    return Derivatives(_timed(np.zeros(0), rows), _event_columns(np.zeros(0, np.int8), kinds, none, none), {})
 
 
 def differentiate(
@@ -141,14 +154,11 @@ class _Along:
                 parts = _quaternions(np.array(parts))
             whole = np.stack(parts, axis=-1)[:, rows] * scale  # (derivative, rows, lanes, parts)
             whole = whole if read.dims else whole[..., 0]
-            about = {"units": f"{read.unit.symbol} per unit of the parameter", "long_name": f"derivative of {name}"}
-            first[name] = Column(("time", PARAMETER, *read.dims), self._per_unit(whole[1]), about)
+            first[name] = _column(name, read, self._per_unit(whole[1]), (PARAMETER,))
             if self.order == 2:
-                second[name] = Column(("time", PARAMETER, OTHER, *read.dims), self._mixed(whole[2]), about)
-        time = {"time": Column(("time",), times, {"units": "s", "long_name": "time"})}
-        return Derivatives(
-            time | first, self._of_events(values, rates, passages), time | second if self.order == 2 else {}
-        )
+                second[name] = _column(name, read, self._mixed(whole[2]), (PARAMETER, OTHER))
+        of_events = self._of_events(values, rates, passages)
+        return Derivatives(_timed(times, first), of_events, _timed(times, second) if self.order == 2 else {})
 
     def _per_unit(self, rows: np.ndarray) -> np.ndarray:
         """First derivatives, (rows, parameters, ...), by SI units of the parameters."""
@@ -178,16 +188,32 @@ class _Along:
                 shift = -values[f"event {name}"][1][rows, :n] / rates[f"event {name}"][rows, :n]
             by_time[of] = shift
             by_theta[of] = values["theta"][1][rows, :n] + rates["theta"][rows, :n] * shift
-        about = "{} of the event, as the numbers change"
-        units = "{} per unit of the parameter"
-        return {
-            "kind": Column(("event",), table.kind, {"units": "1", "long_name": "kind of event",
-                           "flag_values": list(range(len(table.kinds))), "flag_meanings": " ".join(table.kinds)}),
-            "time": Column(("event", PARAMETER), by_time / self.sizes * self.second,
-                           {"units": units.format("s"), "long_name": about.format("derivative of the time")}),
-            "theta": Column(("event", PARAMETER), by_theta / self.sizes,
-                            {"units": units.format("rad"), "long_name": about.format("derivative of theta")}),
-        }  # fmt: skip
+        return _event_columns(table.kind, table.kinds, by_time / self.sizes * self.second, by_theta / self.sizes)
+
+
+def _column(name: str, read: _Read, values: np.ndarray, by: tuple[str, ...]) -> Column:
+    """A column of derivatives, SI per SI."""
+    about = {"units": f"{read.unit.symbol} per unit of the parameter", "long_name": f"derivative of {name}"}
+    return Column(("time", *by, *read.dims), values, about)
+
+
+def _timed(times: np.ndarray, columns: dict[str, Column]) -> dict[str, Column]:
+    return {"time": Column(("time",), times, {"units": "s", "long_name": "time"})} | columns
+
+
+def _event_columns(
+    kind: np.ndarray, kinds: tuple[str, ...], by_time: np.ndarray, by_theta: np.ndarray
+) -> dict[str, Column]:
+    """The derivatives of events, SI per SI."""
+    about = "derivative of {} of the event, as the numbers change"
+    units = "{} per unit of the parameter"
+    dims = ("event", PARAMETER)
+    return {
+        "kind": Column(("event",), kind, {"units": "1", "long_name": "kind of event",
+                       "flag_values": list(range(len(kinds))), "flag_meanings": " ".join(kinds)}),
+        "time": Column(dims, by_time, {"units": units.format("s"), "long_name": about.format("the time")}),
+        "theta": Column(dims, by_theta, {"units": units.format("rad"), "long_name": about.format("theta")}),
+    }  # fmt: skip
 
 
 def _quaternions(axes: np.ndarray) -> list[np.ndarray]:

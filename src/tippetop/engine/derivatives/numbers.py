@@ -5,10 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
-from ...mechanics.friction import Contensou, SetValued
 from ...mechanics.system import Parameter
-from ...problem import Problem, key_faults
+from ...problem import Problem, refuse
 from ..tangent import Kind
 
 
@@ -67,33 +65,3 @@ class Numbers:
         turning = problem.orientation if orientation is None else orientation
         names = tuple(self.initial)
         return Kind(problem.system, problem.form.name, type(problem.friction), turning, names, self.flags, order)
-
-
-def refuse(problem: Problem, wrt: Sequence[str]) -> None:
-    """Raises InputError for a run that has no derivatives, or none that is computed; and for wrong names."""
-    if problem.contact is not None:
-        set_valued = isinstance(problem.friction, SetValued | Contensou)
-        why = "sticks and slips under a set-valued law" if set_valued else "may open and close"
-        raise InputError(
-            [f"the contact must never change for derivatives to exist along the run, but this one {why}: give a smooth "
-             'law (a Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.']
-        )  # fmt: skip
-    if problem.precision != "double":
-        raise InputError([f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".'])
-    if problem.origin is not None:
-        raise InputError(["`initial.from` must not be given for derivatives: the end of another run has none here."])
-    if faults := name_faults(problem, wrt):
-        raise InputError(faults)
-
-
-def name_faults(problem: Problem, wrt: Sequence[str]) -> list[str]:
-    """What is wrong with names that derivatives are asked by, in sentences."""
-    faults = []
-    for name in wrt:
-        if name.startswith(("run.", "contact.", "stem.")):
-            faults.append(f"`{name}` must be a number of the body, the friction law or the start, but is none.")
-    faults += [f"`{name}` must be named once, but is named twice." for name in set(wrt) if list(wrt).count(name) > 1]
-    faults += key_faults(problem, [name for name in wrt if not name.startswith(("run.", "contact.", "stem."))])
-    initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
-    given = [name for name, value in problem.initial.items() if value is not False]
-    return faults or problem.system.clashes([*given, *initial])

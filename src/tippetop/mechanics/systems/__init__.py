@@ -10,7 +10,6 @@ import re
 import warnings
 from collections.abc import Callable
 from functools import cache
-from importlib.metadata import entry_points
 from typing import Any
 
 from ...errors import InputError
@@ -133,6 +132,8 @@ copyreg.pickle(System, _pickled)
 @cache
 def load_entry_points() -> None:
     """Registers, once a process, what installed packages offer; one that fails is left out with a warning."""
+    from importlib.metadata import entry_points
+
     groups: dict[str, Callable[[str, Any], None]] = {
         "tippetop.friction": add_law,
         "tippetop.systems": lambda _, system: add(system),

@@ -1,0 +1,50 @@
+"""The words of the command line become a call: cyclopts, with the commands that the words can mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from importlib import import_module
+
+from cyclopts import App, CycloptsError
+
+from ..errors import InputError
+from . import host, overview, usage
+
+
+HELP = {"--help", "-h", "--version"}
+
+
+def whole() -> App:
+    """All commands."""
+    return _of(overview.COMMANDS)
+
+
+def called(words: Sequence[str]) -> int:
+    """Calls the command that the words name. Raises InputError for words that mean nothing, and what it raises."""
+    named = words[0] if words else ""
+    app = _of([named]) if named in overview.COMMANDS else whole()
+    if HELP & set(words):
+        from .console import Console
+
+        app.console = Console()
+    try:
+        return app(words, exit_on_error=False, print_error=False) or 0
+    except CycloptsError as error:
+        raise InputError([usage.sentence(error, list(overview.COMMANDS))]) from None
+
+
+def _of(names: Iterable[str]) -> App:
+    app = App(
+        name="tippetop",
+        help="\n\n".join(overview.PURPOSE),
+        version_flags=["--version"],
+        version=overview.version,
+        help_format="plaintext",
+        result_action="return_value",
+        suppress_keyboard_interrupt=False,  # `cli.outcome` says how the run ended
+    )
+    for name in names:
+        command = overview.COMMANDS[name]
+        function = import_module(f".{command.module}", __package__).COMMANDS[name]
+        app.command(host.prepared(function) if command.computes else function, name=name)
+    return app

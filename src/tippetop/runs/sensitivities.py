@@ -1,0 +1,54 @@
+"""The derivatives that a run keeps beside its rows and events, where its scenario asks for them: made at its end."""
+
+import numpy as np
+
+from ..columns import Column
+from ..engine.derivatives.along_run import Derivatives, differentiate, empty
+from ..problem import MOST_DERIVATIVES, Problem
+from .events import EventTable
+
+
+NAMES = ("sensitivities", "event_sensitivities")
+PER_CHUNK = 1 << 12  # rows
+
+
+def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str, dict[str, Column]]:
+    """The tables of derivatives by name; none where the scenario asks for none.
+
+    Parameters
+    ----------
+    problem
+        The run.
+    times
+        Of its rows [s], (n,).
+    events
+        Its log. Of a longer one than the derivatives may be (`MOST_DERIVATIVES`) those of the first events are
+        computed, and the rest are NaN.
+    """
+    wrt = problem.sensitivities
+    if not wrt:
+        return {}
+    most = MOST_DERIVATIVES // len(wrt)
+    first = EventTable(events.kinds, *(values[:most] for values in events.columns().values()))
+    derived = _named(problem, differentiate(problem, wrt, times, first))
+    if len(events.time) > most:
+        gap = np.full((len(events.time) - most, len(wrt)), np.nan)
+        derived[NAMES[1]] = {
+            name: c._replace(values=events.kind if name == "kind" else np.concatenate([c.values, gap]))
+            for name, c in derived[NAMES[1]].items()
+        }
+    return derived
+
+
+def no_rows(problem: Problem, kinds: tuple[str, ...]) -> dict[str, dict[str, Column]]:
+    """The tables without rows, by name."""
+    return _named(problem, empty(problem, problem.sensitivities, kinds)) if problem.sensitivities else {}
+
+
+def _named(problem: Problem, derived: Derivatives) -> dict[str, dict[str, Column]]:
+    """The tables of a store: every column of derivatives says by which numbers, in order."""
+    by = {"parameters": " ".join(problem.sensitivities)}
+    return {
+        name: {key: c._replace(attrs=c.attrs | by) if len(c.dims) > 1 else c for key, c in columns.items()}
+        for name, columns in zip(NAMES, (derived.trajectory, derived.events), strict=True)
+    }

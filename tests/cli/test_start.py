@@ -1,0 +1,79 @@
+"""What a start imports: only what the words on the command line need."""
+
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from tippetop.cli import outcome
+from tippetop.cli.overview import COMMANDS
+
+
+SHOW = """
+import sys
+from tippetop.cli import outcome
+code = outcome(sys.argv[1:])
+print()
+print(*sys.modules)
+sys.exit(code)
+"""
+
+
+def imported(*words: str) -> set[str]:
+    """The modules and packages that a process has imported when it has done what the words say."""
+    done = subprocess.run([sys.executable, "-c", SHOW, *words], capture_output=True, text=True, check=True)
+    modules = done.stdout.splitlines()[-1].split()
+    return {*modules, *(module.partition(".")[0] for module in modules)}
+
+
+@pytest.mark.parametrize("words", [[], ["--help"], ["--version"]], ids=str)
+def test_the_overview_needs_the_standard_library_alone(words: list[str]) -> None:
+    assert {m for m in imported(*words) if m.startswith("tippetop")} == {
+        *("tippetop", "tippetop.awaiting", "tippetop.cli", "tippetop.cli.overview", "tippetop.cli.streams"),
+        "tippetop.errors",
+    }
+    assert not imported(*words) & {"attr", "cyclopts", "heyoka", "json", "logging", "numpy", "pydantic", "rich", "zarr"}
+
+
+def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
+    """Once its kernels are compiled: neither numba nor zarr, and nothing that draws, labels, sweeps or shows."""
+    for name in ("first", "second"):
+        modules = imported("run", "inverting", "--until", "0.1", "--out", str(tmp_path / f"{name}.zarr"))
+    assert not modules & {
+        *("asyncio", "dask", "fsspec", "h5py", "matplotlib", "numba", "pandas", "pint", "rich", "scipy", "xarray"),
+        *("yaml", "zarr"),
+    }
+    assert not modules & {
+        f"tippetop.{room}" for room in ("ensembles", "exchange", "figures", "library", "sweeps", "views")
+    }
+    assert "tippetop.engine.contact.driver" not in modules
+
+
+def test_a_command_imports_its_own_module_only() -> None:
+    assert {m for m in imported("presets") if m.startswith("tippetop.cli.")} == {
+        f"tippetop.cli.{name}"
+        for name in ("application", "console", "host", "memory", "overview", "show", "streams", "text", "usage")
+    }
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_overview_says_the_first_sentence_of_each_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """As its docstring, and as its own help, has it."""
+    function = import_module(f"tippetop.cli.{COMMANDS[name].module}").COMMANDS[name]
+    assert " ".join(function.__doc__.split("\n\n")[0].split()) == COMMANDS[name].sentence
+    assert outcome([name, "--help"]) == 0
+    assert COMMANDS[name].sentence.split(":")[0] in " ".join(capsys.readouterr().out.split())
+
+
+def test_no_command_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
+    offered = {name for c in COMMANDS.values() for name in import_module(f"tippetop.cli.{c.module}").COMMANDS}
+    assert offered == set(COMMANDS)
+    assert outcome(["--help"]) == 0
+    text = capsys.readouterr().out
+    lines = text.splitlines()
+    assert all(any(line.startswith(f"  {name} ") for line in lines) for name in COMMANDS)
+    assert max(map(len, lines)) <= 120
+    assert outcome([]) == 0
+    assert capsys.readouterr().out == text
