@@ -31,6 +31,7 @@ def ensemble(
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
     orientation: bool = False,
+    lyapunov: bool = False,
     **scenario: Any,
 ) -> "xr.Dataset":
     """Integrates many tops at once, which differ in numbers only: a row of results per top.
@@ -50,6 +51,9 @@ def ensemble(
         Whether the orientation of each body at its end is wanted: columns orientation_w_end, orientation_x_end,
         orientation_y_end, orientation_z_end (the unit quaternion that turns body axes into space axes) and psi_end
         [rad]. It changes no other column.
+    lyapunov : bool
+        Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s], that of
+        `tippetop.lyapunov` at the end. Each takes several times its run.
     **scenario
         Further arguments of `run` that say what the tops have in common: start, parameters, system, ...
 
@@ -84,7 +88,9 @@ def ensemble(
     threads = None if threads is None else whole("threads", threads)
     if not isinstance(progress, bool) and not callable(progress):
         raise InputError([f"`progress` must be a function or a bool, but is {progress!r:.60}."])
-    return ensembles.of_problem(base, dotted, threads=threads, progress=progress, orientation=orientation, alone=alone)
+    return ensembles.of_problem(
+        base, dotted, threads=threads, progress=progress, orientation=orientation, alone=alone, lyapunov=lyapunov
+    )
 
 
 def _in_si(name: str, values: Any, rule: Parameter | None) -> Any:
