@@ -455,7 +455,7 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
         "the kind of figure must be one of .* but is .*x": lambda: run.plot(["x"]),  # type: ignore[arg-type]
         "must end with the format": lambda: run.plot("theta", tmp_path / "theta"),
         "must end with the format of a figure": lambda: run.plot("theta", tmp_path / "theta.doc"),
-        "`omega3` must be an array of numbers": lambda: tt.ensemble("inverting", {"omega3": ["a"]}, until=0.1),
+        "`omega3` must be a number, but is 'a'": lambda: tt.ensemble("inverting", {"omega3": ["a"]}, until=0.1),
         "`threads` must be a whole": lambda: tt.ensemble("inverting", spins, until=0.1, threads=0),
         "`threads` must be a whole number": lambda: tt.ensemble("inverting", spins, until=0.1, threads="x"),  # type: ignore[arg-type]
         "`progress` must be": lambda: tt.ensemble("inverting", spins, until=0.1, progress=3),  # type: ignore[arg-type]

@@ -50,7 +50,7 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         )
     drift = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items())
     result.append(("drift", f"{drift} (relative, worst of the run)"))
-    if by := info["run"].get("sensitivities"):
+    if by := info.get("run", {}).get("sensitivities"):
         result.append(("sensitivities", f"derivatives of columns and events by {', '.join(by)}"))
     if "motion" in info:
         result.append(("motion", info["motion"]))
