@@ -226,7 +226,7 @@ class Transitions(Sliding, Standing):
         if not v_n < 0:  # it touches without striking
             return self._on_plane(ball, moment, reason)
         while len(strikes) < MOST_STRIKES:
-            moment, strike = self._struck(ball, moment)
+            moment, strike = self._struck(ball, moment, v_n)
             strikes.append(strike)
             if strike.makes_energy:
                 events = ("impact",) * len(strikes)
@@ -245,6 +245,7 @@ class Transitions(Sliding, Standing):
             if not pressed:
                 break
             ball = pressed[0]
+            v_n = float(self.point(ball, moment).z)
         else:
             return Change("flight", ball, moment, reason, ends=Status.STALLED, sentence=NO_WAY)
         rises = not strikes[-1].plastic
