@@ -151,7 +151,7 @@ def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytes
 
 
 def test_what_cannot_be_drawn_is_said(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(InputError, match="must be one of class, inversion, normal-force of a sweep"):
+    with pytest.raises(InputError, match="must be one of class, inversion, normal-force, lyapunov of a sweep"):
         maps.make_map(whole, "sphere")
     of = Plan.from_tables({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
     with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):

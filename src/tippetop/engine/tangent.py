@@ -5,6 +5,7 @@ The equations of motion, the start, columns and event functions are differentiat
 are those of the run, and one integrator serves every direction, each in a SIMD lane. Units are those of the problem.
 """
 
+import threading
 from collections.abc import Iterable
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
@@ -26,6 +27,7 @@ MOST_LANES = 4
 SOON = 3e4  # internal time in which all lanes together do not repay the 10 s that straight code takes to compile
 ALONG, TIME = hy.make_vars("along", "elapsed")
 ZERO = hy.expression(0.0)
+_one_at_a_time = threading.Lock()  # integrators are shared, and have a state
 
 
 class Kind(NamedTuple):
@@ -281,7 +283,8 @@ class Tangents:
         rows = np.zeros((len(times), (kind.order + 1) * len(names), total))
         for first in range(0, total, lanes):
             block = np.minimum(np.arange(first, first + lanes), total - 1)
-            part = self._block(motion, begin[:, block], pars[:, block], times[:, block])
+            with _one_at_a_time:
+                part = self._block(motion, begin[:, block], pars[:, block], times[:, block])
             count = min(lanes, total - first)
             rows[:, motion[1], first : first + count] = part[:, :, :count]
         return rows.reshape(len(times), kind.order + 1, len(names), total)

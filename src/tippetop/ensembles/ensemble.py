@@ -18,7 +18,7 @@ from ..engine.slices import event_functions, signs_of
 from ..engine.status import Status
 from ..engine.tallies import EventRows
 from ..errors import InputError
-from ..problem import Problem, Problems, variation_faults
+from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting
 from ..scenario import build
 from .lanes import LANES, SWINGS, Lanes
@@ -87,6 +87,7 @@ def measure(
     lanes: int = LANES,
     wanted: Collection[str] | None = None,
     alone: Alone | None = None,
+    lyapunov: bool = False,
 ) -> Outcomes:
     """Integrates every valid top to its end; `progress(done, n)` is called now and then.
 
@@ -104,6 +105,8 @@ def measure(
         Names of the columns that somebody reads, None: all. The others may be empty; these have the same bits.
     alone
         What runs one top whose contact may change its phase: lanes cannot.
+    lyapunov
+        Whether the finite-time Lyapunov exponents are wanted: one top after the other, several runs' cost each.
 
     Returns
     -------
@@ -127,8 +130,12 @@ def measure(
         one_by_one(measured, numbers, alone, progress)
     elif len(numbers):
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
-    measured.seconds = time.perf_counter() - clock
     _conclude(measured)
+    if lyapunov:
+        from .lyapunov import exponents
+
+        measured.lyapunov = exponents(tops, measured.columns["t_end"])
+    measured.seconds = time.perf_counter() - clock
     return measured
 
 
@@ -281,6 +288,7 @@ def of_problem(
     progress: Callable[[int, int], None] | bool = False,
     orientation: bool = False,
     alone: Alone | None = None,
+    lyapunov: bool = False,
 ) -> "xr.Dataset":
     """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
@@ -298,6 +306,8 @@ def of_problem(
         Whether the orientation at the end is wanted.
     alone
         What runs one top whose contact may change its phase.
+    lyapunov
+        Whether the finite-time Lyapunov exponents are wanted.
 
     Returns
     -------
@@ -314,7 +324,9 @@ def of_problem(
     `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
     of them stands in the attributes. Raises InputError if a key is wrong.
     """
+    if lyapunov and (sentences := derivative_faults(base)):
+        raise InputError(sentences)
     tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
-        measured = measure(tops, threads=threads, progress=tell, alone=alone)
+        measured = measure(tops, threads=threads, progress=tell, alone=alone, lyapunov=lyapunov)
         return dataset(measured, [*tops.check()[1], *measured.faults])

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
 Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
 ORIENTATION = {  # columns of the orientation at the end, where it is wanted: unit, meaning
     **{
@@ -96,6 +97,7 @@ class Outcomes:
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
         self.drift: dict[str, np.ndarray] = {}
+        self.lyapunov: np.ndarray | None = None  # [1/s], where it is wanted
         self.orientation = {name: np.full(n, np.nan) for name in ORIENTATION} if tops.orientation else {}
         self.steps_made = self.steps_possible = 0
         self.steps_by = ""  # "heyoka" where its own loop made steps, because the machine code could not be called
@@ -172,4 +174,7 @@ def table(outcomes: Outcomes) -> dict[str, Column]:
         columns[name] = Column(("top",), values, {"units": unit.symbol, "long_name": text})
     for name, worst in outcomes.drift.items():
         columns[f"drift_{name}"] = Column(("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
+    if outcomes.lyapunov is not None:
+        about = {"units": "s-1", "long_name": "finite-time Lyapunov exponent of the run"}
+        columns[LYAPUNOV] = Column(("top",), outcomes.lyapunov, about)
     return columns

@@ -115,6 +115,7 @@ SWEEP_KINDS = {
     "class": "fate of each top over two axes (default)",
     "inversion": "time of inversion",
     "normal-force": "least normal force",
+    "lyapunov": "finite-time Lyapunov exponent, of a plan that keeps it",
 }
 """The figures of a sweep, and what each shows."""
 ENDINGS = (".png", ".svg", ".pdf")

@@ -50,7 +50,14 @@ TITLES = {
     "class": "fate of each top",
     "inversion": "time of inversion, first rise of θ through π − 0.1",
     "normal-force": "least normal force",
+    "lyapunov": "finite-time Lyapunov exponent to the end of the run",
 }
+FIELDS = {
+    "inversion": ("viridis", "time of inversion t (s)"),
+    "normal-force": ("cividis", "least normal force $g_n\\,/\\,mg$"),
+    "lyapunov": ("inferno", "largest growth rate of a small error (s⁻¹)"),
+}
+"""Of what is a number: colours and label."""
 ONE_AXIS = {"inversion": "times of inversion", "normal-force": "extremes of the normal force"}
 TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
 
@@ -77,12 +84,10 @@ def _over_two(sweep_map: Any, ax: Axes | None) -> Axes:
         present = [name for i, name in enumerate(sweep_map.classes) if (field == i).any()]
         entries += [Patch(color=of_class[name], label=_name(name)) for name in present]
     elif np.isfinite(field).any():
-        force = sweep_map.kind == "normal-force"
-        mesh = axes.pcolormesh(x.edges, y.edges, field, cmap="cividis" if force else "viridis", rasterized=True)
-        picture.colorbar(
-            mesh, ax=axes, label="least normal force $g_n\\,/\\,mg$" if force else "time of inversion t (s)", pad=0.02
-        )
-        if force:
+        colours_of, label = FIELDS[sweep_map.kind]
+        mesh = axes.pcolormesh(x.edges, y.edges, field, cmap=colours_of, rasterized=True)
+        picture.colorbar(mesh, ax=axes, label=label, pad=0.02)
+        if sweep_map.kind == "normal-force":
             entries += _liftoff(axes, x, y, field)
     if sweep_map.kind == "inversion" and np.isnan(field).any():
         axes.set_facecolor(ink().grid)
@@ -154,6 +159,10 @@ def _over_one(sweep_map: Any, ax: Axes | None) -> Axes:
         ):
             axes.plot(x.centres, sweep_map.fields[name], color=colour, marker=marker, label=f"first {words}")
         axes.set_ylabel("time t (s)")
+    elif sweep_map.kind == "lyapunov":
+        axes.plot(x.centres, sweep_map.fields["lyapunov"], color=inks.run, marker=marker)
+        axes.axhline(0, color=inks.quiet, lw=0.8)
+        axes.set_ylabel(FIELDS["lyapunov"][1])
     else:
         for name, colour, words in (
             ("normal_force_min", inks.run, "least"),

@@ -5,7 +5,7 @@ of a run is computed there, and a single run is the case n = 1.
 """
 
 from .choice import AUTO, Choice, choice
-from .differentiable import MOST_DERIVATIVES, kept_faults, refuse
+from .differentiable import MOST_DERIVATIVES, derivative_faults, kept_faults, refuse
 from .faults import key_faults, variation_faults
 from .kept import ORIENTATION, PSI, TURN, column_faults, column_names
 from .many import Problems
@@ -28,6 +28,7 @@ __all__ = [
     "choice",
     "column_faults",
     "column_names",
+    "derivative_faults",
     "kept_faults",
     "key_faults",
     "refuse",

@@ -8,7 +8,7 @@ from ..columns import Column
 from ..ensembles import ensemble, outcomes
 from ..ensembles.singly import Ended
 from ..mechanics.variables import Variables
-from ..problem import Problem
+from ..problem import Problem, derivative_faults
 from ..runs.run import run_to_end
 from ..scenario import build
 from ..store import provenance
@@ -55,8 +55,10 @@ def measure(
 ) -> outcomes.Outcomes:
     """Runs tops as far as what is kept of them needs it."""
     oriented = any(_group(name) == ORIENTATION for name in keep or [])
+    chaos = outcomes.LYAPUNOV in (keep or [])
     tops = ensemble.vary(base, numbers, orientation=oriented)
-    return ensemble.measure(tops, threads=threads, wanted=keep, alone=alone)
+    wanted = [*(keep or []), "t_end"] if chaos else keep
+    return ensemble.measure(tops, threads=threads, wanted=wanted, alone=alone, lyapunov=chaos)
 
 
 def alone(problem: Problem) -> Ended:
@@ -94,9 +96,11 @@ def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
 
 
 def column_names(base: Problem) -> list[str]:
-    """What `keep` may name: columns, and the groups of columns `final_state`, `drift` and `orientation`."""
+    """What `keep` may name: columns, and the groups of columns `final_state`, `drift` and `orientation`; where there
+    are derivatives, `lyapunov`."""
     oriented = [ORIENTATION, *outcomes.ORIENTATION] if base.form.orientation else []
-    return [name for name in column_schema(base, None) if name != "status"] + [FINAL, DRIFT, *oriented]
+    chaos = [] if derivative_faults(base) else [outcomes.LYAPUNOV]
+    return [name for name in column_schema(base, None) if name != "status"] + [FINAL, DRIFT, *oriented, *chaos]
 
 
 def _kept(name: str, keep: list[str]) -> bool:

@@ -27,6 +27,7 @@ NEEDED = {
     "class": ("class", "theta_end"),
     "inversion": ("inverted_at", "first_equator"),
     "normal-force": ("normal_force_min", "normal_force_max"),
+    "lyapunov": ("lyapunov",),
 }
 """What is mapped, and what is added to it where a sweep has but one axis."""
 SHOWN = (*CLASSES, "near-upright")

@@ -12,8 +12,9 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from ..arguments import path_of
 from ..ensembles import ensemble
+from ..ensembles.outcomes import LYAPUNOV
 from ..errors import InputError
-from ..problem import Problem, key_faults
+from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
@@ -79,7 +80,9 @@ class _Plan(Table):
     sample: Annotated[_Sample | None, _described("how axes with between are drawn")] = None
     keep: Annotated[
         list[str] | None,
-        _described("columns to keep; all but orientation. final_state, drift and orientation stand for all of theirs"),
+        _described(
+            "columns to keep; all but orientation and lyapunov. final_state, drift, orientation stand for all of theirs"
+        ),
     ] = None
     runs: Annotated[
         list[Annotated[int, Field(ge=0)]], _described("numbers of tops to run alone as well, with rows, into runs/N")
@@ -287,6 +290,9 @@ def _whole_faults(plan: Plan) -> list[str]:
         from .chunk import column_names
 
         known = column_names(plan.base)
+        if LYAPUNOV in plan.keep and LYAPUNOV not in known:
+            sentences += [f"`keep` must not have lyapunov here: {s}" for s in derivative_faults(plan.base)]
+            known.append(LYAPUNOV)
         sentences += [
             f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in plan.keep if name not in known
         ]

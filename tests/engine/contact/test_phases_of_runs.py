@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from tippetop.engine.contact import beginning
+from tippetop.engine.contact import beginning, driver
 from tippetop.engine.status import Status
+from tippetop.mechanics.contact import first_slip
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
@@ -180,3 +181,32 @@ def test_a_top_between_sphere_and_stem_never_sinks():
         columns = run(LEINE_GLOCKER, initial=start, stem={"r": 0.005, "h": 0.013}, until=0.05).columns()
         sphere = columns["z"].values - 0.015 + 0.003 * np.cos(columns["theta"].values)
         assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12, theta_dot
+
+
+def test_where_a_slice_ends_does_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One ends after so many seconds of computing, at a change of phase: here at each."""
+    tables = {
+        "system": "tippe-top", "parameters": CANONICAL, "friction": {"law": "coulomb", "mu": 0.3},
+        "contact": {"e_n": 0.5}, "initial": {"theta": 0.3, "omega3": 100.0, "gap": 0.001}, "run": {"until": 0.1},
+    }  # fmt: skip
+    whole, slices = solve(problem(tables)), []
+    monkeypatch.setattr(driver, "LONGEST", -1.0)
+    pieces = solve(problem(tables), slices.append)
+    assert len(slices) > 3
+    assert pieces.report == whole.report
+    for one, other in zip(whole.columns().values(), pieces.columns().values(), strict=True):
+        np.testing.assert_array_equal(one.values, other.values)
+
+
+def test_a_slide_of_a_body_that_hardly_turns_begins_as_fast_as_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cylinder that rocks under weak friction: the first sweeps are over a time in which gravity moves it."""
+    sweeps, swept = [], first_slip._swept
+    monkeypatch.setattr(first_slip, "_swept", lambda *given: sweeps.append(given) or swept(*given))
+    table = {"m": 0.1155, "R": 0.00117, "alpha": 0.5127, "I": 4.78e-8, "g": 9.82}
+    solution = run(
+        table, "gliding-cylinder", 1.3,
+        friction={"law": "coulomb", "mu": 0.0016}, contact={"e_n": 1.0}, initial={"theta": 0.124},
+    )  # fmt: skip
+    rolls = solution.report["contact_phases"]["counts"]["roll"]  # the last has not ended
+    assert rolls > 5
+    assert len(sweeps) <= 2 * (rolls - 1)

@@ -60,7 +60,7 @@ class Growth(NamedTuple):
         return f"an error of 1e-16 at the start grows to at most {size:.2g} ({exponent})"
 
 
-def growth(problem: Problem, times: np.ndarray) -> Growth:
+def growth(problem: Problem, times: np.ndarray, *, uses: int = 1) -> Growth:
     """The growth of errors of the start, by the variational equations.
 
     Parameters
@@ -69,6 +69,8 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
         The run, in doubles; in vector form where its system has one.
     times
         Of the rows [s], (n,), ascending, the first 0.
+    uses
+        How many such problems there are, about: for many the equations are compiled with more care.
 
     Raises
     ------
@@ -88,7 +90,9 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     ways = numbers.directions(wrt)
     point = np.repeat(numbers.internal()[:, None], len(wrt), axis=1)
     moving = kind.variables.names[: kind.variables.moving]
-    states = Tangents(kind, problem.tolerance).states(point, ways, times / float(problem.scales.of(SECOND)), moving)
+    states = Tangents(kind, problem.tolerance, uses=uses).states(
+        point, ways, times / float(problem.scales.of(SECOND)), moving
+    )
     moves = states[:, 1, : len(moving)]  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]

@@ -1,0 +1,65 @@
+"""Finite-time Lyapunov exponents of many tops: a column of ensembles and sweeps that is left out unless asked for."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import tippetop as tt
+from tippetop.errors import InputError
+from tippetop.figures.sweep import draw_map
+from tippetop.sweeps import chunk, maps
+from tippetop.sweeps.plan import Plan
+
+
+SPINS = [120.0, -1.0, 330.0]
+AXES = [{"of": "initial.omega3", "values": [100.0, 150.0]}, {"of": "friction.mu", "values": [0.1, 0.2, 0.3]}]
+
+
+def test_each_top_has_the_exponent_of_its_run() -> None:
+    """The second is no top, the third lifts off before its time."""
+    numbers = {"omega3": SPINS, "mu": [0.3, -1.0, 0.3]}
+    rows = tt.ensemble("inverting", numbers, until=0.1, lyapunov=True)
+    assert rows.lyapunov.attrs["units"] == "s-1"
+    assert np.isnan(rows.lyapunov[1])
+    for top in (0, 2):
+        end = float(rows.t_end[top])
+        alone = tt.lyapunov("inverting", {"mu": 0.3}, start={"omega3": SPINS[top]}, until=end, rows=2)
+        assert rows.lyapunov[top] == float(alone.exponent[-1])
+    assert "lyapunov" not in tt.ensemble("inverting", numbers, until=0.01)
+
+
+def test_a_sweep_keeps_it_where_it_is_named() -> None:
+    plan = Plan.from_tables(
+        {"scenario": "inverting", "keep": ["lyapunov"], "axis": AXES, "set": {"run": {"until": 0.1}}}
+    )
+    table = chunk.columns(chunk.measure(plan.base, plan.columns(np.arange(1)), plan.keep), plan.keep)
+    assert list(table) == ["status", "lyapunov"]
+    assert np.isfinite(table["lyapunov"].values).all()
+    assert list(chunk.column_schema(plan.base, plan.keep)) == ["status", "lyapunov"]
+    assert "lyapunov" not in chunk.column_schema(plan.base, None)
+
+
+def test_a_contact_that_opens_has_none() -> None:
+    with pytest.raises(InputError, match=r"`keep` must not have lyapunov here: the contact must never change"):
+        Plan.from_tables({"scenario": "flying", "keep": ["lyapunov"], "axis": AXES})
+    with pytest.raises(InputError, match="the contact must never change"):
+        tt.ensemble("flying", {"mu": [0.1]}, until=0.01, lyapunov=True)
+
+
+@pytest.mark.parametrize("axes", [AXES, AXES[:1]])
+def test_it_has_a_map(axes: list, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = Plan.from_tables({"scenario": "inverting", "keep": ["lyapunov"], "axis": axes})
+    rates = np.linspace(0.5, 3.0, plan.n)
+    table = xr.Dataset({"lyapunov": ("top", rates), "status": ("top", np.ones(plan.n, np.int8))})
+    numbers = plan.design.numbers(np.arange(plan.n))
+    about = {"units": "1", "long_name": "an axis"}
+    table = table.assign_coords({key: ("top", values, about) for key, values in numbers.items()})
+    table.attrs = {"plan": plan.document, "status": "finished", "title": "sweep: a top"}
+    monkeypatch.setattr(maps, "open_sweep", lambda _: table)
+    made = maps.make_map(tmp_path, "lyapunov")
+    np.testing.assert_array_equal(made.fields["lyapunov"].ravel(), rates)
+    picture = draw_map(made).get_figure(root=True)
+    labels = [panel.get_ylabel() for panel in picture.axes]
+    assert "largest growth rate of a small error (s⁻¹)" in labels
