@@ -81,19 +81,19 @@ class CompiledDriver(Driver):
                 steps += self.place.drive_on(left)
                 break
             rows, drive_on = self._filling(wanted.times, request.steps)
-            made = wanted.made
-            rows.filled[0] = made
+            first = wanted.made
+            rows.filled[0] = first
             steps += drive_on(left)
             wanted.made = int(rows.filled[0])
-            if wanted.made > made:
-                request.take(rows.times[made : wanted.made], rows.states[made : wanted.made, :n])
-            if wanted.made == made or wanted.made < len(rows.times):
+            if wanted.made > first:
+                request.take(rows.times[first : wanted.made], rows.states[first : wanted.made, :n])
+            if wanted.made == first or wanted.made < len(rows.times):
                 break
         code, when, after, _, upto, *_ = tally.item()
-        status, found = STATUSES[code], int(log.filled[0])
+        status, count = STATUSES[code], int(log.filled[0])
         last = self.motion.state[None, :, 0]
-        columns = log.time[:found], log.event[:found], log.sign[:found], log.at_pole[:found], log.states[:found, :n]
-        if found > 1:
+        columns = log.time[:count], log.event[:count], log.sign[:count], log.at_pole[:count], log.states[:count, :n]
+        if count > 1:
             order = np.argsort(columns[0], kind="stable")
             passages = Passages(*(column[order] for column in columns))
         else:

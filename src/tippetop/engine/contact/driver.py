@@ -3,7 +3,6 @@
 To whoever asks it is a driver like any other; its states are rows (`mechanics.contact.phases.row.Row`).
 """
 
-from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -30,7 +29,7 @@ from .transitions import Change, Transitions
 
 
 MOST_CHANGES = 10_000  # of phase in a run
-LONGEST = 0.5  # [s] of computing: a slice ends at the next change of phase, so that nobody waits for it
+PER_SLICE = 64  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Formulas of a phase are asked of states of another, such as the region of a patch that drills; what is no number in
@@ -229,7 +228,7 @@ class ContactDriver:
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps, through as many phases as they take."""
-        output, steps, began = Gathered(self.problem, self.balls, request), 0, monotonic()
+        output, steps = Gathered(self.problem, self.balls, request), 0
         while True:
             output.of(self.phase, self.carried, self.taken)
             piece = self.inner.advance(output, most - steps)
@@ -242,7 +241,7 @@ class ContactDriver:
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
             status = self._change(ending, piece.last[0], when, output)
-            if status is not None or steps >= most or monotonic() - began > LONGEST:
+            if status is not None or steps >= most or self.changes % PER_SLICE == 0:
                 break
         if status is not None:
             self.tables.end(float(when), str(status.value))
