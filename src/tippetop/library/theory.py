@@ -114,6 +114,10 @@ def linear_modes(
     ------
     InputError
         If the body spins in no such state, or the law is not known.
+
+    Notes
+    -----
+    The equations of motion, linearised about theta = 0 or pi: a cubic in p where the contact glides. Friedl (1997).
     """
     body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
