@@ -8,9 +8,13 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .errors import InputError, StoreError, suggestion
+
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 F = TypeVar("F", bound=Callable)
@@ -25,6 +29,19 @@ def finite(name: str, value: Any) -> float:
     if not math.isfinite(number):
         raise InputError([f"`{name}` must be a finite number, but is {value!r:.60}."])
     return number
+
+
+def numbers(name: str, values: Any) -> "np.ndarray":
+    """The argument as an array of floats of any shape, NaN among them. Raises InputError if it is none."""
+    import numpy as np
+
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiu":
+            raise TypeError
+        return array.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError([f"`{name}` must be a number or an array of numbers, but is {values!r:.60}."]) from None
 
 
 def whole(name: str, value: Any) -> int:

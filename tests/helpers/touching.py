@@ -5,6 +5,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 
 NAMES = {"thetadot": "theta_dot", "phidot": "phi_dot"}  # of the reference, and ours
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 3.2e-06, "g": 9.82}
@@ -59,3 +61,9 @@ TURNING = reference("caseC6_cylinder_coulomb")[0]
 
 THROWN = reference("caseC3_liftoff_flight_plastic_landing")[0]
 """A top that slides, flies, lands, slides and rolls."""
+
+
+def table_of(solution: Any, name: str) -> dict[str, np.ndarray]:
+    """A table of a run, which came in parts, slice by slice."""
+    parts = solution.others[name]
+    return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}

@@ -100,3 +100,15 @@ def test_a_preset_is_the_file_of_its_text(tmp_path) -> None:
         place = tmp_path / f"{name}.toml"
         place.write_text(text, encoding="utf-8")
         assert read(name) == read(str(place))
+
+
+def test_what_says_when_rows_are_wanted_takes_the_place_of_what_said_so() -> None:
+    """As arguments of the library do; "times" says nothing that a step contradicts."""
+    tables = {"run": {"until": 8.0, "output_step": 0.01}}
+    assert override(tables, ["run.output=keyframes"])["run"] == {"until": 8.0, "output": "keyframes"}
+    assert override(tables, ["run.output_times=[0, 1]"])["run"] == {"until": 8.0, "output_times": [0, 1]}
+    assert override(tables, ['run.output="times"'])["run"] == {"until": 8.0, "output_step": 0.01, "output": "times"}
+    assert override(tables, ["run.until=9.0"])["run"] == {"until": 9.0, "output_step": 0.01}
+    kept = override({"run": {"output": "keyframes", "keyframe_steps": 64}}, ["run.output_step=0.1"])["run"]
+    assert kept == {"output_step": 0.1}
+    assert tables == {"run": {"until": 8.0, "output_step": 0.01}}

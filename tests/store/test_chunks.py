@@ -11,7 +11,7 @@ from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import chunks, tables
 from tippetop.store.chunks import Appender
-from tippetop.store.place import Place
+from tippetop.store.own import OwnStore
 
 
 CHUNK, ROWS = 8, 45  # five whole chunks and a part
@@ -59,7 +59,7 @@ def assert_holds(path: Path, rows: int = ROWS) -> None:
 def test_columns_are_kept_with_their_types_names_and_attributes(tmp_path: Path) -> None:
     assert_holds(whole(tmp_path / "a"))
     arrays = table(tmp_path / "a")
-    assert arrays["axis"].dims == ("time", "xyz")
+    assert arrays["axis"].metadata.dimension_names == ("time", "xyz")
     assert arrays["axis"].chunks == (CHUNK, 3)
     assert arrays["flag"].dtype == np.bool_
     assert arrays["time"].attrs["units"] == "1"
@@ -116,16 +116,16 @@ def test_a_writer_killed_while_it_cuts_leaves_no_chunk_too_few(
 ) -> None:
     """Before, what it was about to cut was taken for damage: the store could never be resumed."""
     whole(tmp_path / "a")
-    removed, delete = [], Place.delete
+    removed, delete = [], OwnStore.delete_sync
 
-    def die(store: Place, key: str) -> None:
+    def die(store: OwnStore, key: str) -> None:
         if len(removed) == after:
             raise Killed
         removed.append(key)
         delete(store, key)
 
     with monkeypatch.context() as patched:
-        patched.setattr(Place, "delete", die)
+        patched.setattr(OwnStore, "delete_sync", die)
         with pytest.raises(Killed):
             Appender(table(tmp_path / "a")).cut(8)
     chunks.verify(table(tmp_path / "a"))  # every chunk that its metadata promises

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zarr
 
 from tippetop.columns import Column
 from tippetop.errors import StoreError
-from tippetop.store import files, provenance, tables
+from tippetop.store import files, own, provenance, tables
 from tippetop.store.files import LOCK, Lock
 from tippetop.store.root import new_store
 
@@ -264,7 +265,7 @@ def test_nothing_inside_a_store_is_followed_when_it_is_written(inside: str, tmp_
     theta = {"theta": Column(("time",), np.zeros(0), {})}
     tables.create_table(root.create_group("trajectory"), theta, {"time": (0, 4)})
     _, (arrays,) = tables.open_root(path, "trajectory")
-    arrays["theta"].resize(4)
+    arrays["theta"].resize((4,))
     arrays["theta"][:] = 1.0
     if inside == "pipe":
         os.mkfifo(path / inside)
@@ -296,16 +297,30 @@ def test_a_link_that_is_planted_while_a_store_is_written_is_not_followed(inside:
     theta = {"theta": Column(("time",), np.zeros(0), {})}
     tables.create_table(root.create_group("trajectory"), theta, {"time": (0, 4)})
     _, (arrays,) = tables.open_root(path, "trajectory")
-    arrays["theta"].resize(12)
+    arrays["theta"].resize((12,))
     arrays["theta"][:8] = 1.0
     (path / inside).rename(elsewhere)
     (path / inside).symlink_to(elsewhere)
     before = {p: p.read_bytes() for p in sorted(elsewhere.rglob("*")) if p.is_file()}
-    writes = [lambda: arrays["theta"].__setitem__(slice(8, 12), 2.0), lambda: arrays["theta"].cut(4)]
+    writes = [lambda: arrays["theta"].__setitem__(slice(8, 12), 2.0), lambda: arrays["theta"].resize((4,))]
     for write in writes:
         with pytest.raises(StoreError, match="neither followed nor written"):
             write()
     assert {p: p.read_bytes() for p in sorted(elsewhere.rglob("*")) if p.is_file()} == before
+
+
+def test_what_zarr_writes_through_a_store_of_its_own_is_the_same(tmp_path: Path) -> None:
+    """Files and bytes, of chunks that are written, written again and cut off."""
+    for store in (own.OwnStore(tmp_path / "a"), str(tmp_path / "b")):
+        group = zarr.open_group(store=store, mode="a", zarr_format=3, attributes={"x": 1})
+        array = group.create_array("theta", shape=(10,), chunks=(4,), dtype="f8")
+        array[:] = np.arange(10.0)
+        array[3:6] = 7.0
+        array.resize((5,))
+        group.update_attributes({"y": 2})
+    assert {p.relative_to(tmp_path / "a"): p.read_bytes() for p in (tmp_path / "a").rglob("*") if p.is_file()} == {
+        p.relative_to(tmp_path / "b"): p.read_bytes() for p in (tmp_path / "b").rglob("*") if p.is_file()
+    }
 
 
 KILLED_EXPORT = """

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import zarr
 from plans import PLAN
 from stores import assert_same, written
 
@@ -18,7 +19,6 @@ import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root
-from tippetop.store.array import Array
 from tippetop.sweeps import chunk, sweep, workers
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import lines, open_sweep, report
@@ -187,7 +187,7 @@ def test_a_kill_between_data_and_status_is_no_harm(
     whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every file that a chunk writes may be the last one."""
-    write, store = Array.__setitem__, tmp_path / "S.zarr"
+    write, store = zarr.Array.__setitem__, tmp_path / "S.zarr"
     files_per_chunk = len(open_sweep(whole).variables) + 1
     for last in (files_per_chunk + 5, files_per_chunk, files_per_chunk + 1, 12):
         count = [0]
@@ -199,7 +199,7 @@ def test_a_kill_between_data_and_status_is_no_harm(
             write(array, at, value)
 
         with monkeypatch.context() as patched:
-            patched.setattr(Array, "__setitem__", killed)
+            patched.setattr(zarr.Array, "__setitem__", killed)
             with pytest.raises(Stop):
                 tippetop.sweep(file, store, workers=1)
         (store / "sweep" / "class" / "c" / "0.0123.partial").write_text("zarr was writing this")

@@ -28,6 +28,8 @@ _received: list[int] = []  # exit codes of the signals that came
 
 
 def _interrupt(*_: Any) -> NoReturn:
+    if _received:
+        os._exit(_received[0])  # somebody is in a hurry: what was acknowledged is on the disk
     _received.append(INTERRUPTED)
     raise KeyboardInterrupt
 
@@ -55,6 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         if stopped.code == TERMINATED and _received:
             complain(["terminated; what was written to disk stays."], TERMINATED)
         code = stopped.code if isinstance(stopped.code, int) else BUG
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # only what is printed is left
     code = streams.finished(code)
     if awaiting.abandoned():
         os._exit(code)  # a compilation still runs in its thread, and the interpreter would wait for it

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..arguments import numbers
 from ..errors import InputError
 from ..mechanics.system import Momentum
 from .body import Top
@@ -29,7 +30,7 @@ def axis(name: str, values: Any) -> np.ndarray:
     InputError
         With one sentence, if it is not.
     """
-    x = np.ascontiguousarray(np.atleast_1d(np.asarray(values, dtype=float)))
+    x = np.ascontiguousarray(np.atleast_1d(numbers(name, values)))
     if x.ndim != 1 or x.size == 0:
         raise InputError([f"`{name}` must be a number or a one-dimensional array that is not empty: {x.shape}."])
     known = x[np.isfinite(x)]

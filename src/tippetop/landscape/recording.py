@@ -20,7 +20,7 @@ import numpy as np
 from ..columns import Column
 from ..errors import StoreError
 from ..store import files, seal, skeleton, tables
-from ..store.chunks import Appender, readable
+from ..store.chunks import Appender, chunk_file, readable
 from ..store.files import LOCK, Lock
 from ..store.provenance import provenance
 from ..store.root import finish, new_store
@@ -177,7 +177,7 @@ def _digest(arrays: dict[str, Any], i: int, j: int) -> str:
     """A digest of what of a chunk is on the disk, and of its place. Raises OSError."""
     whole = hashlib.sha256(f"{i} {j}".encode())
     for name in OVER_AXES:
-        whole.update(name.encode() + seal.checksum(arrays[name].chunk_file(i, j)))
+        whole.update(name.encode() + seal.checksum(chunk_file(arrays[name], i, j)))
     return whole.hexdigest()
 
 
@@ -196,12 +196,13 @@ def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
             shutil.rmtree(old)
         elif old.name != LOCK:
             old.unlink()
-    group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
-    arrays: dict[str, Any] = {}
-    for columns, sizes, fill in _tables(wanted):
-        arrays |= tables.create_table(group, columns, sizes, fill=fill)
-    for name, axis in wanted.axes().items():
-        arrays[name][...] = axis.values
+    with tables.every_chunk():
+        group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
+        arrays: dict[str, Any] = {}
+        for columns, sizes, fill in _tables(wanted):
+            arrays |= tables.create_table(group, columns, sizes, fill=fill)
+        for name, axis in wanted.axes().items():
+            arrays[name][...] = axis.values
     return arrays
 
 

@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from ..arguments import numbers
 from ..columns import flagged, require
+from ..errors import InputError
 from ..mechanics.system import System
 from .body import Top, landscape_of, top
 from .kernels import compiled, kernels
@@ -101,7 +103,8 @@ def turning_angles(
     from tippetop_kernels.level_crossings import Level
 
     t = top(parameters, system)
-    (x, y, E, at), shape, dims, coords = _aligned(first, second, energy, np.nan if theta is None else theta)
+    given = {t.momenta[0]: first, t.momenta[1]: second, "energy": energy}
+    (x, y, E, at), shape, dims, coords = _aligned(**given, theta=np.nan if theta is None else theta)
     swing = swings(t, x, y, E, at)
     inner, outer = (swing.low, swing.high) if t.upright == 1 else (swing.high, swing.low)
     others = swing.other[:: t.upright]
@@ -166,14 +169,21 @@ def _inertia(t: Top) -> Any:
     return compiled(t.system.theta_inertia)
 
 
-def _aligned(*arguments: Any) -> tuple[tuple[np.ndarray, ...], tuple[int, ...], tuple, dict]:
-    """Arguments broadcast against one another, each (n,); and their shape, dimensions and coordinates."""
-    arrays: list[Any] = [a if isinstance(a, xr.DataArray) else np.asarray(a, dtype=float) for a in arguments]
+def _aligned(**arguments: Any) -> tuple[tuple[np.ndarray, ...], tuple[int, ...], tuple, dict]:
+    """Arguments broadcast against one another, each (n,); and their shape, dimensions and coordinates. Raises
+    InputError."""
+    arrays: list[Any] = [a if isinstance(a, xr.DataArray) else numbers(name, a) for name, a in arguments.items()]
     if any(isinstance(a, xr.DataArray) for a in arrays):
         arrays = list(xr.broadcast(*(a if isinstance(a, xr.DataArray) else xr.DataArray(a) for a in arrays)))
         dims, coords = arrays[0].dims, dict(arrays[0].coords)
     else:
-        arrays = list(np.broadcast_arrays(*arrays))
+        try:
+            arrays = list(np.broadcast_arrays(*arrays))
+        except ValueError:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(arguments, arrays, strict=True))
+            raise InputError(
+                [f"momenta, energy and theta must have shapes that broadcast, but have {shapes}."]
+            ) from None
         dims, coords = tuple(f"dim_{i}" for i in range(arrays[0].ndim)), {}
     flat = tuple(np.ascontiguousarray(np.asarray(a, dtype=float).ravel()) for a in arrays)
     return flat, arrays[0].shape, dims, coords

@@ -5,26 +5,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import finite
+from ..arguments import numbers
 from ..errors import InputError
 from ..mechanics.contact.rolling.euler import EulerState, general_accelerations
 from ..mechanics.theory import least_energy as least
 from ..mechanics.theory.least_energy import AsymptoticState
+from ..mechanics.units import JELLETT, METRE_PER_SECOND2, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
+from ..scenario.numbers import measured
 from .bodies import TippeTop
 from .run import Run
 from .sources import top_of
 
 
-def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float) -> list[AsymptoticState]:
+def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float | str) -> list[AsymptoticState]:
     """The spinning and tumbling states of a tippe top for a value of Jellett's integral.
 
     Parameters
     ----------
     top : TippeTop, Run, Problem or str
         The body, or what has one: a run, a problem, the name of a preset, a TOML file.
-    lam : float
-        Jellett's integral lambda [kg m^3/s].
+    lam : float or str
+        Jellett's integral lambda [kg m^3/s]; a text has a unit of its own: "7e-6 kg m^3/s".
 
     Returns
     -------
@@ -42,7 +44,7 @@ def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float) -> list[A
     They are the critical points of `least_energy`, and stable where it has a minimum. Rutstam (2010), theorems 3.3.1
     and 3.3.2, corrected.
     """
-    return least.asymptotic_states(finite("lam", lam), top_of(top, TippeTop).body())
+    return least.asymptotic_states(measured("lam", lam, JELLETT), top_of(top, TippeTop).body())
 
 
 def least_energy(
@@ -67,14 +69,20 @@ def least_energy(
     Raises
     ------
     InputError
-        If the body is another one.
+        If the body is another one, or these are no numbers.
 
     Notes
     -----
     E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda = -lambda a/(a.I a).
     Rutstam (2010), eqs. 3.43 and 3.44, corrected.
     """
-    return least.least_energy(np.cos(theta), np.asarray(lam)[()], top_of(top, TippeTop).body())
+    theta, lam = numbers("theta", theta)[()], numbers("lam", lam)[()]
+    try:
+        np.broadcast_shapes(np.shape(theta), np.shape(lam))
+    except ValueError:
+        shapes = f"{np.shape(theta)} and {np.shape(lam)}"
+        raise InputError([f"`theta` and `lam` must have shapes that broadcast, but have {shapes}."]) from None
+    return least.least_energy(np.cos(theta), lam, top_of(top, TippeTop).body())
 
 
 class Accelerations(NamedTuple):
@@ -88,12 +96,12 @@ class Accelerations(NamedTuple):
 def accelerations(
     top: TippeTop | Run | Problem | str,
     *,
-    theta: float,
-    theta_dot: float = 0.0,
-    phi_dot: float = 0.0,
-    omega3: float = 0.0,
-    w_x: float = 0.0,
-    w_y: float = 0.0,
+    theta: float | str,
+    theta_dot: float | str = 0.0,
+    phi_dot: float | str = 0.0,
+    omega3: float | str = 0.0,
+    w_x: float | str = 0.0,
+    w_y: float | str = 0.0,
 ) -> Accelerations:
     """The general system: accelerations of a tippe top whose contact point accelerates as given.
 
@@ -101,11 +109,11 @@ def accelerations(
     ----------
     top : TippeTop, Run, Problem or str
         The body, or what has one, as for `asymptotic_states`.
-    theta : float
-        Inclination [rad], in (0, pi).
-    theta_dot, phi_dot, omega3 : float
+    theta : float or str
+        Inclination [rad], in (0, pi); each number may be a text with a unit: "30 deg".
+    theta_dot, phi_dot, omega3 : float or str
         Rates [rad/s].
-    w_x, w_y : float
+    w_x, w_y : float or str
         Acceleration of the contact point [m/s^2], dv_A/dt = w_x e + w_y 2hat; none is pure rolling. Under friction it
         is w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x.
 
@@ -123,10 +131,10 @@ def accelerations(
     -----
     Whatever friction does, F = m s'' + m g zhat follows from the motion. Rutstam (2010), eqs. 3.36, 4.2-4.4.
     """
-    body, theta = top_of(top, TippeTop).body(), finite("theta", theta)
-    if not 0 < theta < math.pi:
+    body, angle = top_of(top, TippeTop).body(), measured("theta", theta, RADIAN)
+    if not 0 < angle < math.pi:
         raise InputError([f"`theta` must lie in (0, pi), but is {theta}."])
     rates = (("theta_dot", theta_dot), ("phi_dot", phi_dot), ("omega3", omega3))
-    state = EulerState(theta, *(finite(name, value) for name, value in rates))
-    pushes = finite("w_x", w_x), finite("w_y", w_y)
-    return Accelerations(*general_accelerations(state, math.sin(theta), math.cos(theta), *pushes, body))
+    state = EulerState(angle, *(measured(name, value, RADIAN_PER_SECOND) for name, value in rates))
+    pushes = measured("w_x", w_x, METRE_PER_SECOND2), measured("w_y", w_y, METRE_PER_SECOND2)
+    return Accelerations(*general_accelerations(state, math.sin(angle), math.cos(angle), *pushes, body))

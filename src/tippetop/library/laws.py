@@ -46,7 +46,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Viscous(Friction):
-    """Viscous friction, F = -mu g_n v_A: the law of the source.
+    """Viscous friction, F = -mu g_n v_A: the law of Rutstam's thesis (2010).
 
     Parameters
     ----------
@@ -89,6 +89,10 @@ class Coulomb(Friction):
     ------
     InputError
         With one sentence for every number that is wrong.
+
+    Notes
+    -----
+    Coulomb (1785). Why it does not turn a tippe top over, and what eps changes: docs/contact.md.
     """
 
     mu: float

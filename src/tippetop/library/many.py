@@ -9,8 +9,10 @@ import numpy as np
 from ..arguments import dotted_keys, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
-from ..mechanics.system import System
+from ..mechanics.system import Parameter, System
+from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..scenario.numbers import measured
 from ..sweeps.chunk import alone
 from .bodies import Top
 from .scenarios import problem_of
@@ -39,8 +41,8 @@ def ensemble(
     source, friction, until
         What they have in common, as for `run`.
     variations : mapping of str to array, (n,) each
-        What varies, in SI units: `dict(omega3=..., mu=...)`. A name that stands in several tables is written with its
-        table, `"friction.mu"`; `"until"` varies the end of the run.
+        What varies, in SI units: `dict(omega3=..., mu=...)`; or texts with units, `["1000 rpm", "1200 rpm"]`. A name
+        that stands in several tables is written with its table, `"friction.mu"`; `"until"` varies the end of the run.
     threads : int, optional
         How many threads compute; by default one per usable core.
     progress : callable or bool
@@ -75,10 +77,11 @@ def ensemble(
     base = problem_of(source, friction, until=until, **scenario)
     if not isinstance(variations, Mapping):
         raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])
-    dotted = dict(zip(dotted_keys(variations, base.rules), variations.values(), strict=True))
-    sentences = []
-    for name, values in variations.items():
-        if np.asarray(values).dtype.kind not in "fiu":
+    keys = dotted_keys(variations, base.rules)
+    dotted, sentences = {}, []
+    for key, (name, values) in zip(keys, variations.items(), strict=True):
+        dotted[key] = _in_si(name, values, base.rules.get(key))
+        if np.asarray(dotted[key]).dtype.kind not in "fiu":
             sentences.append(f"`{name}` must be an array of numbers, but is {values!r:.60}.")
     if sentences:
         raise InputError(sentences)
@@ -88,3 +91,12 @@ def ensemble(
     return ensembles.of_problem(
         base, dotted, threads=threads, progress=progress, orientation=orientation, alone=alone, lyapunov=lyapunov
     )
+
+
+def _in_si(name: str, values: Any, rule: Parameter | None) -> Any:
+    """What varies, with texts such as "1480 rpm" as numbers. Raises InputError."""
+    given = values.tolist() if isinstance(values, np.ndarray) else values
+    unit = rule.unit if rule is not None else SECOND if name == "until" else None
+    if unit is None or not isinstance(given, list | tuple) or not any(isinstance(value, str) for value in given):
+        return values
+    return [measured(name, value, unit) for value in given]

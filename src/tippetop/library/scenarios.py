@@ -18,9 +18,6 @@ from .extensions import extended, given_columns, given_events
 from .laws import table_of
 
 
-OUTPUT = ("output", "output_step", "output_times")  # one of them says when rows are wanted
-
-
 def problem_of(
     source: Any,
     friction: Any = None,
@@ -178,8 +175,7 @@ def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
     base = tables.get("run", {})
     if not isinstance(base, dict):  # the check of the scenario says so
         return
-    if given.keys() & set(OUTPUT):
-        base = {key: value for key, value in base.items() if key not in (*OUTPUT, "keyframe_steps")}
+    base = reading.without_output(base, given)
     tables["run"] = {**base, **given}
     if until is not None:
         until = plain(until)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import finite, instance
+from ..arguments import instance
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.systems.spinning import thresholds_of_surface
@@ -16,8 +16,9 @@ from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.nutation import Nutation
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
-from ..mechanics.units import RADIAN_PER_SECOND
+from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND, SECOND
 from ..problem import Problem
+from ..scenario.numbers import measured
 from .bodies import HeavyTop, TippeTop, Top
 from .laws import record_of
 from .run import Run
@@ -59,15 +60,15 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     return {**limits.thresholds(body.body()), **thresholds_of_surface(body.body())}
 
 
-def regime(top: TippeTop | Run | Problem | str, lam: float) -> Regime:
+def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
     """Which asymptotic states of a gliding tippe top are stable for a value of Jellett's integral.
 
     Parameters
     ----------
     top : TippeTop, Run, Problem or str
         The body, or what has one, as for `thresholds`.
-    lam : float
-        Jellett's integral lambda [kg m^3/s].
+    lam : float or str
+        Jellett's integral lambda [kg m^3/s]; a text has a unit of its own: "7e-6 kg m^3/s".
 
     Returns
     -------
@@ -84,11 +85,11 @@ def regime(top: TippeTop | Run | Problem | str, lam: float) -> Regime:
     -----
     Rutstam (2010), section 3.3.
     """
-    return regimes.regime(finite("lam", lam), top_of(top, TippeTop).body())
+    return regimes.regime(measured("lam", lam, JELLETT), top_of(top, TippeTop).body())
 
 
 def linear_modes(
-    top: Top | Run | Problem | str, law: Any = None, *, omega3: float, inverted: bool = False
+    top: Top | Run | Problem | str, law: Any = None, *, omega3: float | str, inverted: bool = False
 ) -> np.ndarray:
     """The rates p of u_x + i u_y ~ exp(p t) near a spinning state.
 
@@ -99,8 +100,8 @@ def linear_modes(
     law : friction law, optional
         A record such as `Viscous(mu=0.3)`. With one, the contact glides; without, it is at rest (pure rolling, or a
         fixed tip) - but a run, a problem or a preset has its own law.
-    omega3 : float
-        Spin about the axis [rad/s].
+    omega3 : float or str
+        Spin about the axis [rad/s], or a text such as "1480 rpm".
     inverted : bool
         Whether the state is theta = pi.
 
@@ -113,8 +114,13 @@ def linear_modes(
     ------
     InputError
         If the body spins in no such state, or the law is not known.
+
+    Notes
+    -----
+    The equations of motion, linearised about theta = 0 or pi: a cubic in p where the contact glides. Friedl (1997).
     """
-    body, spin, problem = top_of(top, TippeTop, HeavyTop), finite("omega3", omega3), problem_behind(top)
+    body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
+    spin = measured("omega3", omega3, RADIAN_PER_SECOND)
     if law is not None:
         return modes.linear_modes(spin, body.body(record_of(law, body.system())), inverted=inverted)
     if problem is not None and problem.system.frictional:
@@ -125,12 +131,12 @@ def linear_modes(
 def nutation(
     top: TippeTop | HeavyTop | Run | Problem | str,
     *,
-    energy: float,
-    theta: float,
-    D: float | None = None,
-    lam: float | None = None,
-    L3: float | None = None,
-    Lz: float | None = None,
+    energy: float | str,
+    theta: float | str,
+    D: float | str | None = None,
+    lam: float | str | None = None,
+    L3: float | str | None = None,
+    Lz: float | str | None = None,
 ) -> Nutation:
     """The nutation between two turning angles, by quadrature in 80 bits.
 
@@ -138,13 +144,13 @@ def nutation(
     ----------
     top : TippeTop, HeavyTop, Run, Problem or str
         The body, or what has one, as for `thresholds`.
-    energy : float
-        The modified energy E~ [J].
-    theta : float
+    energy : float or str
+        The modified energy E~ [J]; each number may be a text with a unit, such as "2.5 mJ" or "6 deg".
+    theta : float or str
         An angle that the motion passes, or starts at [rad].
-    D, lam : float
+    D, lam : float or str
         Of a tippe top: Routh's function [kg m^2/s] and Jellett's integral [kg m^3/s].
-    L3, Lz : float
+    L3, Lz : float or str
         Of a heavy top: angular momenta [kg m^2/s].
 
     Returns
@@ -172,8 +178,8 @@ def nutation(
     if missing:
         raise InputError(missing)
     system, b = body.system(), body.body()
-    momenta = [finite(name, value) for name, value in given]
-    energy, theta = finite("energy", energy), finite("theta", theta)
+    momenta = [measured(name, value, JELLETT if name == "lam" else ANGULAR_MOMENTUM) for name, value in given]
+    energy, theta = measured("energy", energy, JOULE), measured("theta", theta, RADIAN)
     assert system.potential is not None
     assert system.theta_inertia is not None
     inertia, potential = system.theta_inertia, system.potential
@@ -188,14 +194,14 @@ def nutation(
     return result
 
 
-def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
+def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     """theta(t) of a run from D(t) and E~(t) alone: the main equation as an equation of motion.
 
     Parameters
     ----------
     run : Run
         Of a tippe top or heavy top that starts at a turning angle, with some hundred rows per nutation.
-    period : float, optional
+    period : float or str, optional
         A guess of the period of nutation [s]; by default twice the first turning time of the run.
 
     Returns
@@ -219,6 +225,7 @@ def reconstruct(run: Run, *, period: float | None = None) -> "xr.Dataset":
     Rutstam (2010), eqs. 4.40 and 5.26.
     """
     instance("run", run, Run, "a Run")
-    if period is not None and finite("period", period) <= 0:
+    seconds = None if period is None else measured("period", period, SECOND)
+    if seconds is not None and seconds <= 0:
         raise InputError([f"`period` must be greater than 0, but is {period!r:.60}."])
-    return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, period)
+    return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, seconds)

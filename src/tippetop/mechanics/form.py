@@ -76,9 +76,9 @@ class Orientation:
 
 
 class Domain(NamedTuple):
-    """A scalar function that must stay positive, and what it means when it does not."""
+    """A scalar function that must stay positive, formula(scalars, b), and what it means when it does not."""
 
-    formula: Callable  # formula(scalars, b)
+    formula: Callable
     meaning: str
 
 
@@ -87,20 +87,43 @@ class Form:
     """A way to write the state of a system.
 
     Law: `scalars` of two forms agree through the chart, and the chart commutes with the flow.
+
+    Parameters
+    ----------
+    name
+        As it stands in a scenario: vector, angles, ...
+    units
+        The record (a NamedTuple) of the state that moves, q, filled with the unit of each variable.
+    rates
+        rates(q, b) -> the same record: the time derivatives.
+    scalars
+        scalars(q, b) -> what the quantities and events are written in.
+    of_angles, to_angles
+        of_angles(angles, sin_theta, cos_theta, b) -> q, and back: to_angles(q, carried, b) -> the record of angles.
+    vectors
+        vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the angles.
+    integrals
+        What is integrated beside the state.
+    orientation
+        How the turn of the whole body is known; None: it is not.
+    domains
+        Where the form or the model breaks down.
+    length_unit, not_normalised
+        The form's unit of length, in that of the system, and what of the body is then no longer 1.
     """
 
     name: str
-    units: Any  # the state record (a NamedTuple) of what moves, filled with the unit of each variable
-    rates: Callable  # rates(q, b) -> the same record: the time derivatives
-    scalars: Callable  # scalars(q, b) -> what the quantities are written in
-    of_angles: Callable  # of_angles(angles, sin_theta, cos_theta, b) -> q
-    to_angles: Callable  # to_angles(q, carried, b) -> record of angles
-    vectors: Callable | None = None  # vectors(q, b) -> a record with the vectors of its system; None: by the angles
-    integrals: tuple[Integral, ...] = ()  # what is integrated beside the state
+    units: Any
+    rates: Callable
+    scalars: Callable
+    of_angles: Callable
+    to_angles: Callable
+    vectors: Callable | None = None
+    integrals: tuple[Integral, ...] = ()
     orientation: Orientation | None = None
-    domains: tuple[Domain, ...] = ()  # where the form or the model breaks down
-    length_unit: float = 1.0  # the form's unit of length, in that of the system
-    not_normalised: tuple[str, ...] = ()  # what is then no longer 1
+    domains: tuple[Domain, ...] = ()
+    length_unit: float = 1.0
+    not_normalised: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

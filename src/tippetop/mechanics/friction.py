@@ -13,7 +13,7 @@ from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
 
 class Viscous(NamedTuple):
-    """F = -mu g_n v_A, the law of the source [T 3.1]; mu in s/m."""
+    """F = -mu g_n v_A, the law of the thesis [T 3.1]; mu in s/m."""
 
     mu: Operand
 

@@ -9,7 +9,7 @@ from ..mechanics.variables import Variables
 
 TIME = "time"  # a column of every run, whatever is asked for
 TURN = ("psi", "orientation")  # what needs the turn of the body about its axis
-PSI = "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
+PSI = "turn psi of the body about its axis, from 1hat, in (-pi, pi]; undefined (NaN) exactly at a pole"
 ORIENTATION = "unit quaternion that turns body axes into space axes, w >= 0"
 
 

@@ -30,27 +30,59 @@ UNTIL = Parameter(SECOND, "end of the run", above=0, most=1e16)
 
 @dataclass(frozen=True, repr=False)
 class Problem:
-    """One run. Built and checked by `scenario`; everything further in trusts it. All numbers in SI units."""
+    """One run: what a scenario says, checked. All numbers in SI units; `tippetop.load` makes one.
+
+    Parameters
+    ----------
+    system, form
+        The equations, and how their state is written.
+    parameters, friction, initial
+        Numbers of the body by name; the record of a friction law; the initial data that were given.
+    until, times
+        The end [s], and the times [s] of the rows that are asked for.
+    events
+        The kinds that are logged.
+    on_liftoff
+        What happens where the normal force vanishes: "stop", "continue" or "fly".
+    precision, tolerance
+        "double", "longdouble" or "quad"; the relative error of a step, 0 for the rounding unit of the precision.
+    output
+        Rows at `times`, at the "events", at the ends of the "steps"; or "keyframes" and no rows.
+    keyframe_steps
+        Steps from one keyframe to the next.
+    stop_when
+        "until", or "settled".
+    orientation
+        Whether the turn of the body about its axis is integrated too.
+    columns
+        What rows have beside the time; None: all that there are.
+    sensitivities
+        Dotted numbers by which derivatives of columns and events are kept.
+    contact
+        Where the contact may change its phase: how it opens and closes.
+    origin
+        The end of another run, where this one starts exactly; `initial` says it rounded.
+    """
 
     system: System
     form: Form
     parameters: dict[str, float]
-    friction: Any  # a record of friction.py
+    friction: Any
     initial: dict[str, Any]
     until: float
-    times: EvenTimes | ListedTimes  # of the rows that are asked for
-    events: tuple[str, ...]  # the kinds that are logged
+    times: EvenTimes | ListedTimes
+    events: tuple[str, ...]
     on_liftoff: str = "stop"
     precision: str = "double"
-    tolerance: float = 0.0  # 0 is the rounding unit of the precision
-    output: str = "times"  # rows at `times`, at the "events", at the ends of the "steps"; or "keyframes" and no rows
-    keyframe_steps: int = KEYFRAME_STEPS  # from one keyframe to the next
-    stop_when: str = "until"  # or "settled"
-    orientation: bool = True  # whether the turn of the body about its axis is integrated too
-    columns: tuple[str, ...] | None = None  # that rows have beside the time; None: all that there are
-    sensitivities: tuple[str, ...] = ()  # dotted numbers by which derivatives of columns and events are kept
-    contact: ContactLaw | None = None  # where the contact may change its phase: how it opens and closes
-    origin: dict[str, Any] | None = None  # the end of another run, where it starts exactly; `initial` says it rounded
+    tolerance: float = 0.0
+    output: str = "times"
+    keyframe_steps: int = KEYFRAME_STEPS
+    stop_when: str = "until"
+    orientation: bool = True
+    columns: tuple[str, ...] | None = None
+    sensitivities: tuple[str, ...] = ()
+    contact: ContactLaw | None = None
+    origin: dict[str, Any] | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):

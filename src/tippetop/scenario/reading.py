@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from ..errors import InputError, suggestion
 
 
+OUTPUT = ("output", "output_step", "output_times")  # one of them says when rows are wanted
 MOST_PARTS = 64  # of a dotted key: the parser takes 13 s for one of 20 000
 PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 QUANTITY = r"[-+0-9.eE/*^()]+ *[^\W\d_°%][^\"'\[\]{}=,#]*|[-+0-9.]+ *[°%]|[-+\w.(]+( *[-+*/^()]+ *[-+\w.()]+)+\)*"
@@ -74,8 +76,13 @@ def _parsed(text: str) -> dict[str, Any]:
 def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
     """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a string.
 
-    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. Raises InputError.
+    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. A key that says when rows are
+    wanted takes the place of another such key. Raises InputError.
     """
+    words = [(key.strip(), text.strip()) for key, _, text in (a.partition("=") for a in assignments)]
+    given = {key.removeprefix("run."): text.strip("\"'") for key, text in words if key.startswith("run.")}
+    if isinstance(tables.get("run"), dict):
+        tables = tables | {"run": without_output(tables["run"], given)}
     changed = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
     for assignment in assignments:
         key, equals, text = assignment.partition("=")
@@ -102,6 +109,13 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
             raise InputError([f"--set {key} must name a key of a table, but `{parts[0]}` is not a table."])
         table[parts[-1]] = value
     return changed
+
+
+def without_output(run: dict[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """A table `run` without what says when rows are wanted, where what is `given` anew says so."""
+    if not any(name in OUTPUT and (name, given[name]) != ("output", "times") for name in given):
+        return run
+    return {key: value for key, value in run.items() if key in given or key not in (*OUTPUT, "keyframe_steps")}
 
 
 def _short(text: str) -> str:

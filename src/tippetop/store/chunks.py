@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from zarr.core.sync import sync
 
 from ..columns import Column
 from ..errors import StoreError
 from . import seal
-from .array import Array, Group
 from .files import synced
 from .skeleton import groups_of
 from .tables import create_table, read_member
@@ -27,7 +27,7 @@ class Appender:
     store do not depend on when it was flushed.
     """
 
-    def __init__(self, arrays: dict[str, Array]):
+    def __init__(self, arrays: dict[str, Any]):
         self.arrays = arrays
         self.chunk = chunk = next(iter(self.arrays.values())).chunks[0]
         self.written, self.waiting = 0, 0  # rows in full chunks, rows in memory
@@ -37,7 +37,7 @@ class Appender:
         self.unsynced: set[int] = set()  # first rows of the chunks that may not have reached the disk
 
     @classmethod
-    def created(cls, root: Group, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
+    def created(cls, root: Any, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
         """A new group whose arrays have the columns' names, types and attributes, and no rows."""
         rows = next(iter(columns.values())).dims[0]
         return cls(create_table(root.create_group(name), columns, {rows: (0, chunk)}))
@@ -70,7 +70,7 @@ class Appender:
         end = self.written + count
         for name, array in self.arrays.items():
             if array.shape[0] < end:
-                array.resize(end)
+                array.resize((end, *array.shape[1:]))
             array[self.written : end] = self.buffers[name][:count]
         self.unsynced.add(self.written)
 
@@ -79,8 +79,8 @@ class Appender:
         if not self.unsynced:
             return
         for array in self.arrays.values():
-            folder = array.folder
-            files = [array.chunk_file(start) for start in sorted(self.unsynced)]
+            folder = array.store_path.store.root.joinpath(array.store_path.path)
+            files = [chunk_file(array, start) for start in sorted(self.unsynced)]
             folders = {parent for file in files for parent in file.parents if parent.is_relative_to(folder)}
             for path in (*files, *folders, folder / "zarr.json"):
                 synced(path)
@@ -93,7 +93,7 @@ class Appender:
         self.unflushed = self.unflushed or bool(waiting)
         older = [row for row in rows if row < self.written]
         if older:
-            self.arrays[name].set(older, value)
+            self.arrays[name].set_coordinate_selection(np.array(older), np.full(len(older), value))
             self.unsynced |= {row // self.chunk * self.chunk for row in older}
 
     def cut(self, rows: int) -> None:
@@ -102,7 +102,7 @@ class Appender:
             if array.shape[0] < rows:
                 raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
         for array in self.arrays.values():
-            array.cut(rows)
+            _shrink(array, rows)
 
     def digest(self) -> str:
         """A digest of all rows that were appended: of full chunks the checksums in their files, and those that wait.
@@ -121,7 +121,18 @@ class Appender:
         self.unflushed = True
 
 
-def digest_of_rows(arrays: dict[str, Array], rows: int) -> str:
+def _shrink(array: Any, rows: int) -> None:
+    """Cuts an array, its metadata first: a writer that is killed on the way leaves chunks too many, which the next cut
+    removes, and never too few, which would be damage."""
+    store, needed = array.store_path.store, -(-rows // array.chunks[0])
+    sync(array.async_array.resize((rows, *array.shape[1:]), delete_outside_chunks=False))
+    folder = store.root / array.store_path.path / "c"
+    for entry in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if entry.name.isdigit() and int(entry.name) >= needed:
+            store.delete_sync(f"{array.store_path.path}/c/{entry.name}")
+
+
+def digest_of_rows(arrays: dict[str, Any], rows: int) -> str:
     """The digest that an appender of so many rows would give. Raises what codecs raise."""
     chunk = next(iter(arrays.values())).chunks[0]
     written = rows // chunk * chunk
@@ -129,7 +140,7 @@ def digest_of_rows(arrays: dict[str, Array], rows: int) -> str:
 
 
 def _digest(
-    arrays: dict[str, Array],
+    arrays: dict[str, Any],
     written: int,
     waiting: dict[str, np.ndarray],
     checksums: dict[tuple[str, int], bytes],
@@ -140,29 +151,36 @@ def _digest(
             continue
         for start in range(0, written, array.chunks[0]):
             if (name, start) not in checksums:
-                checksums[name, start] = seal.checksum(array.chunk_file(start))
+                checksums[name, start] = seal.checksum(chunk_file(array, start))
             whole.update(checksums[name, start])
         whole.update(name.encode() + np.ascontiguousarray(waiting[name]).tobytes())
     return whole.hexdigest()
 
 
-def verify(arrays: dict[str, Array]) -> None:
+def verify(arrays: dict[str, Any]) -> None:
     """Reads every chunk of some arrays. Raises StoreError, which names the array and the rows that cannot be read."""
     for array in arrays.values():
         for first in itertools.product(*(range(0, n, c) for n, c in zip(array.shape, array.chunks, strict=True))):
             readable(array, *first)
 
 
-def readable(array: Array, *first: int) -> np.ndarray:
+def readable(array: Any, *first: int) -> np.ndarray:
     """The chunk of an array that begins at these indices, those that are left out 0. Raises StoreError if it is missing
     or damaged."""
     start, end = first[0], min(first[0] + array.chunks[0], array.shape[0])
     try:
-        if not array.chunk_file(*first).is_file():
+        if not chunk_file(array, *first).is_file():
             raise OSError("the file of the chunk is missing")
         return array[tuple(slice(i, i + c) for i, c in zip(first, array.chunks, strict=False))]
     except Exception as error:  # codecs raise what they like
         raise StoreError(f"`{array.path}` must be readable in rows {start} to {end}, but: {error}.") from None
+
+
+def chunk_file(array: Any, *first: int) -> Path:
+    """The file of the chunk that begins at these indices, those that are left out 0."""
+    begins = [*first, *[0] * (array.ndim - len(first))]
+    names = [str(i // c) for i, c in zip(begins, array.chunks, strict=True)]
+    return array.store_path.store.root.joinpath(array.store_path.path, "c", *names)
 
 
 def pieces(
@@ -199,7 +217,7 @@ def digest(
             kept[name].append(values[picked])
     return {
         name: Column(
-            array.dims,
+            tuple(map(str, array.metadata.dimension_names)),
             np.concatenate(kept[name]) if kept[name] else array[:0],
             dict(array.attrs),
         )

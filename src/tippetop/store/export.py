@@ -11,7 +11,6 @@ import numpy as np
 
 from ..errors import InputError, StoreError
 from . import chunks, files, root, skeleton, tables
-from .array import Array
 
 
 DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top",
@@ -72,12 +71,14 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
             group, dim = file.create_group(name), DIMENSIONS[name]
             group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
             for array in arrays.values():
-                for extra, size in zip(array.dims[1:], array.shape[1:], strict=True):
+                metadata: Any = array.metadata
+                for extra, size in zip(metadata.dimension_names[1:], array.shape[1:], strict=True):
                     if extra not in group.dimensions:
                         group.dimensions[extra] = size
             for key, array in arrays.items():
                 kind = "i1" if array.dtype == bool else array.dtype
-                variable = group.create_variable(key, array.dims, kind, compression="gzip")
+                metadata = array.metadata
+                variable = group.create_variable(key, metadata.dimension_names, kind, compression="gzip")
                 variable.attrs.update({k: _plain(v) for k, v in array.attrs.items()})
             start = 0
             for piece in chunks.pieces(store, name, list(arrays)):
@@ -133,9 +134,11 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
         yield pd.DataFrame({name: [] for name in names})
 
 
-def _parts(name: str, array: Array) -> list[str]:
+def _parts(name: str, array: Any) -> list[str]:
     """The names of the components of a column: of a vector by its letters, of a derivative by its numbers too."""
-    letters = [f"{name}_{axis}" for dim in array.dims[1:] if dim != "parameter" for axis in dim] or [name]
+    letters = [
+        f"{name}_{axis}" for dim in array.metadata.dimension_names[1:] if dim != "parameter" for axis in dim
+    ] or [name]
     by = str(array.attrs.get("parameters", "")).split()
     return [f"d_{letter}/d_{number}" for number in by for letter in letters] if by else letters
 

@@ -18,7 +18,7 @@ import numpy as np
 from ..columns import Column
 from ..errors import StoreError
 from ..store import files, provenance, seal, skeleton, tables
-from ..store.chunks import readable
+from ..store.chunks import chunk_file, readable
 from ..store.files import Lock
 from ..store.root import attributes as read_attributes
 from ..store.root import finish, finite, new_store
@@ -137,7 +137,7 @@ def checksum(arrays: dict[str, Any], first: int) -> int:
     """A number made of the checksums of the files of the chunk that begins with top `first`. Raises OSError."""
     whole = hashlib.sha256()
     for name, array in sorted(arrays.items()):
-        whole.update(name.encode() + seal.checksum(array.chunk_file(first)))
+        whole.update(name.encode() + seal.checksum(chunk_file(array, first)))
     return int.from_bytes(whole.digest()[:8], "little", signed=True)
 
 
@@ -176,7 +176,7 @@ def storing(folder: Path) -> Iterator[None]:
     try:
         with files.writing(folder, kept):
             yield
-    except (KeyError, ValueError) as error:
+    except (tables.ZarrError, KeyError, ValueError) as error:
         raise StoreError(f"`{folder}` must be readable, but: {error}: remove it.") from error
 
 

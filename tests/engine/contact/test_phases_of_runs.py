@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from touching import table_of
 
-from tippetop.engine.contact import beginning
+from tippetop.engine.contact import beginning, driver
 from tippetop.engine.status import Status
+from tippetop.mechanics.contact import first_slip
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
@@ -117,10 +119,10 @@ def test_drilling_friction_turns_a_top_onto_its_stem():
     friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
     start = {"theta": 0.1, "omega3": 180.0, "centre_at_rest": True}
     done = run(LEINE_GLOCKER, friction=friction, initial=start, stem={"r": 0.005, "h": 0.013}, until=8.0)
-    impacts = done.others["impacts"][0]
+    impacts = table_of(done, "impacts")
     assert impacts["time"][0] == pytest.approx(1.37081, abs=5e-6)
     assert impacts["ball"][0] == 1
-    phases = done.others["phases"][0]
+    phases = table_of(done, "phases")
     (both,) = np.flatnonzero(phases["phase"] == 3)
     assert 4.6 < phases["start"][both] < phases["end"][both] < 5.7
     assert done.status is Status.FINISHED
@@ -140,7 +142,7 @@ def test_a_bouncing_top_comes_to_rest_on_the_plane():
     """The bounces shrink by e_n where sliding persists: their number is that of log(v_close)/log(e_n)."""
     start = {"theta": 0.3, "omega3": 50.0, "gap": 0.001}
     done = run(initial=start, contact={"e_n": 0.5}, friction={"law": "none"}, until=0.5)
-    impacts = done.others["impacts"][0]
+    impacts = table_of(done, "impacts")
     bounced = impacts["v_n_after"] > 0
     ratios = impacts["v_n_after"][bounced] / -impacts["v_n_before"][bounced]
     assert ratios == pytest.approx(0.5, abs=1e-9)  # no friction: the slope of v_n is constant
@@ -155,7 +157,7 @@ def test_a_corner_of_theta_is_a_turning():
         start, friction = random_start(seed)
         done = run(initial=start | {"gap": 0.003}, friction=friction, contact={"e_n": 0.7}, until=0.1)
         turnings, columns = done.events.of("turning"), done.columns()
-        corners += np.isin(turnings.time, done.others["impacts"][0]["time"]).sum()
+        corners += np.isin(turnings.time, table_of(done, "impacts")["time"]).sum()
         t, theta = columns["time"].values, columns["theta"].values
         for begin, end in zip([0.0, *turnings.time], [*turnings.time, 0.1], strict=True):
             steps = np.diff(theta[(t > begin) & (t < end)])
@@ -180,3 +182,32 @@ def test_a_top_between_sphere_and_stem_never_sinks():
         columns = run(LEINE_GLOCKER, initial=start, stem={"r": 0.005, "h": 0.013}, until=0.05).columns()
         sphere = columns["z"].values - 0.015 + 0.003 * np.cos(columns["theta"].values)
         assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12, theta_dot
+
+
+def test_where_a_slice_ends_does_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One ends after so many changes of phase: here at each."""
+    tables = {
+        "system": "tippe-top", "parameters": CANONICAL, "friction": {"law": "coulomb", "mu": 0.3},
+        "contact": {"e_n": 0.5}, "initial": {"theta": 0.3, "omega3": 100.0, "gap": 0.001}, "run": {"until": 0.1},
+    }  # fmt: skip
+    whole, slices = solve(problem(tables)), []
+    monkeypatch.setattr(driver, "PER_SLICE", 1)
+    pieces = solve(problem(tables), slices.append)
+    assert len(slices) > 3
+    assert pieces.report == whole.report
+    for one, other in zip(whole.columns().values(), pieces.columns().values(), strict=True):
+        np.testing.assert_array_equal(one.values, other.values)
+
+
+def test_a_slide_of_a_body_that_hardly_turns_begins_as_fast_as_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cylinder that rocks under weak friction: the first sweeps are over a time in which gravity moves it."""
+    sweeps, swept = [], first_slip._swept
+    monkeypatch.setattr(first_slip, "_swept", lambda *given: sweeps.append(given) or swept(*given))
+    table = {"m": 0.1155, "R": 0.00117, "alpha": 0.5127, "I": 4.78e-8, "g": 9.82}
+    solution = run(
+        table, "gliding-cylinder", 1.3,
+        friction={"law": "coulomb", "mu": 0.0016}, contact={"e_n": 1.0}, initial={"theta": 0.124},
+    )  # fmt: skip
+    rolls = solution.report["contact_phases"]["counts"]["roll"]  # the last has not ended
+    assert rolls > 5
+    assert len(sweeps) <= 2 * (rolls - 1)

@@ -1,7 +1,7 @@
 """How slip begins at the edge of the cone and outside it: against integrations, expansions and a second precision."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from tippetop.mechanics.contact import ball as contact
 from tippetop.mechanics.contact import coulomb
 from tippetop.mechanics.contact.ball import Ball
-from tippetop.mechanics.contact.first_slip import first_directions, first_slip
+from tippetop.mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
 from tippetop.mechanics.operand import Vector, cross
 
 
@@ -36,6 +36,12 @@ def slip_rates(ball: Ball) -> Callable:
         return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y]), P, Q
 
     return rates
+
+
+def slipped(ball: Ball, *given: Any) -> FirstSlip:
+    """The first slip of a ball."""
+    rates = slip_rates(ball)
+    return first_slip(rates, lambda state, beta: rates(state, 0.0, beta)[2], *given)
 
 
 def rolling_rate(state: np.ndarray, ball: Ball) -> np.ndarray:
@@ -73,7 +79,7 @@ def edges(rng: np.random.Generator, count: int) -> list[Edge]:
 def test_the_start_goes_on_as_an_integration_of_the_same_equations(rng: np.random.Generator) -> None:
     for edge in edges(rng, 3):
         rates = slip_rates(edge.ball)
-        made = first_slip(rates, edge.state, edge.beta, 0.03 / edge.omega)
+        made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
 
         def rate(t: float, y: np.ndarray, rates: Callable = rates) -> np.ndarray:
             state_rate, P, Q = rates(y[:-2], y[-2], y[-1])
@@ -107,7 +113,7 @@ def test_the_start_has_the_first_terms_of_its_expansion(rng: np.random.Generator
         p = P_t + q * P_b
         assert p > 0 > Q_b
         t = 1e-3 / edge.omega
-        made = first_slip(rates, edge.state, edge.beta, t)
+        made = slipped(edge.ball, edge.state, edge.beta, t)
         assert made.w[-1] == pytest.approx(p * t**2 / 2, rel=0.05)
         assert made.beta[-1] - edge.beta == pytest.approx(q * t, rel=0.05)
 
@@ -115,10 +121,10 @@ def test_the_start_has_the_first_terms_of_its_expansion(rng: np.random.Generator
 def test_the_start_is_exact_to_rounding(rng: np.random.Generator) -> None:
     """Against 16 nodes in longdouble numbers: angles to 1e-16, momenta and slip speed far below their rounding."""
     for edge in edges(rng, 3):
-        made = first_slip(slip_rates(edge.ball), edge.state, edge.beta, 0.03 / edge.omega)
+        made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
         wide = Ball(*map(np.longdouble, edge.ball))
         state = edge.state.astype(np.longdouble)
-        exact = first_slip(slip_rates(wide), state, np.longdouble(edge.beta), np.longdouble(0.03 / edge.omega), 16)
+        exact = slipped(wide, state, np.longdouble(edge.beta), np.longdouble(0.03 / edge.omega), 16)
         assert np.abs(made.state[:3, -1] - exact.state[:3, -1]).max() < 3e-16
         assert np.abs(made.state[3:6, -1] - exact.state[3:6, -1]).max() < 1e-18 * edge.omega / 50
         assert abs(made.w[-1] - exact.w[-1]) < 3e-17 * edge.omega / 50
@@ -130,7 +136,7 @@ def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> Non
     state = np.concatenate([edge.state[:3], -edge.state[3:6], edge.state[6:]])  # it comes in
     F = reaction(state, edge.ball)
     with pytest.raises(ArithmeticError, match="no slip begins"):
-        first_slip(slip_rates(edge.ball), state, float(np.arctan2(-F.y, -F.x)), 0.03 / edge.omega)
+        slipped(edge.ball, state, float(np.arctan2(-F.y, -F.x)), 0.03 / edge.omega)
 
 
 def test_outside_the_cone_there_is_one_first_direction_and_inside_none(rng: np.random.Generator) -> None:

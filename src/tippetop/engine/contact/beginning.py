@@ -13,6 +13,7 @@ from ...mechanics.operand import Vector, cross
 
 
 SPAN = 0.03  # of 1/|omega|: the time over which sliding begins
+SLOW = 0.5  # of the time in which gravity swings the body: that of one that hardly turns
 MOST_HALVINGS = 10
 
 
@@ -65,12 +66,16 @@ def slide_from_cone(
         moved = [*balls_.axis_rate(at_u, at_L, b), *cross(balls_.arm(at_u, b), F)]
         return np.concatenate([np.array(moved), rates_of(sliding(at_u, at_L, w, beta, body), state[6:])]), P, Q
 
+    def turning(state: np.ndarray, beta: np.ndarray) -> Any:
+        return pushed(Vector(*state[:3]), Vector(*state[3:6]), beta, b)[2]
+
     F = reaction_of_rolling_vector(u, balls_.bias_vector(u, L, b), b)
     omega = balls_.angular_velocity(u, L, b)
-    duration = SPAN / np.sqrt(omega.x * omega.x + omega.y * omega.y + omega.z * omega.z)
+    swing = np.sqrt(b.I1 / (b.m * b.g * b.radius))
+    duration = min(SPAN / np.sqrt(omega.x * omega.x + omega.y * omega.y + omega.z * omega.z), SLOW * swing)
     state = np.array([*u, *L, *carried])
     for _ in range(MOST_HALVINGS):  # short enough for nothing else to happen to the contact
-        first = first_slip(rates, state, np.arctan2(-F.y, -F.x), duration)
+        first = first_slip(rates, turning, state, np.arctan2(-F.y, -F.x), duration)
         end = states(kind, body, first, first.time[-1:])
         last = type(kind.form.units)(*end[:, 0][: len(kind.form.units)])
         height = getattr(last, "uz", getattr(last, "z", 0))

@@ -27,7 +27,9 @@ class FirstSlip(NamedTuple):
         return moment[:-2], moment[-2], moment[-1]
 
 
-def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nodes: int = 12) -> FirstSlip:
+def first_slip(
+    rates: Callable, turning: Callable, state: np.ndarray, beta: Any, duration: Any, nodes: int = 12
+) -> FirstSlip:
     """The motion from the edge of the cone, where w = P = Q = 0.
 
     Parameters
@@ -35,6 +37,8 @@ def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nod
     rates
         rates(state, w, beta) -> (the state's rate, P, Q) of slip in the direction beta, an angle from a fixed axis;
         of arrays (k, n), (n,), (n,).
+    turning
+        turning(state, beta) -> Q alone.
     state
         At the edge, (k,).
     beta
@@ -55,14 +59,16 @@ def first_slip(rates: Callable, state: np.ndarray, beta: Any, duration: Any, nod
         Nothing begins to slip so.
     """
     for _ in range(12):
-        start, change = _swept(rates, state, beta, duration, nodes)
+        start, change = _swept(rates, turning, state, beta, duration, nodes)
         if change < 1e4 * np.finfo(np.result_type(state)).eps and bool(np.all(start.w[1:] > 0)):
             return start
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")
 
 
-def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes: int) -> tuple[FirstSlip, float]:
+def _swept(
+    rates: Callable, turning: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes: int
+) -> tuple[FirstSlip, float]:
     """Sweeps until they change nothing more than rounding; and the last change of w and beta, relative."""
     angle = np.pi * np.arange(nodes, dtype=start.dtype) / (nodes - 1)
     time = duration * (1 - np.cos(angle)) / 2
@@ -73,8 +79,8 @@ def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes:
         for sweep in range(40):
             old_w, old_beta, turn = w, beta, w * (slope @ beta)
             for _ in range(2):
-                excess = rates(state, w, beta)[2] - turn
-                steep = (rates(state, w, beta + 1e-5)[2] - rates(state, w, beta - 1e-5)[2]) / 2e-5
+                excess = turning(state, beta) - turn
+                steep = (turning(state, beta + 1e-5) - turning(state, beta - 1e-5)) / 2e-5
                 beta = beta - excess / steep
             state_rate, P, _ = rates(state, w, beta)
             state, w = start[:, None] + state_rate @ integral.T, integral @ P

@@ -103,7 +103,7 @@ UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")
 VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
 LONG_NAMES = {
     **{name: parameter.long_name for name, parameter in INITIAL.items()},
-    "phi": "azimuth phi of the horizontal projection of the axis; undefined (NaN) exactly at a pole",
+    "phi": "azimuth phi of the horizontal projection of the axis, in (-pi, pi]; undefined (NaN) exactly at a pole",
     "phi_dot": "phi'; undefined (NaN) exactly at a pole",
     "nu_x": "contact velocity along e; undefined (NaN) exactly at a pole",
     "nu_y": "contact velocity along 2hat; undefined (NaN) exactly at a pole",
