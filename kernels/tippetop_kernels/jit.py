@@ -90,36 +90,13 @@ class Entry(Kernel):
         """Calls it."""
         return self.on()(*arguments)
 
-    def on(self, *first: Any) -> Callable[..., int]:
-        """It with its first arguments given, whose arrays are then looked at once.
-
-        Parameters
-        ----------
-        first
-            Arguments, kept alive.
-
-        Returns
-        -------
-        callable
-            Takes the other arguments.
-        """
+    def on(self, *first: Any) -> "Bound":
+        """It with its first arguments given, which are kept alive."""
         if not HAS_NUMBA:
             _warn()
-            given = [_as_records(argument) for argument in first]
-            return lambda *others: int(self.py_func(*given, *map(_as_records, others)) or 0)
-        kinds, numbers = words.of(first)
-        row, codes = array("q", (0, *numbers)), {}
+        return Bound(self, (), (), Words("q", (0,))).on(*first)
 
-        def call(*others: Any) -> int:
-            more_kinds, more_numbers = words.of(others)
-            if more_kinds not in codes:
-                codes[more_kinds] = self._code(kinds + more_kinds)
-            code = codes[more_kinds]
-            return int(self.alone(*first, *others) or 0) if code is None else code(row + array("q", more_numbers))
-
-        return call
-
-    def _code(self, kinds: tuple) -> Code | None:
+    def code(self, kinds: tuple) -> Code | None:
         """What calls its code for such arguments; None: numba does."""
         try:
             return self._codes[kinds]
@@ -165,6 +142,43 @@ class Entry(Kernel):
         except Foreign as reason:
             disk.log.debug("no machine code is kept: %s", reason)
             return None
+
+
+class Bound:
+    """A kernel whose first arguments are given: their arrays are looked at once.
+
+    Parameters
+    ----------
+    kernel
+        The kernel.
+    given
+        Its first arguments.
+    kinds, row
+        Of these arguments: their kinds, and a place for the result and their words.
+    """
+
+    def __init__(self, kernel: Entry, given: tuple, kinds: tuple, row: Words):
+        self.kernel, self.given, self.kinds, self.row = kernel, given, kinds, row
+        self.codes: dict[tuple, Code | None] = {}
+
+    def on(self, *more: Any) -> "Bound":
+        """It with more arguments given."""
+        if not HAS_NUMBA:
+            return Bound(self.kernel, self.given + tuple(map(_as_records, more)), (), self.row)
+        kinds, numbers = words.of(more)
+        return Bound(self.kernel, self.given + more, self.kinds + kinds, self.row + Words("q", numbers))
+
+    def __call__(self, *others: Any) -> int:
+        """Calls it with the other arguments."""
+        if not HAS_NUMBA:
+            return int(self.kernel.py_func(*self.given, *map(_as_records, others)) or 0)
+        kinds, numbers = words.of(others)
+        if kinds not in self.codes:
+            self.codes[kinds] = self.kernel.code(self.kinds + kinds)
+        code = self.codes[kinds]
+        if code is None:
+            return int(self.kernel.alone(*self.given, *others) or 0)
+        return code(self.row + Words("q", numbers))
 
 
 @functools.cache

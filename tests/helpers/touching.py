@@ -7,9 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.runs.phases import joined
-from tippetop.runs.run import Solution
-
 
 NAMES = {"thetadot": "theta_dot", "phidot": "phi_dot"}  # of the reference, and ours
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 3.2e-06, "g": 9.82}
@@ -66,6 +63,7 @@ THROWN = reference("caseC3_liftoff_flight_plastic_landing")[0]
 """A top that slides, flies, lands, slides and rolls."""
 
 
-def table(solution: Solution, name: str) -> dict[str, np.ndarray]:
-    """The table `phases` or `impacts` of a run; its rows come in parts."""
-    return {key: column.values for key, column in joined(solution.others)[name].items()}
+def table_of(solution: Any, name: str) -> dict[str, np.ndarray]:
+    """A table of a run, which came in parts, slice by slice."""
+    parts = solution.others[name]
+    return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}

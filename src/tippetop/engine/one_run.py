@@ -1,6 +1,7 @@
 """One run in doubles, driven by the compiled step."""
 
 import weakref
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from .slices import RULES, STATUSES, Driver, Passages, Request, Slice, new_room
 from .status import Status
 
 
+RUNNING = Status.RUNNING.code
 PLACES = 4  # that a thread keeps of an integrator, 0.4 MB each
 
 
@@ -33,7 +35,7 @@ class Place:
         self.nothing = no_rows(len(self.motion.state))
         machine = compiled.machine
         self.drive = drive.on(machine.step, machine.dense, self.motion, *self.room)
-        self.drive_on = drive.on(machine.step, machine.dense, self.motion, *self.room, self.nothing, RULES)
+        self.drive_on = self.drive.on(self.nothing, RULES)
 
 
 def place_for(driver: "CompiledDriver", compiled: Compiled) -> Place:
@@ -53,6 +55,7 @@ class CompiledDriver(Driver):
 
     def __init__(self, problem: Problem, compiled: Compiled):
         self.place = place_for(self, compiled)
+        self.filling: tuple[Rows, Callable[[int], int]] | None = None
         super().__init__(problem, compiled, self.place.room)
         self.motion = self.place.motion
         for zeroed in (self.motion.state, self.motion.high, self.motion.low):
@@ -68,41 +71,51 @@ class CompiledDriver(Driver):
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
-        log, samples = self.log, self.samples
+        log, samples, wanted, tally = self.log, self.samples, self.wanted, self.tally
         log.filled[0] = samples.filled[0] = 0
-        steps, before = 0, int(self.tally["steps"])
+        steps, before, n = 0, int(tally["steps"]), self.variables
         while True:
-            rows = self._asked(request)
-            left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
-            steps += self.place.drive_on(left) if rows is self.place.nothing else self.place.drive(rows, RULES, left)
-            filled = int(rows.filled[0])
-            if filled:
-                request.take(rows.times[:filled], rows.states[:filled, : self.variables])
-            self.times = self.times[filled:]
-            if not filled or filled < len(rows.times):
+            wanted.ask(request)
+            left = most - steps if tally["status"] == RUNNING else 0
+            if not len(wanted.times):
+                steps += self.place.drive_on(left)
                 break
-        status = STATUSES[int(self.tally["status"])]
-        order = np.argsort(log.time[: log.filled[0]], kind="stable")
-        last, when = self.motion.state[None, :, 0].copy(), float(self.tally["t"])
-        if self.tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
-            last = log.states[order[-1:]]
-        columns = log.time, log.event, log.sign, log.at_pole, log.states[:, : self.variables]
+            rows, drive_on = self._filling(wanted.times, request.steps)
+            first = wanted.made
+            rows.filled[0] = first
+            steps += drive_on(left)
+            wanted.made = int(rows.filled[0])
+            if wanted.made > first:
+                request.take(rows.times[first : wanted.made], rows.states[first : wanted.made, :n])
+            if wanted.made == first or wanted.made < len(rows.times):
+                break
+        code, when, after, _, upto, *_ = tally.item()
+        status, count = STATUSES[code], int(log.filled[0])
+        last = self.motion.state[None, :, 0]
+        columns = log.time[:count], log.event[:count], log.sign[:count], log.at_pole[:count], log.states[:count, :n]
+        if count > 1:
+            order = np.argsort(columns[0], kind="stable")
+            passages = Passages(*(column[order] for column in columns))
+        else:
+            passages = Passages(*(column.copy() for column in columns))
+        if upto < 1.0:  # an event ended the run in the midst of a step: it is the last passage
+            last = passages.states[-1:]
         return Slice(
-            int(self.tally["steps"]) - before,
+            after - before,
             when,
-            last[:, : self.variables],
-            samples.states[: samples.filled[0], : self.variables].copy(),
-            Passages(*(column[order] for column in columns)),
+            last[:, :n].copy(),
+            samples.states[: int(samples.filled[0]), :n].copy(),
+            passages,
             None if status is Status.RUNNING else status,
         )
 
-    def _asked(self, request: Request) -> Rows:
-        if request.steps or not len(self.times):
-            self.times = request.wanted()
-        if not len(self.times):
-            return self.place.nothing
-        states = np.empty((len(self.times), len(self.motion.state)))
-        return Rows(self.times, states, np.zeros(1, np.int64), request.steps, self.place.nothing.out)
+    def _filling(self, times: np.ndarray, steps: bool) -> tuple[Rows, Callable[[int], int]]:
+        """Rows at these times, and the loop that fills them: the same ones as long as these times are wanted."""
+        if self.filling is None or self.filling[0].times is not times:
+            states = np.empty((len(times), len(self.motion.state)))
+            rows = Rows(times, states, np.zeros(1, np.int64), steps, self.place.nothing.out)
+            self.filling = rows, self.place.drive.on(rows, RULES)
+        return self.filling
 
     def end_at(self, end: Any) -> None:
         """Puts the end of the run at an internal time."""

@@ -83,6 +83,24 @@ class Request(Protocol):
         """Takes rows: internal times (k,), states (k, variables)."""
 
 
+class Wanted:
+    """The times of rows that a run is asked for, internal, of which the first `made` are there: one for all phases of
+    a contact."""
+
+    def __init__(self) -> None:
+        self.times, self.made = np.zeros(0), 0
+
+    def ask(self, request: Request) -> None:
+        """Asks for more times where none are left; for room, where rows are at the ends of steps."""
+        if request.steps or self.made == len(self.times):
+            self.times, self.made = request.wanted(), 0
+
+    @property
+    def left(self) -> np.ndarray:
+        """The times whose rows are still to be made."""
+        return self.times[self.made :]
+
+
 class Room(NamedTuple):
     """What the observer of a run reads and writes: arrays that stay where they are, and serve one run after another."""
 
@@ -127,10 +145,12 @@ class Driver(ABC):
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
         self.rows, self.tallies, self.log, self.samples, self.scratch = room
         watch(self.rows.events, compiled.rows.events, problem)
+        self.ranged = next((e for e, event in enumerate(problem.system.events) if event.extremes), -1)
+        self.scale = float(self.rows.events["scale"][self.ranged]) if self.ranged >= 0 else 1.0
         self.at_start = event_functions(problem.alone)[0]  # the event functions
         self.tallies.functions[:] = 0.0
         reset(self.tallies, self.rows, 0, *signs_of(self.at_start))
-        self.times = np.zeros(0)  # of rows that are wanted and not yet made
+        self.wanted = Wanted()
 
     sentence = ""  # why the contact ended the run, where it did
     ended: Status | None = None  # how it ends the run before its first step
@@ -181,12 +201,10 @@ class Driver(ABC):
 
     def extremes(self) -> Extremes:
         """Of the normal force so far, internal units; empty where none is known."""
-        for e, event in enumerate(self.problem.system.events):
-            if event.extremes:
-                known, scale = self.tallies.functions[:, e, 0], self.rows.events["scale"][e]
-                values = known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST]
-                return Extremes(*map(float, values))
-        return Extremes()
+        if self.ranged < 0:
+            return Extremes()
+        known = self.tallies.functions[:, self.ranged, 0].tolist()
+        return Extremes(known[LEAST] / self.scale, known[T_LEAST], known[MOST] / self.scale, known[T_MOST])
 
     def snapshot(self) -> dict[str, Any]:
         """What a run needs to continue bit by bit."""

@@ -116,12 +116,13 @@ class SliceDriver(Driver):
             request.take(times[:count], ends[:count, : self.variables].copy())
             return
         while True:
-            self.times = self.times if len(self.times) else request.wanted()
-            count = int(np.searchsorted(self.times, reached, side="right" if ended else "left"))
+            self.wanted.ask(request)
+            left = self.wanted.left
+            count = int(np.searchsorted(left, reached, side="right" if ended else "left"))
             if count:
-                self._give(request, self.times[:count], output)
-            self.times = self.times[count:]
-            if len(self.times) or not count:
+                self._give(request, left[:count], output)
+            self.wanted.made += count
+            if count < len(left) or not count:
                 return
 
     def _give(self, request: Request, times: np.ndarray, output: Callable) -> None:

@@ -76,8 +76,8 @@ def _parsed(text: str) -> dict[str, Any]:
 def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
     """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a string.
 
-    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. What says when rows are wanted
-    takes the place of what did. Raises InputError.
+    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. A key that says when rows are
+    wanted takes the place of another such key. Raises InputError.
     """
     words = [(key.strip(), text.strip()) for key, _, text in (a.partition("=") for a in assignments)]
     given = {key.removeprefix("run."): text.strip("\"'") for key, text in words if key.startswith("run.")}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from test_phases_of_runs import LEINE_GLOCKER, run
-from touching import table
+from touching import table_of
 
 from tippetop.engine.contact import standing
 from tippetop.engine.status import Status
@@ -54,7 +54,7 @@ def in_euler_angles(start, t):
 def test_standing_on_both_is_that_of_the_euler_angles(phi_dot, omega3):
     start = {"theta": float(np.arccos(Z)), "phi_dot": phi_dot, "omega3": omega3, "centre_at_rest": True}
     done = run(LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.4)
-    columns, phases = done.columns(), table(done, "phases")
+    columns, phases = done.columns(), table_of(done, "phases")
     assert phases["phase"][0] == 3
     t = columns["time"].values
     ours = t <= phases["end"][0]
@@ -81,7 +81,7 @@ def test_a_ball_that_leaves_is_followed_by_the_other():
         columns = done.columns()
         sphere = columns["z"].values - LEINE_GLOCKER["R"] * (1 - 0.2 * np.cos(columns["theta"].values))
         assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12, seed
-        ended |= set(table(done, "phases")["reason"].tolist())
+        ended |= set(table_of(done, "phases")["reason"].tolist())
     assert 7 in ended  # a ball left
 
 
@@ -90,7 +90,7 @@ def test_friction_that_drills_stands_on_both_too():
     friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
     start = {"theta": float(np.arccos(Z)), "phi_dot": -20.0, "omega3": 60.0, "centre_at_rest": True}
     done = run(LEINE_GLOCKER, friction=friction, initial=start, stem=STEM, until=0.1)
-    assert table(done, "phases")["phase"][0] == 3
+    assert table_of(done, "phases")["phase"][0] == 3
     assert max(done.report["drift"].values()) < 1e-13
 
 
@@ -108,7 +108,7 @@ def test_when_rocking_is_called_standing_does_not_show(monkeypatch):
     for limit in (1e-4, 1e-6):
         monkeypatch.setattr(standing, "BOTH_AT", limit)
         done = run(LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.05)
-        phases = table(done, "phases")
+        phases = table_of(done, "phases")
         assert phases["phase"][-1] == 3
         ends.append((phases["start"][-1], done.columns()["omega3"].values[-1], done.columns()["phi_dot"].values[-1]))
     assert ends[0][0] < ends[1][0]

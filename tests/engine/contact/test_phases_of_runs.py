@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from touching import table
+from touching import table_of
 
 from tippetop.engine.contact import beginning, driver
 from tippetop.engine.status import Status
@@ -119,10 +119,10 @@ def test_drilling_friction_turns_a_top_onto_its_stem():
     friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
     start = {"theta": 0.1, "omega3": 180.0, "centre_at_rest": True}
     done = run(LEINE_GLOCKER, friction=friction, initial=start, stem={"r": 0.005, "h": 0.013}, until=8.0)
-    impacts = table(done, "impacts")
+    impacts = table_of(done, "impacts")
     assert impacts["time"][0] == pytest.approx(1.37081, abs=5e-6)
     assert impacts["ball"][0] == 1
-    phases = table(done, "phases")
+    phases = table_of(done, "phases")
     (both,) = np.flatnonzero(phases["phase"] == 3)
     assert 4.6 < phases["start"][both] < phases["end"][both] < 5.7
     assert done.status is Status.FINISHED
@@ -142,7 +142,7 @@ def test_a_bouncing_top_comes_to_rest_on_the_plane():
     """The bounces shrink by e_n where sliding persists: their number is that of log(v_close)/log(e_n)."""
     start = {"theta": 0.3, "omega3": 50.0, "gap": 0.001}
     done = run(initial=start, contact={"e_n": 0.5}, friction={"law": "none"}, until=0.5)
-    impacts = table(done, "impacts")
+    impacts = table_of(done, "impacts")
     bounced = impacts["v_n_after"] > 0
     ratios = impacts["v_n_after"][bounced] / -impacts["v_n_before"][bounced]
     assert ratios == pytest.approx(0.5, abs=1e-9)  # no friction: the slope of v_n is constant
@@ -157,7 +157,7 @@ def test_a_corner_of_theta_is_a_turning():
         start, friction = random_start(seed)
         done = run(initial=start | {"gap": 0.003}, friction=friction, contact={"e_n": 0.7}, until=0.1)
         turnings, columns = done.events.of("turning"), done.columns()
-        corners += np.isin(turnings.time, table(done, "impacts")["time"]).sum()
+        corners += np.isin(turnings.time, table_of(done, "impacts")["time"]).sum()
         t, theta = columns["time"].values, columns["theta"].values
         for begin, end in zip([0.0, *turnings.time], [*turnings.time, 0.1], strict=True):
             steps = np.diff(theta[(t > begin) & (t < end)])
@@ -185,13 +185,13 @@ def test_a_top_between_sphere_and_stem_never_sinks():
 
 
 def test_where_a_slice_ends_does_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One ends after so many seconds of computing, at a change of phase: here at each."""
+    """One ends after so many changes of phase: here at each."""
     tables = {
         "system": "tippe-top", "parameters": CANONICAL, "friction": {"law": "coulomb", "mu": 0.3},
         "contact": {"e_n": 0.5}, "initial": {"theta": 0.3, "omega3": 100.0, "gap": 0.001}, "run": {"until": 0.1},
     }  # fmt: skip
     whole, slices = solve(problem(tables)), []
-    monkeypatch.setattr(driver, "LONGEST", -1.0)
+    monkeypatch.setattr(driver, "PER_SLICE", 1)
     pieces = solve(problem(tables), slices.append)
     assert len(slices) > 3
     assert pieces.report == whole.report

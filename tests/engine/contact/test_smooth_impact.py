@@ -10,8 +10,10 @@ from scipy.optimize import brentq
 
 from tippetop.engine.contact.smooth_impact import SmoothImpacts
 from tippetop.mechanics.contact.ball import Ball, Mobility, mobility
+from tippetop.mechanics.contact.impact import after_impact, arrival
 from tippetop.mechanics.contact.struck import struck
 from tippetop.mechanics.friction import Coulomb, Viscous
+from tippetop.mechanics.operand import Vector
 
 
 def contacts(n: int = 20) -> list[tuple[Mobility, tuple[float, float, float]]]:
@@ -89,3 +91,23 @@ def test_a_law_that_cannot_be_followed_is_refused() -> None:
         SmoothImpacts(Viscous(np.nan), "energetic").struck(*v, K, 0.0, 0.0)
     with pytest.raises(ArithmeticError, match="no solution"):  # v_e K_ez > 0 and k beyond K_zz/(K_ez v_e)
         SmoothImpacts(Viscous(abs(K.zz / K.ez)), "energetic").struck(3.0 * np.sign(K.ez), 0.0, -1.0, K, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("e_n", [0.0, 0.6])
+def test_a_body_is_struck_in_machine_code_as_its_formulas_say(e_n: float) -> None:
+    """The axis vertical, too: then e is the direction of the slip, or any where nothing slips."""
+    ball = Ball(0.02, 3e-6, 3.2e-6, 9.82, 0.0, 0.006, 0.02)
+    impacts = SmoothImpacts(Viscous(0.3), "energetic")
+    tilted, upright = Vector(0.48, 0.36, 0.8), Vector(0.0, 0.0, 1.0)
+    starts = [(tilted, Vector(1e-4, 2e-4, 9e-4)), (upright, Vector(0.0, 1e-5, 9e-4)), (upright, Vector(0.0, 0.0, 9e-4))]
+    for u, L in starts:
+        velocity = Vector(0.02, -0.01, -0.3) if L.y else Vector(0.0, 0.0, -0.3)
+        v, impact, after = impacts.body_struck(u, L, velocity, ball, e_n)
+        a = arrival(u, L, velocity, ball)
+        slow = impacts.struck(a.along, a.sideways, a.v.z, a.K, u.z, e_n)
+        expected = after_impact(u, L, velocity, a, slow.p_e, slow.p_2, slow.p_z, 0.0, ball)
+        np.testing.assert_allclose(v, a.v, rtol=0, atol=1e-17)
+        np.testing.assert_allclose([*after.p, *after.L], [*expected.p, *expected.L], rtol=1e-14, atol=1e-20)
+        np.testing.assert_allclose([*after.velocity, *after.v], [*expected.velocity, *expected.v], rtol=0, atol=1e-15)
+        assert after.gained == pytest.approx(expected.gained, rel=1e-13)
+        assert (impact.work_n, impact.work_t) == (slow.work_n, slow.work_t)

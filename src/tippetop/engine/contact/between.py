@@ -43,15 +43,16 @@ def fill_between(driver: "ContactDriver", change: Change, start: Any, output: Ga
         carried = values[:, moving:] * INTEGRAL_SCALE
         return rows_of(kind, driver.ball, driver.balls, values[:, :moving], carried, driver.taken, number)
 
-    inner = driver.inner
+    inner, wanted = driver.inner, driver.wanted
     while not output.steps:
-        inner.times = inner.times if len(inner.times) else output.wanted()
-        count = int(np.searchsorted(inner.times, float(start + lag)))
+        wanted.ask(output)
+        left = wanted.left
+        count = int(np.searchsorted(left, float(start + lag)))
         if count:
-            t = inner.times[:count].astype(number) - start
-            output.take_rows(inner.times[:count], rows(np.clip(t, 0 * lag, lag)))
-        inner.times = inner.times[count:]
-        if len(inner.times) or not count:
+            t = left[:count].astype(number) - start
+            output.take_rows(left[:count], rows(np.clip(t, 0 * lag, lag)))
+        wanted.made += count
+        if count < len(left) or not count:
             break
     for k, event in enumerate(driver.phase.events):
         if event.name not in change.signs:

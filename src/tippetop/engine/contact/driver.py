@@ -3,7 +3,6 @@
 To whoever asks it is a driver like any other; its states are rows (`mechanics.contact.phases.row.Row`).
 """
 
-from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -16,9 +15,10 @@ from ...mechanics.units import SECOND
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 from ..expressions import equations_of_motion
-from ..slices import Driver, Extremes, Request, Slice
+from ..slices import Driver, Extremes, Request, Slice, Wanted
 from ..status import Status
-from ..tallies import SIGN, reset
+from ..tallies import ON_ZERO as BEGINS_ON_ZERO
+from ..tallies import SIGN
 from .balls import Balls
 from .between import fill_between
 from .gathered import NOBODY, Gathered
@@ -29,7 +29,7 @@ from .transitions import Change, Transitions
 
 
 MOST_CHANGES = 10_000  # of phase in a run
-LONGEST = 0.5  # [s] of computing: a slice ends at the next change of phase, so that nobody waits for it
+PER_SLICE = 64  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Formulas of a phase are asked of states of another, such as the region of a patch that drills; what is no number in
@@ -66,7 +66,7 @@ class ContactDriver:
         self.force, self.tables = Extremes(), Tables(problem)
         self.changes = self.short = 0
         self.taken: Any = problem.number(0)
-        self.times, self.sentence = np.zeros(0), ""
+        self.wanted, self.sentence = Wanted(), ""
         start = problem.start()
         moment = moment_of(start)
         self.moment = moment  # at the start
@@ -159,8 +159,7 @@ class ContactDriver:
         state[: len(q)] = q
         phase.carried.into_state(self.carried, state)
         driver.put(state, clock)
-        driver.times = self.times
-        self._expect(change.functions or self.transitions.functions(change.kind, ball, moment), change.signs)
+        self._expect(change, moment)
         landing, self.waits = change.landing, None
         if change.waits:
             self.waits = landing = clock[0] + number(change.waits)
@@ -175,6 +174,7 @@ class ContactDriver:
         """The phase of a kind, on a ball; q is a state that it may have."""
         if (name, ball) not in self.phases:
             self.phases[name, ball] = Followed(self.problem, name, ball, self.balls, q, self.make)
+            self.phases[name, ball].driver.wanted = self.wanted
         return self.phases[name, ball]
 
     def _watch(self, phase: Followed) -> None:
@@ -192,21 +192,31 @@ class ContactDriver:
         self.lands = landing is not None and landing < self.end
         driver.end_at(landing if self.lands else self.end)
 
-    def _expect(self, functions: dict[str, float], signs: dict[str, float]) -> None:
+    def _expect(self, change: Change, moment: Moment) -> None:
         """Says on which side of their zeros the event functions begin."""
-        phase, values = self.phase, functions.values()
-        at = [1.0 if value > 0 else -1.0 for value in values]
-        on_zero = [abs(value) < ON_ZERO for value in values]
-        for k, (name, event) in enumerate(zip(phase.names, phase.events, strict=True)):
+        phase, signs, at, on_zero = self.phase, change.signs, [], []
+        functions = change.functions
+        if functions is None:
+            new = any(name not in signs for name in phase.names)
+            functions = self.transitions.functions(change.kind, change.ball, moment) if new else {}
+        for name, event in zip(phase.names, phase.events, strict=True):
             if name in signs:  # it continues from the phase before
-                at[k], on_zero[k] = signs[name], False
-            elif name in ("stick", "slip"):
-                at[k], on_zero[k] = at[k] if event.direction == 0 else 1.0, False
-            elif name in ("faster", "slower") and on_zero[k]:
-                at[k] = -float(event.direction)
-            elif name == "touch" and on_zero[k]:
-                at[k] = 1.0
-        reset(phase.driver.tallies, phase.driver.rows, 0, np.array(at), np.array(on_zero))
+                sign, zero = signs[name], False
+            else:
+                value = functions[name]
+                sign, zero = 1.0 if value > 0 else -1.0, abs(value) < ON_ZERO
+                if name in ("stick", "slip"):
+                    sign, zero = sign if event.direction == 0 else 1.0, False
+                elif name in ("faster", "slower") and zero:
+                    sign = -float(event.direction)
+                elif name == "touch" and zero:
+                    sign = 1.0
+            at.append(sign)
+            on_zero.append(zero)
+        tallies = phase.driver.tallies
+        for array, fresh in zip(tallies, phase.fresh, strict=True):
+            array[...] = fresh
+        tallies.functions[SIGN, :, 0], tallies.functions[BEGINS_ON_ZERO, :, 0] = at, on_zero
 
     def _signs(self) -> dict[str, float]:
         """On which side of their zeros the functions of the axis are now, by name."""
@@ -218,7 +228,7 @@ class ContactDriver:
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps, through as many phases as they take."""
-        output, steps, began = Gathered(self.problem, self.balls, request), 0, monotonic()
+        output, steps = Gathered(self.problem, self.balls, request), 0
         while True:
             output.of(self.phase, self.carried, self.taken)
             piece = self.inner.advance(output, most - steps)
@@ -231,7 +241,7 @@ class ContactDriver:
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
             status = self._change(ending, piece.last[0], when, output)
-            if status is not None or steps >= most or monotonic() - began > LONGEST:
+            if status is not None or steps >= most or self.changes % PER_SLICE == 0:
                 break
         if status is not None:
             self.tables.end(float(when), str(status.value))
@@ -258,7 +268,7 @@ class ContactDriver:
             self.sentence = str(error)
             return Status.STALLED
         self.force = self.extremes()
-        self.times, now = self.inner.times, self.problem.number(when)
+        now = self.problem.number(when)
         for event in change.events:
             output.note(event, now + change.when, last)
         if change.ends is not None:
@@ -295,6 +305,8 @@ class ContactDriver:
     def extremes(self) -> Extremes:
         """Of the normal force so far, internal units."""
         a, b = self.force, self.inner.extremes()
+        if (b.least > a.least and b.most < a.most) or self.inner.ranged < 0:
+            return a
         low, high = (a if a.least <= b.least else b), (a if a.most >= b.most else b)
         return Extremes(low.least, low.t_least, high.most, high.t_most)
 

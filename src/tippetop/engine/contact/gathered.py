@@ -20,6 +20,8 @@ MOST = 1 << 15  # states that wait
 class Part:
     """States of a phase, (n, variables), and what else their rows say."""
 
+    __slots__ = ("carried", "phase", "rows", "states", "taken")
+
     def __init__(self, phase: Followed, carried: np.ndarray, taken: Any, states: np.ndarray):
         self.phase, self.carried, self.taken, self.states = phase, carried, taken, states
         self.rows: np.ndarray | None = None
@@ -75,9 +77,10 @@ class Gathered:
     def passed(self, passages: Passages, count: int) -> None:
         """Takes the first passages of the phase."""
         if count:
-            numbers = self.present[0].numbers[passages.events]
-            about = passages._replace(events=numbers, states=_NONE)
-            self.log.append((Passages._make(column[:count] for column in about), self._part(passages.states[:count])))
+            times, events, signs, at_pole, states = passages
+            numbers = self.present[0].numbers[events[:count]]
+            about = Passages(times[:count], numbers, signs[:count], at_pole[:count], _NONE)
+            self.log.append((about, self._part(states[:count])))
 
     def note(self, name: str, time: Any, state: np.ndarray, way: float = 1.0) -> None:
         """Takes an event that no step has logged, such as the end of a phase, in a state (variables,) of it."""
@@ -88,8 +91,8 @@ class Gathered:
         self.log.append((self._event(name, time, way), self._ready(row)))
 
     def _event(self, name: str, time: Any, way: float) -> Passages:
-        times = np.array([time], dtype=self.problem.number)
-        return Passages(times, np.array([self.names.index(name)]), np.array([int(way)]), np.array([False]), _NONE)
+        times, number = np.array([time], dtype=self.problem.number), self.names.index(name)
+        return Passages(times, np.array([number]), np.array([int(way)]), _NO, _NONE)
 
     def _part(self, states: np.ndarray) -> Part:
         part = Part(*self.present, states)
@@ -110,13 +113,13 @@ class Gathered:
         for part in self.waiting:
             alike.setdefault(part.phase, []).append(part)
         for phase, parts in alike.items():
-            lengths = [len(part.states) for part in parts]
+            lengths, first = [len(part.states) for part in parts], 0
             states = np.concatenate([part.states for part in parts])
             carried = phase.carried.into_rows(states, np.repeat([part.carried for part in parts], lengths, axis=0))
             taken = np.repeat(np.array([part.taken for part in parts], dtype=self.problem.number), lengths)
             rows = rows_of(phase.kind, phase.ball, self.balls, states, carried, taken, self.problem.number)
-            for part, some in zip(parts, np.split(rows, np.cumsum(lengths)[:-1]), strict=True):
-                part.rows = some
+            for part, length in zip(parts, lengths, strict=True):
+                part.rows, first = rows[first : first + length], first + length
         asked, self.waiting, self.asked, self.count = self.asked, [], [], 0
         if asked:
             times = np.concatenate([times for times, _ in asked])
@@ -154,4 +157,4 @@ class _Nobody:
         """Takes none."""
 
 
-NOBODY, _NONE = _Nobody(), np.zeros(0)
+NOBODY, _NONE, _NO = _Nobody(), np.zeros(0), np.zeros(1, bool)

@@ -8,13 +8,14 @@ import numpy as np
 
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact.ball import Ball
+from ...mechanics.contact.impact import Struck, after_impact, arrival
 from ...mechanics.contact.patch_impact import patch_struck
 from ...mechanics.contact.phases.drilling import LOST
 from ...mechanics.contact.phases.legs import Body
 from ...mechanics.contact.phases.row import Row
 from ...mechanics.contact.struck import struck
 from ...mechanics.friction import Frictionless
-from ...mechanics.operand import Vector, cross, dot, plus, times
+from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import kinds_of, leg
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
@@ -78,7 +79,8 @@ class Impacts:
         assert rules is not None
         self.rules, self.kinds = rules, kinds_of(problem.system.name)
         self.landings, law = Landings(problem.number), balls[0].friction
-        self.smooth = SmoothImpacts(law, rules.restitution, problem.number)
+        smooth = not (self.balls.dry or self.balls.drills or isinstance(law, Frictionless))
+        self.smooth = SmoothImpacts(law, rules.restitution, problem.number) if smooth else None
         self.touching = [self._ball(body) for body in balls.bodies]
 
     def ball(self, index: int) -> Ball:
@@ -108,63 +110,51 @@ class Impacts:
         """Velocity of the lowest point of a ball."""
         return balls_.contact_velocity(moment.u, moment.L, moment.velocity, self.ball(index))
 
-    def _struck(self, index: int, moment: Moment) -> tuple[Moment, Strike]:
-        b, v, u = self.ball(index), self.point(index, moment), moment.u
-        across = self._size(u)
-        e = Vector(u.x / across, u.y / across, 0 * across) if float(across) > 0 else self._direction(v)
-        along, sideways = v.x * e.x + v.y * e.y, e.x * v.y - e.y * v.x
-        closes = abs(float(v.z)) < CLOSES_AT
-        K = balls_.mobility(across, u.z, b)
-        e_n, law = 0.0 if closes else self.rules.e_n, self.balls[index].friction
-        if self.balls.drills:
-            turn = balls_.angular_velocity(u, moment.L, b).z
-            patch = self.number(law.patch)
-            result: Any = patch_struck((along, sideways, v.z), turn, across, u.z, b, patch, e_n, self.rules.restitution)
-        elif self.balls.dry or isinstance(law, Frictionless):
-            result = struck(along, sideways, v.z, K, b.mu, e_n, self.rules.restitution)
+    def _struck(self, index: int, moment: Moment, v_n: float) -> tuple[Moment, Strike]:
+        """The body after an impact of a ball, whose lowest point falls with v_n."""
+        closes = abs(v_n) < CLOSES_AT
+        e_n, b = 0.0 if closes else self.rules.e_n, self.ball(index)
+        impact: Any
+        if self.smooth is not None and self.smooth.compiled:
+            v, impact, after = self.smooth.body_struck(moment.u, moment.L, moment.velocity, b, e_n)
         else:
-            result = self.smooth.struck(along, sideways, v.z, K, u.z, e_n)
-        return self._applied(index, moment, v, e, result, closes)
-
-    def _applied(
-        self, index: int, moment: Moment, before: Vector, e: Vector, result: Any, closes: bool
-    ) -> tuple[Moment, Strike]:
-        """The body after an impact of a ball, whose lowest point had the velocity `before`."""
-        b, u = self.ball(index), moment.u
-        p = Vector(result.p_e * e.x - result.p_2 * e.y, result.p_e * e.y + result.p_2 * e.x, result.p_z)
-        velocity, moved = plus(moment.velocity, times(1 / b.m, p)), cross(balls_.arm(u, b), p)
-        L = plus(moment.L, moved)
-        if self.balls.drills:  # the impulse of a torque about the vertical
-            L = L._replace(z=L.z + result.twist)
-        after = balls_.contact_velocity(u, L, velocity, b)
-        gained = (dot(p, before) + dot(p, after)) / 2
+            v, impact, after = self._followed(index, moment, e_n)
         carried = moment.carried.copy()
         if self.balls.drills:
-            turns = (balls_.angular_velocity(u, momentum, b).z for momentum in (moment.L, L))
-            gained = gained + result.twist * sum(turns) / 2
-            carried[self.lost] = carried[self.lost] + result.twist * balls_.arm(u, b).z * INTEGRAL_SCALE
-        carried[self.work] = carried[self.work] - gained * INTEGRAL_SCALE
-        carried[self.impulse] = carried[self.impulse] + p.z * INTEGRAL_SCALE
-        plastic = closes or self.rules.e_n == 0
+            carried[self.lost] = carried[self.lost] + impact.twist * balls_.arm(moment.u, b).z * INTEGRAL_SCALE
+        carried[self.work] = carried[self.work] - after.gained * INTEGRAL_SCALE
+        carried[self.impulse] = carried[self.impulse] + after.p.z * INTEGRAL_SCALE
+        velocity, plastic = after.velocity, closes or self.rules.e_n == 0
         if plastic:
-            velocity = velocity._replace(z=velocity.z - after.z)  # it does not rise by rounding
+            velocity = velocity._replace(z=velocity.z - after.v.z)  # it does not rise by rounding
         strike = Strike(
             index,
-            (float(before.z), 0.0 if plastic else float(after.z)),
-            (float(self._size(before)), float(self._size(after))),
-            float(p.z),
-            float(self._size(p)),
-            float(gained),
-            result.mode,
+            (float(v.z), 0.0 if plastic else float(after.v.z)),
+            (float(self._size(v)), float(self._size(after.v))),
+            float(after.p.z),
+            float(self._size(after.p)),
+            float(after.gained),
+            impact.mode,
             plastic,
-            result.makes_energy,
+            impact.makes_energy,
         )
-        return Moment(u, L, velocity, moment.height, carried), strike
+        return Moment(moment.u, after.L, velocity, moment.height, carried), strike
 
-    def _direction(self, v: Vector) -> Vector:
-        w = self._size(v)
-        one, none = 0 * w + 1, 0 * w
-        return Vector(v.x / w, v.y / w, none) if float(w) > 0 else Vector(one, none, none)
+    def _followed(self, index: int, moment: Moment, e_n: float) -> tuple[Vector, Any, Struck]:
+        """What `SmoothImpacts.body_struck` gives, under any law and in any numbers."""
+        u, b, law = moment.u, self.ball(index), self.balls[index].friction
+        a, restitution = arrival(u, moment.L, moment.velocity, b), self.rules.restitution
+        if self.balls.drills:
+            turn = balls_.angular_velocity(u, moment.L, b).z
+            patch, slip = self.number(law.patch), (a.along, a.sideways, a.v.z)
+            impact: Any = patch_struck(slip, turn, a.s, u.z, b, patch, e_n, restitution)
+        elif self.smooth is None:
+            impact = struck(a.along, a.sideways, a.v.z, a.K, b.mu, e_n, restitution)
+        else:
+            impact = self.smooth.struck(a.along, a.sideways, a.v.z, a.K, u.z, e_n)
+        twist = impact.twist if self.balls.drills else 0 * a.s
+        after = after_impact(u, moment.L, moment.velocity, a, impact.p_e, impact.p_2, impact.p_z, twist, b)
+        return a.v, impact, after
 
     def _size(self, v: Vector) -> Any:
         square = v.x * v.x + v.y * v.y

@@ -80,18 +80,17 @@ class Carried:
         mine, theirs = part.variables, whole.variables
         self.moving, self.of_row = mine.moving, theirs.moving
         names = theirs.names[theirs.moving :]
-        self.pairs = [(mine.names.index(name), k) for k, name in enumerate(names) if name in mine.names[mine.moving :]]
+        pairs = [(mine.names.index(name), k) for k, name in enumerate(names) if name in mine.names[mine.moving :]]
+        self.mine, self.theirs = np.array(pairs, int).reshape(-1, 2).T
 
     def into_state(self, carried: np.ndarray, state: np.ndarray) -> None:
         """Puts the integrals of a row (k,) where a leg has them."""
-        for mine, theirs in self.pairs:
-            state[mine] = carried[theirs]
+        state[self.mine] = carried[self.theirs]
 
     def into_rows(self, states: np.ndarray, carried: np.ndarray) -> np.ndarray:
         """The integrals of states (n, variables), as rows have them; those that do not move are as given, (n, k)."""
         rows = carried.copy()
-        for mine, theirs in self.pairs:
-            rows[:, theirs] = states[:, mine]
+        rows[:, self.theirs] = states[:, self.mine]
         return rows
 
 
@@ -124,6 +123,7 @@ class Followed:
         part = new_leg(whole, name, self.body, first)
         part = new_leg(whole, name, self.body, first[: len(part.variables.names)])
         self.driver: Driver = make(part)
+        self.fresh = [array.copy() for array in self.driver.tallies]
         self.carried, self.events = Carried(whole, part), part.system.events
         self.names = [event.name for event in self.events]
         of_run = [event.name for event in whole.system.events]

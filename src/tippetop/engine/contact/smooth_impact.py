@@ -13,10 +13,11 @@ import numpy as np
 
 from tippetop_kernels.jit import entry
 
-from ...mechanics.contact.ball import Mobility
+from ...mechanics.contact.ball import Ball, Mobility
+from ...mechanics.contact.impact import Struck, after_impact, arrival
 from ...mechanics.contact.struck import RESTITUTIONS, Impact
 from ...mechanics.friction import slip_coefficient
-from ...mechanics.operand import formula
+from ...mechanics.operand import Vector, formula
 
 
 SWEEPS = 60
@@ -229,10 +230,40 @@ def _strike(room, nodes, law, restitution, eps):
     return how
 
 
+@formula
+def _impulses(room, v_e, v_2, K):
+    """The impulse along e and 2hat of the impact that is done, of the slip before and after it."""
+    result = room.result
+    return (result[V_E] - v_e - K.ez * result[IMPULSE]) / K.ee, (result[V_2] - v_2) / K.tt
+
+
 @entry
 def strike(room, nodes, law, restitution):
     """`_strike` in doubles."""
     return _strike(room, nodes, law, restitution, 2.0**-52)
+
+
+@entry
+def hit(numbers, room, nodes, law, restitution):
+    """The impact of a body of which numbers[:17] say axis, L, velocity, ball, e_n; gives how it went. After the 17
+    numbers stand velocity and slip of the contact before, and `Struck`; the impact itself is in room.result."""
+    u, L = Vector(numbers[0], numbers[1], numbers[2]), Vector(numbers[3], numbers[4], numbers[5])
+    velocity = Vector(numbers[6], numbers[7], numbers[8])
+    ball = Ball(numbers[9], numbers[10], numbers[11], numbers[12], numbers[13], numbers[14], numbers[15])
+    a = arrival(u, L, velocity, ball)
+    room.given[0], room.given[1], room.given[2] = a.along, a.sideways, a.v.z
+    room.given[3], room.given[4], room.given[5], room.given[6] = a.K.ee, a.K.zz, a.K.ez, a.K.tt
+    room.given[7], room.given[8] = u.z, numbers[16]
+    how = _strike(room, nodes, law, restitution, 2.0**-52)
+    p_e, p_2 = _impulses(room, a.along, a.sideways, a.K)
+    b = after_impact(u, L, velocity, a, p_e, p_2, room.result[IMPULSE], 0.0, ball)
+    numbers[17], numbers[18], numbers[19] = a.v.x, a.v.y, a.v.z
+    numbers[20], numbers[21], numbers[22] = b.p.x, b.p.y, b.p.z
+    numbers[23], numbers[24], numbers[25] = b.L.x, b.L.y, b.L.z
+    numbers[26], numbers[27], numbers[28] = b.velocity.x, b.velocity.y, b.velocity.z
+    numbers[29], numbers[30], numbers[31] = b.v.x, b.v.y, b.v.z
+    numbers[32] = b.gained
+    return how
 
 
 class SmoothImpacts:
@@ -252,7 +283,10 @@ class SmoothImpacts:
         count, self.eps = {np.float64: (20, 2.0**-52), np.longdouble: (24, 2.0**-63)}.get(number, (40, 2.0**-112))
         self.law, self.restitution, self.number = law, RESTITUTIONS.index(restitution), number
         self.room, self.nodes = new_room(count, number), new_nodes(count, number)
-        self.compiled = strike.on(self.room, self.nodes) if number is np.float64 else None
+        self.compiled = number is np.float64
+        if self.compiled:
+            self.numbers, given = np.zeros(33), (self.room, self.nodes, law, self.restitution)
+            self.strike, self.hit = strike.on(*given), hit.on(self.numbers, *given)
 
     def struck(self, v_e: Any, v_2: Any, v_n: Any, K: Mobility, z: Any, e_n: Any) -> Impact:
         """The impact of a contact point that arrives with v_n < 0.
@@ -280,12 +314,24 @@ class SmoothImpacts:
         """
         room = self.room
         room.given[:] = [self.number(x) for x in (v_e, v_2, v_n, *K, z, e_n)]
-        if self.compiled is not None:
-            how = self.compiled(self.law, self.restitution)
-        else:
-            how = _strike(room, self.nodes, self.law, self.restitution, self.eps)
+        how = self.strike() if self.compiled else _strike(room, self.nodes, self.law, self.restitution, self.eps)
         if how != ENDED:
             raise ArithmeticError(MEANT[how])
-        left_e, left_2, p_z, work_n, work_t, after, compression = room.result.tolist()
-        p_e, p_2 = (left_e - v_e - K.ez * p_z) / K.ee, (left_2 - v_2) / K.tt
+        return self._impact(*_impulses(room, v_e, v_2, K))
+
+    def body_struck(
+        self, u: Vector, L: Vector, velocity: Vector, ball: Ball, e_n: float
+    ) -> tuple[Vector, Impact, Struck]:
+        """The impact of a body in doubles, from its axis, momentum and velocity: the velocity of its lowest point
+        before it, the impact, the body after it. Raises ArithmeticError, as `struck` does."""
+        self.numbers[:17] = (*u, *L, *velocity, *ball, e_n)
+        how = self.hit()
+        if how != ENDED:
+            raise ArithmeticError(MEANT[how])
+        n = self.numbers[17:].tolist()
+        v, p, newer, moves, after = (Vector(*n[k : k + 3]) for k in range(0, 15, 3))
+        return v, self._impact(0.0, 0.0), Struck(p, newer, moves, after, n[15])
+
+    def _impact(self, p_e: Any, p_2: Any) -> Impact:
+        left_e, left_2, p_z, work_n, work_t, after, compression = self.room.result.tolist()
         return Impact(p_e, p_2, p_z, left_e, left_2, after, work_n, work_t, compression, "slip")

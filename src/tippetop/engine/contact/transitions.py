@@ -195,9 +195,8 @@ class Transitions(Sliding, Standing):
 
     def _on_plane(self, ball: int, moment: Moment, reason: str, takes: bool = False) -> Change:
         """A ball touches the plane and its contact point does not rise: it slides, rolls, or leaves."""
-        b, v = self.ball(ball), self.point(ball, moment)
-        w = self._size(v)
-        if not self.balls.dry or float(w) > STOPS_AT:
+        b = self.ball(ball)
+        if not self.balls.dry or float(self._size(self.point(ball, moment))) > STOPS_AT:
             kind = "dry-slip" if self.balls.dry else "slip"
             if self.balls.drills:
                 kind = region_kind(moment.u, moment.L, moment.velocity, self.balls[ball])
@@ -205,7 +204,7 @@ class Transitions(Sliding, Standing):
             if functions["liftoff"] > 0:
                 return Change(kind, ball, moment, reason, functions=functions, takes=takes)
             return self._flight(ball, moment, "opens-at-once", 2)
-        none = 0 * w
+        none = 0 * b.m
         moment = moment._replace(velocity=balls_.centre_velocity(moment.u, moment.L, Vector(none, none, none), b))
         force = coulomb.reaction_of_rolling_vector(moment.u, balls_.bias_vector(moment.u, moment.L, b), b)
         if float(force.z) > 0 and float(coulomb.cone(force.x, force.y, force.z, b.mu)) >= 0:
@@ -226,7 +225,7 @@ class Transitions(Sliding, Standing):
         if not v_n < 0:  # it touches without striking
             return self._on_plane(ball, moment, reason)
         while len(strikes) < MOST_STRIKES:
-            moment, strike = self._struck(ball, moment)
+            moment, strike = self._struck(ball, moment, v_n)
             strikes.append(strike)
             if strike.makes_energy:
                 events = ("impact",) * len(strikes)
@@ -245,6 +244,7 @@ class Transitions(Sliding, Standing):
             if not pressed:
                 break
             ball = pressed[0]
+            v_n = float(self.point(ball, moment).z)
         else:
             return Change("flight", ball, moment, reason, ends=Status.STALLED, sentence=NO_WAY)
         rises = not strikes[-1].plastic

@@ -6,8 +6,8 @@ horizontal slip w (cos beta e + sin beta 2hat) nothing is singular where the sli
 
 from typing import NamedTuple
 
-from ..operand import Operand, cos, cross, exp, formula, sin, times
-from .ball import arm
+from ..operand import Operand, Vector, cos, cross, dot, exp, formula, plus, sin, sqrt, times
+from .ball import Mobility, angular_velocity, arm, contact_velocity, mobility
 
 
 class ImpactRates(NamedTuple):
@@ -26,6 +26,58 @@ def impact_rates(beta, log_w, v_n, K, mu):
     C, S, w = cos(beta), sin(beta), exp(log_w)
     along, across = K.ez - mu * C * K.ee, -(mu * S * K.tt)
     return ImpactRates(C * across - S * along, C * along + S * across, w * (K.zz - mu * C * K.ez), w, w * v_n)
+
+
+# --- what arrives -----------------------------------------------------------------------------------------------------
+
+
+class Arrival(NamedTuple):
+    """A lowest point that meets the plane: its velocity, and what an impact is written in."""
+
+    v: Vector
+    e: Vector  # along the horizontal part of 3hat; along v where 3hat is vertical
+    s: Operand  # sin(theta)
+    along: Operand  # velocity along e
+    sideways: Operand  # and along 2hat
+    K: Mobility
+
+
+@formula
+def arrival(u, L, velocity, ball):
+    """What arrives, of a body with this axis, momentum and velocity of the centre of mass."""
+    v = contact_velocity(u, L, velocity, ball)
+    s = sqrt(u.x * u.x + u.y * u.y)
+    w = sqrt(v.x * v.x + v.y * v.y)
+    none = 0 * s
+    if s > 0:
+        e = Vector(u.x / s, u.y / s, none)
+    elif w > 0:
+        e = Vector(v.x / w, v.y / w, none)
+    else:
+        e = Vector(none + 1, none, none)
+    return Arrival(v, e, s, v.x * e.x + v.y * e.y, e.x * v.y - e.y * v.x, mobility(s, u.z, ball))
+
+
+class Struck(NamedTuple):
+    """A body after an impact: impulse, L, velocities of the centre of mass and of the contact point, energy gained."""
+
+    p: Vector
+    L: Vector
+    velocity: Vector
+    v: Vector
+    gained: Operand
+
+
+@formula
+def after_impact(u, L, velocity, a, p_e, p_2, p_z, twist, ball):
+    """The body after an impulse at its contact and, of a patch, one of a torque about the vertical."""
+    p = Vector(p_e * a.e.x - p_2 * a.e.y, p_e * a.e.y + p_2 * a.e.x, p_z)
+    pushed, turned = jumps_vector(u, p, ball)
+    velocity, newer = plus(velocity, pushed), plus(L, turned)
+    newer = Vector(newer.x, newer.y, newer.z + twist)
+    v = contact_velocity(u, newer, velocity, ball)
+    drilled = twist * (angular_velocity(u, L, ball).z + angular_velocity(u, newer, ball).z)
+    return Struck(p, newer, velocity, v, (dot(p, a.v) + dot(p, v) + drilled) / 2)
 
 
 # --- what an impulse changes ------------------------------------------------------------------------------------------
