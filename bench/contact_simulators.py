@@ -1,8 +1,10 @@
-"""How far MuJoCo's tippe top is from the exact one: `python -m bench.contact_simulators`, with tippetop[peers].
+"""How far other engines' tippe tops are from the exact one: `python -m bench.contact_simulators`.
 
-Each scenario is exported as MJCF, stepped by MuJoCo with several steps and integrators, written as a table, and
-compared. What MuJoCo is asked is what its own manual advises: elliptic cones, a contact as stiff as the step allows
-(solref = 2 steps), impratio 10. It is a fair question for a contact engine, and one that it was not made for.
+Each scenario is exported, stepped by the engine with several steps, written as a table, and compared. MuJoCo
+(tippetop[peers]) takes the MJCF and is asked what its own manual advises: elliptic cones, a contact as stiff as the
+step allows (solref = 2 steps), impratio 10; by two integrators. `--engine pybullet` (`pip install pybullet` beside)
+takes the URDF: cone friction, no damping, no limit of speed, as many iterations as it needs. Both are fair questions
+for a contact engine, and ones that it was not made for.
 """
 
 from __future__ import annotations
@@ -15,11 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tippetop as tt
-from tippetop.exchange.simulators import text_of
+from tippetop.exchange.simulators import start_of, text_of
 
 
 STEPS = (1e-3, 5e-4, 2.5e-4)
-INTEGRATORS = ("implicit", "RK4")
+ENGINES = {"mujoco": ("mjcf", ("implicit", "RK4")), "pybullet": ("urdf", ("semi-implicit",))}
+"""Of each engine the format that it reads, and its integrators."""
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3.2e-6, "g": 9.82}
 START = {"theta": 0.1, "omega3": 155.0, "centre_at_rest": True}
 HEADER = "t [s]," + ",".join(
@@ -50,7 +53,48 @@ CASES = (
 )  # fmt: skip
 
 
-def stepped(text: str, step: float, integrator: str, until: float) -> np.ndarray:
+def _bullet(problem: Any, text: str, step: float, integrator: str, until: float) -> np.ndarray:
+    """As `_mujoco`; Bullet has one integrator."""
+    import pybullet
+
+    start = start_of(problem)
+    mu = float(getattr(problem.friction, "mu", 0.0))
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        with tempfile.NamedTemporaryFile("w", suffix=".urdf") as file:
+            file.write(text)
+            file.flush()
+            flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+            top = pybullet.loadURDF(
+                file.name, start.place.tolist(), np.roll(start.quaternion, -1).tolist(), flags=flags
+            )
+        floor = pybullet.createMultiBody(0, pybullet.createCollisionShape(pybullet.GEOM_PLANE))
+        for body, friction in ((top, mu), (floor, 1.0)):  # the friction of a contact is the product
+            pybullet.changeDynamics(body, -1, lateralFriction=friction, spinningFriction=0, rollingFriction=0,
+                                    restitution=0, linearDamping=0, angularDamping=0, jointDamping=0,
+                                    maxJointVelocity=1e9)  # fmt: skip
+        pybullet.changeDynamics(top, -1, activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING)
+        pybullet.setGravity(0, 0, -problem.body().g)
+        pybullet.setPhysicsEngineParameter(fixedTimeStep=step, numSubSteps=0, numSolverIterations=1000,
+                                           solverResidualThreshold=0, enableConeFriction=1,
+                                           contactBreakingThreshold=1e-3)  # fmt: skip
+        turn = np.array(pybullet.getMatrixFromQuaternion(np.roll(start.quaternion, -1).tolist())).reshape(3, 3)
+        pybullet.resetBaseVelocity(top, start.velocity.tolist(), (turn @ start.omega).tolist())
+        rows = []
+        count = round(until / step)
+        for k in range(count + 1):
+            if k % max(1, count // 1000) == 0:
+                place, turned = pybullet.getBasePositionAndOrientation(top)
+                velocity, omega = pybullet.getBaseVelocity(top)
+                axes = np.array(pybullet.getMatrixFromQuaternion(turned)).reshape(3, 3)
+                rows.append([k * step, *np.roll(turned, 1), *place, *velocity, *(axes.T @ np.array(omega))])
+            pybullet.stepSimulation()
+    finally:
+        pybullet.disconnect(client)
+    return np.array(rows)
+
+
+def _mujoco(problem: Any, text: str, step: float, integrator: str, until: float) -> np.ndarray:
     """Rows of a motion, (rows, 14): time, quaternion, place, velocity, angular velocity in body axes."""
     import mujoco
 
@@ -69,16 +113,17 @@ def stepped(text: str, step: float, integrator: str, until: float) -> np.ndarray
     return np.array(rows)
 
 
-def answers(case: Case, folder: Path) -> dict[str, tt.Comparison]:
-    """What MuJoCo makes of a case, by integrator."""
+def answers(case: Case, folder: Path, engine: str) -> dict[str, tt.Comparison]:
+    """What an engine makes of a case, by integrator."""
     problem = tt.load(_file(case, folder))
-    text = text_of(problem, "mjcf")
+    to, integrators = ENGINES[engine]
+    text, stepped = text_of(problem, to), _mujoco if engine == "mujoco" else _bullet
     made = {}
-    for integrator in INTEGRATORS:
+    for integrator in integrators:
         files = []
         for step in STEPS:
             path = folder / f"{case.name} {integrator} dt={step:g}.csv"
-            rows = stepped(text, step, integrator, problem.until)
+            rows = stepped(problem, text, step, integrator, problem.until)
             np.savetxt(path, rows, delimiter=",", header=HEADER, comments="", fmt="%.17g")
             files.append(path)
         made[integrator] = tt.compare(files, problem)
@@ -126,12 +171,14 @@ def main() -> None:
     """Prints the table; writes the figure of the case with friction."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--figure", type=Path)
-    figure = parser.parse_args().figure
+    parser.add_argument("--engine", choices=ENGINES, default="mujoco")
+    given = parser.parse_args()
+    figure = given.figure
     with tempfile.TemporaryDirectory() as name:
-        made = {case.name: answers(case, Path(name)) for case in CASES}
+        made = {case.name: answers(case, Path(name), given.engine) for case in CASES}
         print(table(made))
         if figure is not None:
-            made["coulomb"]["implicit"].plot(figure)
+            next(iter(made["coulomb"].values())).plot(figure, overwrite=True)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,9 @@ import pytest
 
 import tippetop as tt
 from tippetop import cli
+from tippetop.engine import tangent
 from tippetop.errors import InputError
+from tippetop.exchange import fitting
 from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
 
@@ -36,7 +38,10 @@ SCENARIO = ["friction.mu=0.33", "initial.omega3=160.0", "initial.theta=0.48"]
 
 @pytest.fixture(scope="module")
 def fit(film: Path) -> tt.Fitted:
-    return tt.fit(film, tt.load("inverting", SCENARIO), list(TRUE), starts=1)
+    """Its own start leads to noise: no other one is even looked for."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(fitting, "others", lambda *_: pytest.fail("no other start is needed"))
+        return tt.fit(film, tt.load("inverting", SCENARIO), list(TRUE))
 
 
 def test_numbers_are_recovered_within_their_errors(fit: tt.Fitted) -> None:
@@ -95,6 +100,26 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
     place = np.stack([run.x.values, run.y.values, height], axis=1)
     np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)
+
+
+def test_all_windows_of_long_data_take_the_equations_that_the_last_one_is_worth(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Straight code, four times as fast as compact code, from the first window on."""
+    asked = []
+
+    def compiled(_kind: object, _lanes: int, compact: bool, *_: object) -> None:
+        asked.append(compact)
+        raise InterruptedError
+
+    monkeypatch.setattr(tangent, "compiled_motion", compiled)
+    t = np.linspace(0.1, 10, 100)
+    seen = Motion(t, np.full(100, 0.2), *(None,) * 6)
+    observation = Observation(tt.load("inverting"), [*TRUE, "parameters.I1"], seen)
+    for rows in (slice(0, 10), slice(None)):
+        with pytest.raises(InterruptedError):
+            observation.predicted(observation.start(), rows)
+    assert asked == [False, False]
 
 
 def test_a_wrong_model_leaves_no_noise(film: Path) -> None:

@@ -1,5 +1,6 @@
 """Pages in a real browser: they show the run, and follow buttons, keys and scrubbing."""
 
+import base64
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,24 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     assert tab.faults == []
 
 
+def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
+    """What the button records has the pictures that were drawn meanwhile: a file that a player opens."""
+    tab.evaluate("tippetop.set(0)")
+    tab.get_by_role("button", name="film").click()
+    assert tab.evaluate("tippetop.playing"), "whoever films wants to see it move"
+    tab.wait_for_function("tippetop.time > 0.02")
+    with tab.expect_download() as saved:
+        tab.get_by_role("button", name="save").click()
+    film = saved.value.path().read_bytes()
+    assert saved.value.suggested_filename in ("tippe-top.webm", "tippe-top.mp4")
+    assert film[:4] == b"\x1aE\xdf\xa3" or film[4:8] == b"ftyp"
+    player = tab.context.new_page()
+    size = player.evaluate(PLAYED, [saved.value.suggested_filename[-4:].strip("."), base64.b64encode(film).decode()])
+    assert size == tab.evaluate("[tippetop.stage.scene.width, tippetop.stage.scene.height]")
+    tab.get_by_role("button", name="pause").click()
+    assert tab.faults == []
+
+
 @pytest.mark.parametrize(
     ("preset", "theme"), [("heavy-top", "dark"), ("gliding-cylinder", "light"), ("leine-glocker-stem", "dark")]
 )
@@ -88,6 +107,12 @@ def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) ->
     assert tab.faults == []
 
 
+PLAYED = """([type, film]) => new Promise((done) => {
+  const video = document.createElement("video");
+  video.onloadeddata = () => done([video.videoWidth, video.videoHeight]);
+  video.onerror = () => done(video.error.message);
+  video.src = `data:video/${type};base64,${film}`;
+})"""
 COLOURS = """() => {
   tippetop.draw();
   const { gl, width, height } = tippetop.stage.scene;

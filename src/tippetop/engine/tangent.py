@@ -242,10 +242,13 @@ class Tangents:
         Steps per internal unit of time beyond which a motion counts as one that cannot be integrated; 0: any number.
     uses
         How often motions are asked for, about.
+    longest
+        Internal time of the longest of them; 0: each is as long as the others.
     """
 
-    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0, *, uses: int = 1):
-        self.kind, self.tolerance, self.most, self.uses = kind, tolerance, most, uses
+    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0, *, uses: int = 1, longest: float = 0.0):
+        self.kind, self.tolerance, self.most, self.uses, self.longest = kind, tolerance, most, uses, longest
+        self._known: dict[Any, Any] = {}
 
     def states(
         self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray, needs: tuple[str, ...] | None = None
@@ -271,29 +274,40 @@ class Tangents:
         wanted = names if needs is None else needs
         lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
-        compact = float(np.abs(times).max(initial=0.0)) * total * self.uses < SOON
-        starts = awaited(lambda: compiled_starts(kind), "the start is being compiled")
-        motion: Any = awaited(
-            lambda: compiled_motion(kind, lanes, compact, self.tolerance, tuple(wanted)),
-            "the variational equations are being compiled",
-        )
+        compact = float(np.abs(times).max(initial=self.longest)) * total * self.uses < SOON
+        starts, motion = self._compiled(lanes, compact, tuple(wanted))
         begin = starts(np.concatenate([numbers, ways]))
         k = kind.body_numbers
         pars = np.concatenate([numbers[:k], ways[:k]])
         rows = np.zeros((len(times), (kind.order + 1) * len(names), total))
-        for first in range(0, total, lanes):
-            block = np.minimum(np.arange(first, first + lanes), total - 1)
-            with _one_at_a_time:
-                part = self._block(motion, begin[:, block], pars[:, block], times[:, block])
-            count = min(lanes, total - first)
-            rows[:, motion[1], first : first + count] = part[:, :, :count]
+
+        def fill() -> None:
+            for first in range(0, total, lanes):
+                block = np.minimum(np.arange(first, first + lanes), total - 1)
+                with _one_at_a_time:
+                    part = self._block(motion, begin[:, block], pars[:, block], times[:, block])
+                count = min(lanes, total - first)
+                rows[:, motion[1], first : first + count] = part[:, :, :count]
+
+        awaited(fill, "the variational equations are integrated")
         return rows.reshape(len(times), kind.order + 1, len(names), total)
+
+    def _compiled(self, lanes: int, compact: bool, wanted: tuple[str, ...]) -> Any:
+        """The compiled start and motion."""
+        key = (lanes, compact, wanted)
+        if key not in self._known:  # a look into the caches of the module compares whole systems
+            self._known[key] = (
+                awaited(lambda: compiled_starts(self.kind), "the start is being compiled"),
+                awaited(
+                    lambda: compiled_motion(self.kind, lanes, compact, self.tolerance, wanted),
+                    "the variational equations are being compiled",
+                ),
+            )
+        return self._known[key]
 
     def _block(self, motion: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Rows of the lanes of one batch. A lane that breaks down ends all of them: then each is followed alone."""
-        together = awaited(
-            partial(_followed, motion, begin, pars, times, self.most), "the variational equations are integrated"
-        )
+        together = _followed(motion, begin, pars, times, self.most)
         lanes = times.shape[1]
         if lanes > 1 and not self.most and np.isnan(together).any():
             for lane in range(lanes):
@@ -319,9 +333,7 @@ class Tangents:
         rates
             name -> (rows, lanes), by internal time, of the `timed` ones.
         """
-        readings = awaited(
-            lambda: compiled_readings(self.kind, names, timed), "the derivatives of columns are being compiled"
-        )
+        readings = self._readings(names, timed)
         rows, orders, variables, lanes = states.shape
         k, function = self.kind.body_numbers, readings.function
         inputs = states.transpose(1, 2, 0, 3).reshape(orders * variables, rows * lanes)
@@ -331,9 +343,15 @@ class Tangents:
         columns = {name: outputs[i : orders * n : n] for i, name in enumerate(readings.names)}
         return columns, dict(zip(timed, outputs[orders * n :], strict=True))
 
+    def _readings(self, names: tuple[str, ...] | None, timed: tuple[str, ...]) -> Readings:
+        if (names, timed) not in self._known:
+            make = partial(compiled_readings, self.kind, names, timed)
+            self._known[names, timed] = awaited(make, "the derivatives of columns are being compiled")
+        return self._known[names, timed]
+
     def needs(self, names: tuple[str, ...] | None, timed: tuple[str, ...]) -> tuple[str, ...]:
         """The variables that columns read."""
-        return compiled_readings(self.kind, names, timed).needs
+        return self._readings(names, timed).needs
 
 
 def _followed(

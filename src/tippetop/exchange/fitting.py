@@ -94,10 +94,12 @@ def fit(observation: Observation, loss: str = "linear", starts: int = STARTS, se
     misfit = Misfit(observation, space, loss)
     _refuse(misfit)
     end = followed(misfit, space.start, seed)
-    for start in others(misfit, starts - 1, seed) if starts > 1 else ():
+    for k in range(starts - 1):
         if end is not None and _excess(misfit, end.point) <= NOISY:
             break
-        end = _better(end, followed(misfit, start, seed))
+        if k == 0:
+            more = others(misfit, starts - 1, seed)
+        end = _better(end, followed(misfit, more[k], seed))
     if end is None:
         end = followed(misfit, space.start, seed, to_the_end=True)
     assert end is not None

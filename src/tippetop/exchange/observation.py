@@ -24,7 +24,8 @@ TIMES = {
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
 TOLERANCE = 1e-9  # of the integrator: data are never better
-USES = 50  # of motions over all of the data, in a fit
+USES = 50  # of motions with derivatives over all of the data, in a fit
+MORE = 10  # so many times as many without
 MOST_STEPS = 25.0  # per internal unit of time: a canonical inversion takes 9
 NAMES = {
     "axis": tuple(component(f"u{c}") for c in "xyz"),
@@ -83,9 +84,12 @@ class Observation:
         if not self.groups:
             raise InputError(["the table must have theta, an axis, a quaternion, omega3, a place or a marker."])
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
+        longest = float(self.t[-1]) / self.second
         self.tangents, self.motions = (
-            Tangents(self.numbers.kind(order, orientation=self.turning), TOLERANCE, MOST_STEPS, uses=USES)
-            for order in (1, 0)
+            Tangents(
+                self.numbers.kind(order, orientation=self.turning), TOLERANCE, MOST_STEPS, uses=uses, longest=longest
+            )
+            for order, uses in ((1, USES), (0, USES * MORE))
         )
         self.names = self._names()
         self.ways = self.numbers.directions(self.own)
