@@ -2,9 +2,7 @@
 
 import ast
 import inspect
-import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -70,21 +68,6 @@ def test_every_class_says_what_it_is(name: str) -> None:
     assert text.partition("\n")[0].strip()
     if kind.__module__.startswith("tippetop.library") and inspect.signature(kind).parameters:
         assert re.search(r"^(Parameters|Attributes)\n-+$", text, re.MULTILINE) or name == "StoredRun"
-
-
-def test_importing_changes_nothing_and_is_light() -> None:
-    """No LLVM, no numpy; no signal handlers, log levels or environment."""
-    code = """
-import logging, os, signal, sys
-before = dict(os.environ), signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM), logging.root.level
-import tippetop as tt
-assert not {"heyoka", "numpy", "xarray", "matplotlib", "numba"} & sys.modules.keys()
-tt.run("inverting", until=0.1)
-after = dict(os.environ), signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM), logging.root.level
-assert before == after
-"""
-    done = subprocess.run([sys.executable, "-c", code], env=os.environ, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
 
 
 # --- bodies and laws ------------------------------------------------------------------------------------------------
