@@ -27,6 +27,7 @@ RUNS = {
     "cylinder that glides": ("gliding-cylinder", 4.0),
 }
 HAND = "canonical inversion"  # the run that is also typed into heyoka
+HOPS, SMOOTH = "flying", "inverting"  # presets: the same top, which hops, or slides all along
 
 
 def compare(quick: bool) -> dict[str, Any]:
@@ -46,7 +47,20 @@ def compare(quick: bool) -> dict[str, Any]:
         if name == HAND:
             entry["rows / by hand"] = ratio(seconds["rows"], seconds["by hand"])
         found["runs"][name] = entry
+    found["hops"] = hops(5 if quick else 21)
     return found
+
+
+def hops(rounds: int) -> dict[str, Any]:
+    """Processor seconds of a top that hops, with its rows, by second of its motion, beside those of one that slides."""
+    problems = {name: build.load(name) for name in (HOPS, SMOOTH)}
+    seconds = interleaved({name: partial(timed, partial(solve, problem)) for name, problem in problems.items()}, rounds)
+    each = {name: [s / problem.until for s in seconds[name]] for name, problem in problems.items()}
+    return {
+        "seconds": {name: statistics.median(times) for name, times in each.items()},
+        "changes": solve(problems[HOPS]).report["contact_phases"]["impacts"] * 2,
+        "ratio": ratio(each[HOPS], each[SMOOTH]),
+    }
 
 
 def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:

@@ -99,6 +99,10 @@ def _lanes_against(ours: str, amd: float, intel: float) -> Any:
     return judge
 
 
+def _hops(result: dict[str, Any]) -> tuple[str, bool]:
+    return f"{result['hops']['ratio']:.3g} times", result["hops"]["ratio"] <= 2
+
+
 def _beside_motion(result: dict[str, Any]) -> tuple[str, bool]:
     most = dict(zip(result["runs"], (1.6, 1.6, 2.5, 5), strict=True))
     times = {name: entry["whole / motion"] for name, entry in result["runs"].items()}
@@ -211,6 +215,7 @@ GOALS: tuple[tuple[str, str, str, Any], ...] = (
      _lanes_against(LANES, 9, 6)),
     ("the same with class and inverted_at only", ">= 12 times (AMD), 8 (Intel)", "ensemble",
      _lanes_against(FEW, 12, 8)),
+    ("a second of a top that hops / of one that slides", "<= 2 times", "whole", _hops),
     ("processor time / wall time of a run", "<= 1.1", "whole", _processors),
     ("`tippetop run inverting`, warm", "<= 0.6 s", "startup", _started("alone", 0.6)),
     ("`tippetop --help`", "<= 0.12 s", "startup", _started("help", 0.12)),

@@ -187,7 +187,13 @@ def whole(result: dict[str, Any]) -> str:
         for name, r in result["runs"].items()
     ]
     head = ["motion alone [ms]", "whole run [ms]", "with rows in memory [ms]", "whole / motion", "rows / motion"]
-    return table(["run", *head, "processor / wall"], rows)
+    beside = table(["run", *head, "processor / wall"], rows)
+    if "hops" not in result:
+        return beside
+    hops = result["hops"]
+    each = (f"{_milliseconds(seconds)} (`{name}`)" for name, seconds in hops["seconds"].items())
+    text = f"A second of motion with its rows [ms]: {' and '.join(each)}, {number(hops['ratio'])} times as much;"
+    return f"{beside}\n\n{text} in the first the contact changes its phase {hops['changes']} times."
 
 
 def sweep(result: dict[str, Any]) -> str:

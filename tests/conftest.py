@@ -1,8 +1,12 @@
 """Fixtures that every test may use."""
 
 import contextlib
+import functools
 import os
+import signal
+import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -66,6 +70,29 @@ def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     workers, deadline = int(os.environ["PYTEST_XDIST_WORKER_COUNT"]), time.monotonic() + PATIENCE
     while len(list(place.glob("compiled-*"))) < workers and time.monotonic() < deadline:
         time.sleep(0.05)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def all_compiled_is_kept() -> None:
+    """A process keeps the 32 integrators that it used lately; a session of tests uses hundreds, again and again."""
+    from tippetop.engine import compiled, expressions
+
+    for cached in (compiled.compiled, expressions.compile_observables, expressions.compile_orientation):
+        kept = functools.lru_cache(maxsize=None)(cached.__wrapped__)
+        for module in list(sys.modules.values()):
+            for name, value in list(getattr(module, "__dict__", {}).items()):
+                if value is cached:
+                    setattr(module, name, kept)
+
+
+@pytest.fixture(autouse=True)
+def handlers() -> Iterator[None]:
+    """A test leaves Ctrl-C and SIGTERM to the next one as it found them: `main` ends by ignoring them."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        if signal.getsignal(number) is not handler:
+            signal.signal(number, handler)
 
 
 @pytest.fixture

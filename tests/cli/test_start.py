@@ -1,5 +1,6 @@
 """What a start imports: only what the words on the command line need."""
 
+import functools
 import subprocess
 import sys
 from importlib import import_module
@@ -21,6 +22,7 @@ sys.exit(code)
 """
 
 
+@functools.cache
 def imported(*words: str) -> set[str]:
     """The modules and packages that a process has imported when it has done what the words say."""
     done = subprocess.run([sys.executable, "-c", SHOW, *words], capture_output=True, text=True, check=True)

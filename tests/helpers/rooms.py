@@ -7,6 +7,7 @@ set of rooms that import only from floors below.
 """
 
 import ast
+import functools
 import statistics
 import sys
 from itertools import combinations
@@ -34,16 +35,16 @@ def modules(source: Path, package: str = "tippetop") -> dict[str, Path]:
 
 def imports(name: str, path: Path, known: set[str]) -> set[str]:
     """The modules that a module imports, anywhere in it, unless only for types."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
     typing = {
         node
-        for test in ast.walk(tree)
+        for test in nodes
         if isinstance(test, ast.If) and getattr(test.test, "id", "") == "TYPE_CHECKING"
         for node in ast.walk(test)
     }
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
     found = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         if node in typing:
             continue
         if isinstance(node, ast.Import):
@@ -56,6 +57,7 @@ def imports(name: str, path: Path, known: set[str]) -> set[str]:
     return found
 
 
+@functools.cache
 def layout(source: Path, package: str = "tippetop") -> Layout:
     """Rooms, arrows and floors of a package. The package's own `__init__` is no room: it is the public face."""
     paths = modules(source, package)

@@ -1,8 +1,7 @@
-"""How stores are compared, and a command line in a process of its own that may be stopped at any moment."""
+"""How stores are compared, and how a command is waited for that may be stopped at any moment."""
 
 import json
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zarr
+from forked import Forked
 
 from tippetop.runs import recording
 
@@ -64,19 +64,17 @@ def written(store: Path) -> int:
     return chunks(store).count(1) if store.exists() else 0
 
 
-def start_process(*arguments: str, prelude: str = "") -> subprocess.Popen:
-    """The command line in a process of its own; `prelude` is Python that runs before it."""
-    code = f"{prelude}\nfrom tippetop.cli import main; main({list(arguments)!r})"
-    return subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+Process = subprocess.Popen | Forked
+Ended = tuple[int | None, str]
 
 
-def ended(process: subprocess.Popen) -> tuple[int, str]:
+def ended(process: Process) -> Ended:
     """Exit code and stderr of a process, once it ends."""
     _, err = process.communicate()
     return process.returncode, err
 
 
-def wait_until(condition: Callable[[], bool], process: subprocess.Popen) -> None:
+def wait_until(condition: Callable[[], bool], process: Process) -> None:
     """Waits for a condition, as long as the process runs."""
     while not condition():
         assert process.poll() is None, process.communicate()

@@ -3,7 +3,6 @@
 import importlib
 import inspect
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,9 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from forked import Forked
 
-from tippetop.runs.run import solve
-from tippetop.scenario import build
 from tippetop_kernels import compiling, disk, grid, jit, origin, words
 from tippetop_kernels.jit import entry, inlined
 
@@ -274,11 +272,8 @@ print(float(D[0, 0]).hex(), grid.gradients.found)
 def test_two_processes_at_once_and_one_after_them(cache: Path) -> None:
     """The real kernels, by the real sources: both compile, neither is in the way of the other."""
 
-    def begin() -> Any:
-        return subprocess.Popen([sys.executable, "-c", PROCESS], stdout=subprocess.PIPE, text=True)
-
-    results = [process.communicate(timeout=300)[0].split() for process in [begin(), begin()]]
-    results.append(begin().communicate(timeout=300)[0].split())
+    results = [process.communicate()[0].split() for process in [Forked(prelude=PROCESS), Forked(prelude=PROCESS)]]
+    results.append(Forked(prelude=PROCESS).communicate()[0].split())
     assert len({value for value, _ in results}) == 1
     assert results[2][1] == "1"
     assert [path.name.partition("-")[0] for path in stored(cache)] == ["gradients"]
@@ -315,16 +310,6 @@ def test_machine_code_that_cannot_be_loaded_is_made_anew(
     disk.write(*path.name.split("-")[:1], bytes.fromhex(path.name.split("-")[1]), b"no object")
     assert run() == (8.0, False)
     assert run() == (8.0, True)
-
-
-def test_a_process_that_finds_the_code_does_without_numba() -> None:
-    """The loop of a run: a process after this one imports no compiler."""
-    if disk.folder() is None:
-        pytest.skip("nothing is kept on this disk")
-    solve(build.load("inverting", until=0.1))
-    code = "import sys; import tippetop as tt; run = tt.run('inverting', until=0.1); print('numba' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "False"
 
 
 def test_an_array_of_one_row_is_of_the_kind_of_many() -> None:

@@ -3,8 +3,6 @@
 import json
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -160,11 +158,6 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
     assert "the same command continues" in capsys.readouterr().err
     assert calls
     assert outcome(words) == 0
-
-
-def test_numba_sleeps_until_a_kernel_is_wanted():
-    code = "import sys, tippetop.landscape.surface, tippetop.figures, tippetop.cli; assert 'numba' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Bodies whose potential has two wells: the band is that of the well where the body is, and the other one is named."""
 
+import functools
+
 import landscape_oracle as oracle
 import numpy as np
 import pytest
@@ -26,6 +28,7 @@ def two_wells():
     return D, lam, theta[turns], V[turns]
 
 
+@functools.cache
 def scan(D, lam):
     """Theta [rad] and V [J] at a million points: nothing but the formula of V."""
     theta = np.linspace(0, np.pi, 1_000_003)[1:-1]

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import warnings
 from pathlib import Path
 
 import pytest
@@ -37,7 +38,9 @@ def killed(name: str, store: Path, place: tuple[str, int], count: int) -> bool:
         if not left[0]:
             os.kill(os.getpid(), signal.SIGKILL)
 
-    child = os.fork()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12: a fork has none of its other threads
+        child = os.fork()
     if child == 0:
         try:
             recording.COMMIT_EVERY = 0.0

@@ -86,7 +86,7 @@ def test_a_longer_end_gives_the_run_that_would_have_been_made_at_once(tmp_path: 
 def test_an_interrupted_store_is_resumed_bit_by_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = with_run(BOUNCE, output_step=1e-3)
     recording.record(problem, tmp_path / "whole")
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 16)
     monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
     slices = 0
 

@@ -1,12 +1,16 @@
 """A finished run is continued: bit by bit the run that would have been made at once."""
 
+import functools
 import json
+import shutil
 import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from stores import TURNING, acknowledged, assert_same, ended, files, start_process, wait_until
+from forked import Forked
+from stores import TURNING, acknowledged, assert_same, ended, files, wait_until
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -16,8 +20,9 @@ from tippetop.scenario import build
 from tippetop.store import provenance, renaming, root, seal
 
 
+ROWS = "run.output_step=0.01"
 OUTPUT = {
-    "rows": ["run.output_step=0.01"],
+    "rows": [],
     "steps": ["run.output_step=", "run.output=steps"],
     "events": ["run.output_step=", "run.output=events"],
     "keyframes": ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=300"],
@@ -32,28 +37,41 @@ def made(store: Path, until: float, *sets: str) -> Path:
     return store
 
 
+def copied(store: Path, folder: Path) -> Path:
+    """One that may be changed."""
+    return Path(shutil.copytree(store, folder / "run.zarr"))
+
+
+@pytest.fixture(scope="module")
+def at_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """The store of a run of that length which nothing has disturbed; not to be changed."""
+
+    @functools.cache
+    def run(until: float, *sets: str) -> Path:
+        return made(tmp_path_factory.mktemp("whole") / "whole.zarr", until, *sets)
+
+    return run
+
+
 def said(store: Path) -> dict[str, Any]:
     """The root attributes as they stand there."""
     return json.loads((store / "zarr.json").read_text())["attributes"]
 
 
 @pytest.mark.parametrize("kind", list(OUTPUT))
-def test_a_run_that_is_continued_is_that_of_one_go(kind: str, tmp_path: Path) -> None:
+def test_a_run_that_is_continued_is_that_of_one_go(kind: str, at_once: Callable[..., Path], tmp_path: Path) -> None:
     """From 3.3 s, in the midst of a step, to 47 s, some slices later."""
-    sets = ["run.output_step=0.01", *OUTPUT[kind]]
-    whole, store = made(tmp_path / "whole.zarr", 47.0, *sets), made(tmp_path / "run.zarr", 3.3, *sets)
-    if kind == "listed":
-        whole = made(tmp_path / "listed.zarr", 47.0, *sets)
+    sets = [ROWS, *OUTPUT[kind]]
+    store = made(tmp_path / "run.zarr", 3.3, *sets)
     assert outcome(["resume", str(store), "--until", "47"]) == 0
-    assert_same(store, whole)
+    assert_same(store, at_once(47.0, *sets))
 
 
-def test_it_is_continued_again_and_again(tmp_path: Path) -> None:
-    whole = made(tmp_path / "whole.zarr", 60.0, "run.output_step=0.01")
-    store = made(tmp_path / "run.zarr", 0.5, "run.output_step=0.01")
-    for until in (0.77, 20.0, 50.0, 60.0):
+def test_it_is_continued_again_and_again(at_once: Callable[..., Path], tmp_path: Path) -> None:
+    store = made(tmp_path / "run.zarr", 0.5, ROWS)
+    for until in (0.77, 20.0, 44.0, 47.0):
         tt.resume(store, until=until)
-    assert_same(store, whole)
+    assert_same(store, at_once(47.0, ROWS))
 
 
 def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
@@ -64,32 +82,31 @@ def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
 
 
 def test_in_wider_numbers(tmp_path: Path) -> None:
-    sets = ["run.precision=longdouble", "run.output_step=0.01"]
+    sets = ["run.precision=longdouble", ROWS]
     whole, store = made(tmp_path / "whole.zarr", 2.0, *sets), made(tmp_path / "run.zarr", 0.7, *sets)
     tt.resume(store, until=2.0)
     assert_same(store, whole)
 
 
 def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
-    whole, store = made(tmp_path / "whole.zarr", 420.0, "run.output_step=0.1"), tmp_path / "run.zarr"
+    whole, store = made(tmp_path / "whole.zarr", 110.0, "run.output_step=0.1"), tmp_path / "run.zarr"
     with pytest.raises(KeyboardInterrupt):
         recording.record(
-            build.load("inverting", [*TURNING, "run.output_step=0.1"], 400.0),
+            build.load("inverting", [*TURNING, "run.output_step=0.1"], 100.0),
             store,
             progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt),
         )
     with pytest.raises(InputError, match="must be later than the end"):
-        tt.resume(store, until=300.0)
-    tt.resume(store, until=420.0)
+        tt.resume(store, until=75.0)
+    tt.resume(store, until=110.0)
     assert_same(store, whole)
 
 
 @pytest.mark.parametrize("moment", ["at once", "after a commit"])
-def test_killed_while_it_is_continued_it_is_resumed(moment: str, tmp_path: Path) -> None:
-    whole, store = made(tmp_path / "whole.zarr", 200.0, "run.output_step=0.01"), tmp_path / "run.zarr"
-    made(store, 60.0, "run.output_step=0.01")
+def test_killed_while_it_is_continued_it_is_resumed(moment: str, at_once: Callable[..., Path], tmp_path: Path) -> None:
+    whole, store = at_once(150.0, ROWS), copied(at_once(60.0, ROWS), tmp_path)
     prelude = "import tippetop.runs.recording as r; r.COMMIT_EVERY = 0.0"
-    process = start_process("resume", str(store), "--until", "200", prelude=prelude)
+    process = Forked(["resume", str(store), "--until", "150"], prelude)
     least = 0 if moment == "at once" else 7000
     wait_until(lambda: acknowledged(store) > least and said(store)["status"] == "running", process)
     process.send_signal(signal.SIGKILL)
@@ -103,7 +120,7 @@ def test_while_it_is_continued_it_has_no_seal_and_its_rows_are_bound_to_the_chec
     store = made(tmp_path / "run.zarr", 20.0, *OUTPUT["keyframes"])
     assert "seal" in said(store)
     with pytest.raises(KeyboardInterrupt):
-        extending.extend(store, 400.0, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        extending.extend(store, 60.0, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
     assert said(store)["status"] == "running"
     assert "seal" not in said(store)
     digests = json.loads((store / "checkpoint.json").read_text())["digests"]
@@ -121,19 +138,19 @@ def test_while_it_is_continued_it_has_no_seal_and_its_rows_are_bound_to_the_chec
         tt.open(store)
 
 
-def test_a_store_between_two_seals_is_continued_too(tmp_path: Path) -> None:
-    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+def test_a_store_between_two_seals_is_continued_too(at_once: Callable[..., Path], tmp_path: Path) -> None:
+    store = copied(at_once(3.0, ROWS), tmp_path)
     seal.remove(store)  # as one that was killed just before larger chunks had their seal
     assert tt.open(store).summary.status == "finished"
     tt.resume(store, until=4.0)
-    assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
+    assert_same(store, at_once(4.0, ROWS))
 
 
 @pytest.mark.parametrize("step", ["exchange", "compare", "write", "replace_attributes"])
 def test_whatever_fails_before_it_begins_leaves_the_finished_run(
-    step: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    step: str, at_once: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    store = made(tmp_path / "run.zarr", 10.0, "run.output_step=0.01")
+    store = copied(at_once(10.0, ROWS), tmp_path)
     before = files(store)
     module = {"exchange": renaming, "compare": resuming, "write": extending.checkpoint, "replace_attributes": root}
 
@@ -148,22 +165,24 @@ def test_whatever_fails_before_it_begins_leaves_the_finished_run(
     if step == "exchange":
         assert files(store) == before
     tt.resume(store, until=20.0)
-    assert_same(store, made(tmp_path / "whole.zarr", 20.0, "run.output_step=0.01"))
+    assert_same(store, at_once(20.0, ROWS))
 
 
 @pytest.mark.parametrize(("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "later"), ("-1", "later")])
 def test_an_end_that_is_not_later_is_refused(
-    until: str, sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    until: str, sentence: str, at_once: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    store = made(tmp_path / "run.zarr", 3.0)
+    store = copied(at_once(3.0), tmp_path)
     before = files(store)
     assert outcome(["resume", str(store), f"--until={until}"]) == 2
     assert sentence in capsys.readouterr().err
     assert files(store) == before
 
 
-def test_an_endless_end_is_refused_in_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    store = made(tmp_path / "run.zarr", 3.0)
+def test_an_endless_end_is_refused_in_a_sentence(
+    at_once: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    store = copied(at_once(3.0), tmp_path)
     assert outcome(["resume", str(store), "--until", "inf"]) == 2
     assert "Traceback" not in capsys.readouterr().err
     assert outcome(["resume", str(store), "--until", "1e12"]) == 2
@@ -173,14 +192,14 @@ def test_an_endless_end_is_refused_in_a_sentence(tmp_path: Path, capsys: pytest.
 def test_a_run_that_an_event_has_ended_is_not_continued(tmp_path: Path) -> None:
     lifts = ["initial.omega3=300.0", "initial.theta=0.1", "initial.phi_dot=0.0", "friction.mu=0.3"]
     store = made(tmp_path / "run.zarr", 10.0, *lifts)
-    with pytest.raises(StoreError, match=r"must have come to its end to be continued, but: the top lifted off"):
+    with pytest.raises(StoreError, match=r"must have come to its end to be continued, but: the body lifted off"):
         tt.resume(store, until=16.0)
 
 
 def test_a_store_without_its_end_or_of_other_versions_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    at_once: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+    store = copied(at_once(3.0, ROWS), tmp_path)
     attrs = said(store)
     unsealed = {key: value for key, value in attrs.items() if key != "seal"}
     other = json.loads(json.dumps(attrs["end"]).replace("0x1", "0x2", 1))
@@ -205,26 +224,26 @@ def test_a_store_without_its_end_or_of_other_versions_is_refused(
     assert run.attributes["cpu"] == "another"
 
 
-def test_a_certificate_does_not_hinder_and_does_not_stay(tmp_path: Path) -> None:
-    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+def test_a_certificate_does_not_hinder_and_does_not_stay(at_once: Callable[..., Path], tmp_path: Path) -> None:
+    store = copied(at_once(3.0, ROWS), tmp_path)
     root.annotate(store, {"certificate": {"theta": 0.0}})
     tt.resume(store, until=4.0)
-    assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
+    assert_same(store, at_once(4.0, ROWS))
 
 
-def test_a_store_that_keeps_its_end_in_a_file_is_continued(tmp_path: Path) -> None:
+def test_a_store_that_keeps_its_end_in_a_file_is_continued(at_once: Callable[..., Path], tmp_path: Path) -> None:
     """The first stores had `end.json` beside the groups; zarr warned of it."""
-    store = made(tmp_path / "run.zarr", 3.0, "run.output_step=0.01")
+    store = copied(at_once(3.0, ROWS), tmp_path)
     attrs = said(store)
     (store / "end.json").write_text(json.dumps(attrs.pop("end")))
     seal.replace_attributes(store, attrs | {"seal": seal.of(store, attrs, ("trajectory", "events"))})
     assert tt.open(store).summary.t_end == 3.0
     tt.resume(store, until=4.0)
-    assert_same(store, made(tmp_path / "whole.zarr", 4.0, "run.output_step=0.01"))
+    assert_same(store, at_once(4.0, ROWS))
 
 
-def test_a_replay_is_not_continued(tmp_path: Path) -> None:
-    store = made(tmp_path / "run.zarr", 3.0)
+def test_a_replay_is_not_continued(at_once: Callable[..., Path], tmp_path: Path) -> None:
+    store = copied(at_once(3.0), tmp_path)
     words = ["--from", "1", "--until", "2", "--step", "0.1", "--out", str(tmp_path / "rows.zarr")]
     assert outcome(["replay", str(store), *words]) == 0
     assert "end" not in said(tmp_path / "rows.zarr")

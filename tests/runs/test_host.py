@@ -3,14 +3,13 @@
 import ast
 import json
 import signal
-import subprocess
-import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from forked import Forked
 from stores import assert_same
 
 import tippetop
@@ -28,15 +27,18 @@ def problem() -> Problem:
     return build.load("inverting", [*sets, "run.output_step=0.01"], 20.0)
 
 
-@pytest.fixture(autouse=True)
-def short_slices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 256)
+@pytest.fixture(autouse=True, scope="module")
+def short_slices() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 256)
+        yield
 
 
-@pytest.fixture
-def undisturbed(tmp_path: Path, short_slices: None) -> Path:
-    recording.record(problem(), tmp_path / "whole.zarr")
-    return tmp_path / "whole.zarr"
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory, short_slices: None) -> Path:
+    store = tmp_path_factory.mktemp("undisturbed") / "whole.zarr"
+    recording.record(problem(), store)
+    return store
 
 
 def elsewhere(work: Callable[[], Any]) -> Any:
@@ -122,8 +124,8 @@ problem = build.load("inverting")
 recording.record(problem, {str(tmp_path / "run.zarr")!r}, progress=lambda _: signal.raise_signal(signal.SIGINT))
 print(len(seen))
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "2\n", "")  # after the first two of three slices
+    script = Forked(prelude=code)
+    assert (*script.communicate(), script.returncode) == ("2\n", "", 0)  # after the first two of three slices
 
 
 def test_a_sweep_stops_and_continues_in_any_thread(tmp_path: Path) -> None:

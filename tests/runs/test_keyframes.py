@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from stores import TURNING, assert_same, ended, files, start_process, wait_until
+from forked import Forked
+from stores import TURNING, assert_same, ended, files, wait_until
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -177,26 +178,26 @@ def test_a_run_that_is_not_finished_is_not_replayed(tmp_path: Path) -> None:
 def test_killed_and_resumed_a_run_with_keyframes_is_bit_identical(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    prelude = "import tippetop.runs.recording as r, tippetop.runs.keyframes as k; r.COMMIT_EVERY, k.PER_CHUNK = 0.0, 16"
+    prelude = "import tippetop.runs.recording as r, tippetop.runs.keyframes as k; r.COMMIT_EVERY, k.PER_CHUNK = 0.0, 8"
     sets = [word for s in (*TURNING, *KEYFRAMES[1:]) for word in ("--set", s)]
 
     def command(store: Path) -> list[str]:
-        return ["run", "inverting", "--set", "run.output_step=", *sets, "--until", "30", "--out", str(store)]
+        return ["run", "inverting", "--set", "run.output_step=", *sets, "--until", "15", "--out", str(store)]
 
     def keyframes(store: Path) -> int:
         place = store / "checkpoint.json"
         return json.loads(place.read_text())["keyframes"] if place.exists() else 0
 
     store, whole = tmp_path / "run.zarr", tmp_path / "whole.zarr"
-    process = start_process(*command(store), prelude=prelude)
-    wait_until(lambda: keyframes(store) > 20, process)
+    process = Forked(command(store), prelude)
+    wait_until(lambda: keyframes(store) > 10, process)
     process.send_signal(signal.SIGKILL)
     ended(process)
-    code, err = ended(start_process("resume", str(store), prelude=prelude))
+    code, err = ended(Forked(["resume", str(store)], prelude))
     assert code == 0, err
-    monkeypatch.setattr("tippetop.runs.keyframes.PER_CHUNK", 16)
+    monkeypatch.setattr("tippetop.runs.keyframes.PER_CHUNK", 8)
     assert outcome(command(whole)) == 0
-    assert root.open_group(whole, "keyframes").sizes["keyframe"] > 3 * 16
+    assert root.open_group(whole, "keyframes").sizes["keyframe"] > 3 * 8
     assert_same(store, whole)
 
 

@@ -3,19 +3,16 @@
 import contextlib
 import dataclasses
 import json
-import os
-import resource
 import shutil
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from stores import PRELUDE, TURNING, acknowledged, assert_same, ended, short_slices, start_process, wait_until
+from forked import Forked
+from stores import PRELUDE, TURNING, acknowledged, assert_same, ended, short_slices, wait_until
 
 from tippetop import errors
 from tippetop.cli import outcome
@@ -30,15 +27,15 @@ from tippetop.store import files as store_files
 from tippetop.store import root
 
 
-UNTIL = 100.0
+UNTIL = 70.0  # [s]: eleven short slices
 
 
 def problem(until: float = UNTIL, *sets: str) -> Problem:
     return build.load("inverting", [*TURNING, "run.output_step=0.01", *sets], until)
 
 
-def start(*arguments: str) -> subprocess.Popen:
-    return start_process(*arguments, prelude=PRELUDE)
+def start(*arguments: str, prelude: str = PRELUDE) -> Forked:
+    return Forked(list(arguments), prelude)
 
 
 def running(store: Path, until: float = UNTIL, step: float = 0.01) -> list[str]:
@@ -107,18 +104,15 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
 def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path, tmp_path: Path) -> None:
     """A file-size limit makes a write fail in the middle, as a full disk does."""
     store = tmp_path / "run.zarr"
-    limits = (20_000, 20_000)
-    prelude = f"import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n{PRELUDE}"
-    process = subprocess.run(
-        [sys.executable, "-c", f"{prelude}\nfrom tippetop.cli import main; main({running(store)!r})"],
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits),
-        capture_output=True,
-        text=True,
-        env={**os.environ, "HEYOKA_CACHE_DIR": str(tmp_path / "cache")},
-    )
-    assert process.returncode == 5, process.stderr
-    assert "File too large" in process.stderr
-    assert "Traceback" not in process.stderr
+    limit = """
+import resource, signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+"""
+    code, err = ended(start(*running(store), prelude=PRELUDE + limit))
+    assert code == 5, err
+    assert "File too large" in err
+    assert "Traceback" not in err
     assert (store / "checkpoint.json").exists()
     assert here("resume", str(store)) == 0
     assert_same(store, undisturbed)
@@ -166,7 +160,7 @@ def test_a_run_that_is_being_written_is_not_overwritten(tmp_path: Path, capsys: 
 
 def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
     store = tmp_path / "run.zarr"
-    both = [start(*running(store, 60.0)) for _ in range(2)]
+    both = [start(*running(store, 20.0)) for _ in range(2)]
     ends = [ended(process) for process in both]
     assert sorted(code for code, _ in ends) == [0, 5]
     assert any("must not exist yet, but does" in err for _, err in ends)
@@ -225,7 +219,7 @@ def test_what_a_checkpoint_acknowledges_is_on_the_disk_before_it(
         replaced(path, text)
 
     monkeypatch.setattr("tippetop.runs.recording.files.replace_text", checked)
-    recording.record(problem(), store)
+    recording.record(problem(30.0), store)
     assert len(synced) > 100
     assert late == []
 
@@ -293,7 +287,6 @@ def test_rows_at_events_or_steps(tmp_path: Path) -> None:
     for output in ("events", "steps"):
         store = tmp_path / f"{output}.zarr"
         tables = reading.override(reading.read("inverting"), [f"run.output={output}", "run.until=2.0"])
-        del tables["run"]["output_step"]
         recording.record(build.problem(tables), store)
         times = xr.open_zarr(store, group="trajectory", consolidated=False)["time"].values
         events = xr.open_zarr(store, group="events", consolidated=False)["time"].values

@@ -20,10 +20,17 @@ from tippetop.store import hexfloat, seal, skeleton
 SCENARIO = '[initial]\nfrom = "RUN.zarr"\n[friction]\nlaw = "viscous"\nmu = 0.1\n[run]\nuntil = 2.0\n'
 
 
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    store = tmp_path_factory.mktemp("ended") / "RUN.zarr"
+    recording.record(build.load("inverting", ["run.output_step=0.01"], 3.0), store)
+    return store
+
+
 @pytest.fixture
-def before(tmp_path: Path) -> Path:
-    recording.record(build.load("inverting", ["run.output_step=0.01"], 3.0), tmp_path / "RUN.zarr")
-    return tmp_path / "RUN.zarr"
+def before(ended: Path, tmp_path: Path) -> Path:
+    """A copy of a run that has ended."""
+    return Path(shutil.copytree(ended, tmp_path / "RUN.zarr"))
 
 
 def end_of(store: Path) -> np.ndarray:

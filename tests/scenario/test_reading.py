@@ -102,7 +102,7 @@ def test_a_preset_is_the_file_of_its_text(tmp_path) -> None:
         assert read(name) == read(str(place))
 
 
-def test_what_says_when_rows_are_wanted_takes_the_place_of_what_said_so() -> None:
+def test_what_asks_for_rows_takes_the_place_of_what_did() -> None:
     """As arguments of the library do; "times" says nothing that a step contradicts."""
     tables = {"run": {"until": 8.0, "output_step": 0.01}}
     assert override(tables, ["run.output=keyframes"])["run"] == {"until": 8.0, "output": "keyframes"}

@@ -55,7 +55,6 @@ def sentences(*assignments: str) -> str:
         ("run.until='long'", "`run.until` must be a number, but is 'long'."),
         ("run.events=['eclipse']", "`run.events` must be of turning"),
         ("run.output_step=1e-13", "`run.output_step` must give at most"),
-        ("run.output_times=[1.0]", "`run.output_step` must stand alone"),
         ("run.precision=half", "`run.precision` must be 'double', 'longdouble' or 'quad', but is 'half'."),
         ("system=pendulum", "`system` must be one of tippe-top"),
         ("form=angle", "`form` must be 'auto', 'vector' or 'euler', but is 'angle'."),

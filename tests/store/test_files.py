@@ -3,13 +3,14 @@
 import contextlib
 import errno
 import os
-import subprocess
-import sys
+import signal
+import stat
 from pathlib import Path
 
 import numpy as np
 import pytest
 import zarr
+from forked import Forked
 
 from tippetop.columns import Column
 from tippetop.errors import StoreError
@@ -34,6 +35,13 @@ def content(folder: Path) -> list[str]:
 
 
 # --- files ----------------------------------------------------------------------------------------------------------
+
+
+def killed(code: str) -> bool:
+    """Whether Python that runs in a process of its own was killed."""
+    process = Forked(prelude=code)
+    process.communicate()
+    return process.returncode == -signal.SIGKILL
 
 
 def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path) -> None:
@@ -65,6 +73,17 @@ def test_a_link_is_replaced_and_not_what_it_points_to(tmp_path: Path) -> None:
     path.symlink_to(elsewhere)
     files.replace_text(path, "new")
     assert (elsewhere.read_text(), path.read_text(), path.is_symlink()) == ("precious", "new", False)
+
+
+def test_only_a_file_is_overwritten(tmp_path: Path) -> None:
+    """Neither a pipe or a device (as /dev/full), which would be a file afterwards, nor a folder."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in (pipe, tmp_path, Path(), Path("/")):
+        with pytest.raises(StoreError, match=r"must be (a file|the name of a file)"), files.replacing(path):
+            pass
+    assert stat.S_ISFIFO(os.lstat(pipe).st_mode)
+    assert list(tmp_path.iterdir()) == [pipe]
 
 
 def test_a_disk_that_fails_is_one_sentence(tmp_path: Path) -> None:
@@ -121,7 +140,7 @@ with new_store(Path({path!r}), overwrite=True) as scratch:
 
 def test_what_a_killed_overwrite_leaves_beside_a_store_goes_with_the_next(tmp_path: Path) -> None:
     path = made_store(tmp_path / "S.zarr")
-    assert subprocess.run([sys.executable, "-c", KILLED.format(path=str(path))]).returncode == -9
+    assert killed(KILLED.format(path=str(path)))
     (stale,) = (p for p in tmp_path.iterdir() if p != path)
     made_store(tmp_path / ".S.zarr.old")
     others = [tmp_path / name for name in (".S.zarr.part-mine", ".T.zarr.part-" + "0" * 32)]
@@ -195,7 +214,7 @@ def test_a_link_is_no_place_for_a_store(tmp_path: Path) -> None:
 
 def test_a_killed_holder_leaves_a_free_lock(tmp_path: Path) -> None:
     code = f"import os; from tippetop.store.files import Lock; lock = Lock({str(tmp_path)!r}); os.kill(os.getpid(), 9)"
-    assert subprocess.run([sys.executable, "-c", code]).returncode == -9
+    assert killed(code)
     assert (tmp_path / LOCK).read_text().startswith("process ")
     with Lock(tmp_path) as lock:
         lock.check()
@@ -337,7 +356,7 @@ with replacing(Path({path!r})) as scratch:
 def test_what_a_killed_writer_of_a_file_leaves_goes_with_the_next(there: bool, tmp_path: Path) -> None:
     """Before, it stayed for ever; also where the next is refused because the file is there."""
     path = tmp_path / "a.csv"
-    assert subprocess.run([sys.executable, "-c", KILLED_EXPORT.format(path=str(path))]).returncode == -9
+    assert killed(KILLED_EXPORT.format(path=str(path)))
     (stale,) = tmp_path.iterdir()
     if there:
         path.write_text("whole")

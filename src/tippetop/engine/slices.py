@@ -1,5 +1,6 @@
 """What an engine gives of a run, slice by slice, whichever way its steps are made."""
 
+import contextlib
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
@@ -238,8 +239,13 @@ def watch(records: np.ndarray, events: np.ndarray, problem: Problem) -> None:
 def event_functions(problems: Problems) -> np.ndarray:
     """The event functions of every run at its start, (n, events), internal units."""
     start, pars = problems.start.astype(float), problems.pars.astype(float)
-    if problems.n == 1:  # numbers take a fifth of the time of arrays
-        start, pars = start[:, 0].tolist(), pars[:, 0].tolist()
+    if problems.n == 1:  # numbers take a fifth of the time of arrays, but raise where those have infinities
+        with contextlib.suppress(ArithmeticError, ValueError):
+            return _event_functions(problems, start[:, 0].tolist(), pars[:, 0].tolist())
+    return _event_functions(problems, start, pars)
+
+
+def _event_functions(problems: Problems, start: Any, pars: Any) -> np.ndarray:
     body = problems.body_of_pars(pars)
     scalars = problems.base.form.scalars(problems.record(start), body)
     functions = np.empty((problems.n, len(problems.base.system.events)))

@@ -12,14 +12,14 @@ import numpy as np
 
 from ..awaiting import awaited
 from ..engine.compiled import compiled, is_same_step
-from ..engine.driver import begin_step, end_step, new_motion
+from ..engine.driver import new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.status import Status
 from ..engine.tallies import EventRows, StopRules, mark_bounded, new_log, new_samples, new_scratch, new_tallies
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
-from .turns import Queue, Tops, change, drive_lanes
+from .turns import Queue, Tops, begin_apart, change_apart, drive_lanes, end_apart
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
@@ -120,20 +120,21 @@ class Lanes:
     def _by_heyoka(self, tops: Tops, most: int) -> int:
         """`drive_lanes` where the machine code cannot be called: heyoka makes each step."""
         ta, motion, steps = self.integrator, self.motion, 0
-        places = motion, self.rows, self.tallies, self.samples, tops, self.queue, self.fresh, self.out
-        change(0, *places, True)
+        change = change_apart.on(motion, self.rows, self.tallies, self.samples, tops, self.queue, self.fresh, self.out)
+        begin = begin_apart.on(motion, self.tallies)
+        end = end_apart.on(motion, self.rows, self.rules, self.tallies, self.log, self.samples, self.scratch)
+        change(True)
         while steps < most and not self._is_full():
-            begin_step(motion, self.tallies)
+            begin()
             ta.pars[:], ta.state[:] = motion.pars, motion.state
             ta.step(motion.limit.tolist(), write_tc=True)
             motion.h[:] = [step for _, step in ta.step_res]
             motion.state[:], motion.tc[:] = ta.state, ta.tc
-            ended = end_step(motion, self.rows, self.rules, self.tallies, self.log, self.samples, self.scratch)
             steps += 1
-            if ended:
+            if end():
                 inside = (self.tallies.lane["t"] - motion.start_high) - motion.start_low
                 self.out[:] = np.polynomial.polynomial.polyval(inside, motion.tc.transpose(1, 0, 2), tensor=False)
-                if change(0, *places, False):
+                if change(False):
                     break
         return steps
 

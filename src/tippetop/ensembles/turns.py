@@ -107,6 +107,24 @@ def change(dense, motion, rows, tallies, samples, tops, queue, fresh, out, settl
     return looks
 
 
+@entry
+def change_apart(motion, rows, tallies, samples, tops, queue, fresh, out, settled):
+    """`change`, called from Python."""
+    return 1 if change(0, motion, rows, tallies, samples, tops, queue, fresh, out, settled) else 0
+
+
+@entry
+def begin_apart(motion, tallies):
+    """`driver.begin_step`, called from Python."""
+    begin_step(motion, tallies)
+
+
+@entry
+def end_apart(motion, rows, rules, tallies, log, samples, scratch):
+    """`driver.end_step`, called from Python."""
+    return 1 if end_step(motion, rows, rules, tallies, log, samples, scratch) else 0
+
+
 @kernel
 def _take(motion, tallies, lane, tops, top, fresh):
     """Puts a top into a lane."""
