@@ -192,7 +192,7 @@ def test_an_endless_end_is_refused_in_a_sentence(
 def test_a_run_that_an_event_has_ended_is_not_continued(tmp_path: Path) -> None:
     lifts = ["initial.omega3=300.0", "initial.theta=0.1", "initial.phi_dot=0.0", "friction.mu=0.3"]
     store = made(tmp_path / "run.zarr", 10.0, *lifts)
-    with pytest.raises(StoreError, match=r"must have come to its end to be continued, but: the top lifted off"):
+    with pytest.raises(StoreError, match=r"must have come to its end to be continued, but: the body lifted off"):
         tt.resume(store, until=16.0)
 
 

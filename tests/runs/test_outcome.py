@@ -12,7 +12,7 @@ from tippetop.ensembles.outcomes import CLASSES
 from tippetop.problem import Problems
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
-from tippetop.runs.summary import lines
+from tippetop.runs.summary import lines, regularisation
 from tippetop.scenario import build
 
 
@@ -67,3 +67,33 @@ def test_a_summary_says_that_a_top_is_under_way() -> None:
     run = tippetop.run("inverting", ["initial.theta=1e-6"], until=0.5)
     assert run.summary.outcome == "under-way"
     assert "under way" in dict(lines(run.summary))["outcome"]
+
+
+@pytest.mark.parametrize("theta", [0.05, 0.3, 3.1])
+def test_without_friction_nothing_ends(theta: float) -> None:
+    """Not even within 0.1 rad of a pole: as `check` says."""
+    assert outcomes([f"initial.theta={theta}", "friction.mu=0"], 0.5) == ("nutating", "nutating")
+    problem = build.load("inverting", [f"initial.theta={theta}", "friction.mu=0"])
+    assert forecast.assessment(problem)["fate"].startswith("theta nutates for ever")
+
+
+@pytest.mark.parametrize("theta", [0.05, 0.11])
+def test_what_rolls_for_ever_near_a_pole_is_rolling(theta: float) -> None:
+    sets = [f"initial.theta={theta}", "friction.law=coulomb", "stem.r=0.004", "stem.h=0.017"]
+    assert solve(build.load("inverting", sets, until=0.5), keep=False).report["outcome"] == "rolling"
+
+
+def test_a_top_at_a_pole_stays_there() -> None:
+    """Unstable or not: nothing disturbs it."""
+    assert forecast.assessment(build.load("inverting", ["initial.theta=0"]))["fate"].startswith("stays at the pole")
+    assert forecast.assessment(build.load("inverting", ["initial.theta=1e-9"]))["fate"].startswith("ends in")
+
+
+def test_what_eps_decides_knows_liftoff() -> None:
+    """A top that lifts off before it lies on its side is not one that would never do so."""
+    sets = ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=0.01"]
+    found = forecast.assessment(build.load("inverting", sets, until=1.5))
+    by_eps = found["inversion_by_eps"]
+    assert by_eps["first_equator"]["value"] == [None, None, None]
+    assert np.round(by_eps["lifted_at"]["value"], 3).tolist() == [1.346, 0.875, 0.696]
+    assert "lifts off before, at 0.87503 s (10 mm/s)" in regularisation(found)

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import signal
+import stat
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,17 @@ def test_a_link_is_replaced_and_not_what_it_points_to(tmp_path: Path) -> None:
     path.symlink_to(elsewhere)
     files.replace_text(path, "new")
     assert (elsewhere.read_text(), path.read_text(), path.is_symlink()) == ("precious", "new", False)
+
+
+def test_only_a_file_is_overwritten(tmp_path: Path) -> None:
+    """Neither a pipe or a device (as /dev/full), which would be a file afterwards, nor a folder."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in (pipe, tmp_path, Path(), Path("/")):
+        with pytest.raises(StoreError, match=r"must be (a file|the name of a file)"), files.replacing(path):
+            pass
+    assert stat.S_ISFIFO(os.lstat(pipe).st_mode)
+    assert list(tmp_path.iterdir()) == [pipe]
 
 
 def test_a_disk_that_fails_is_one_sentence(tmp_path: Path) -> None:

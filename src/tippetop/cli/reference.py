@@ -19,7 +19,7 @@ EXIT_CODES = {
     0: "done",
     1: "a bug: please report it",
     2: "usage or configuration: each sentence says what must hold and what was found",
-    3: "the physics stopped it: liftoff or a fall where the model ends, or a number that is not finite",
+    3: "the physics stopped it: a fall, or a number that is not finite; a liftoff is an ordinary end",
     4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
     5: "the store or the disk",
     6: "some chunks of a sweep failed; the same command tries them again",

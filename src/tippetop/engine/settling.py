@@ -6,6 +6,7 @@ import numpy as np
 
 from ..mechanics.contact.body import Body
 from ..mechanics.contact.phases.row import BALLS, PHASES
+from ..mechanics.friction import takes_nothing
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, is_unstable, will_leave
@@ -41,7 +42,8 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     return not will_leave(float(values["theta"][0]), float(values["omega3"][0]) / second, body)
 
 
-CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way", "rolling", "on-stem", "bouncing")
+CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way", "rolling", "on-stem", "bouncing",
+           "nutating")  # fmt: skip
 """What becomes of a top, by number in a store."""
 
 NEAR = 0.1  # rad from a pole: upright or inverted
@@ -51,7 +53,7 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
     """What has become of tops that have not lifted off, as numbers of CLASSES, (n,).
 
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under way, for it will
-    leave. Tumbling is one in which nothing slides any more.
+    leave. Tumbling is one in which nothing slides any more. Without friction a motion ends nowhere: it nutates.
 
     Parameters
     ----------
@@ -78,23 +80,30 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
         away = np.minimum(theta[leaves_it], np.pi - theta[leaves_it]) >= LINEAR
         tumbles = settled[leaves_it] & away if "tumbling" in system.classes else np.zeros_like(away)
         kinds[leaves_it] = np.where(tumbles, CLASSES.index("tumbling"), CLASSES.index("under-way"))
+    if known and system.frictional:
+        kinds[np.broadcast_to(takes_nothing(body.friction), theta.shape)] = CLASSES.index("nutating")
     return kinds
 
 
-def with_phases(kinds: np.ndarray, values: dict[str, np.ndarray]) -> np.ndarray:
+def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) -> np.ndarray:
     """What has become of tops whose contact may change its phase, as numbers of CLASSES, (n,).
 
     Parameters
     ----------
     kinds
         As `classes_of` gives them.
+    theta
+        At the end, (n,) [rad]: what rolls there is no steady spin, unless it is at a pole.
     values
         The quantities `phase` and `ball` at the end by name, (n,) each, where the system has them.
     """
     if "phase" not in values:
         return kinds
     phase, on_stem = values["phase"], values["ball"] == BALLS.index("stem")
-    flies, under_way = phase == PHASES.index("flight"), kinds == CLASSES.index("under-way")
-    kinds = np.where(under_way & (phase == PHASES.index("roll")), CLASSES.index("rolling"), kinds)
+    flies = phase == PHASES.index("flight")
+    under_way = np.isin(kinds, [CLASSES.index(name) for name in ("under-way", "nutating")])
+    away = np.minimum(theta, np.pi - theta) >= LINEAR
+    rolls = (phase == PHASES.index("roll")) & (away | (kinds == CLASSES.index("under-way")))
+    kinds = np.where(rolls, CLASSES.index("rolling"), kinds)
     kinds = np.where(flies & (under_way | on_stem), CLASSES.index("bouncing"), kinds)
     return np.where(on_stem & ~flies, CLASSES.index("on-stem"), kinds)

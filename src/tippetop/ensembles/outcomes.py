@@ -131,7 +131,7 @@ def _conclude(outcomes: Outcomes) -> None:
         omega3 = values["omega3"] / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
         body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
         classes = classes_of(tops.base.system, theta, omega3, outcomes.settled[ended], body)
-        kind[ended] = with_phases(classes, values)
+        kind[ended] = with_phases(classes, theta, values)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     sound = np.isin(outcomes.status, [status.code for status in Status if status.ordinary])

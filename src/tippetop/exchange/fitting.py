@@ -106,7 +106,7 @@ def fit(observation: Observation, loss: str = "linear", starts: int = STARTS, se
     if len(observation.groups) > 1:
         misfit.weigh(end.point)
         end = finished(misfit, end.point)
-    return _judged(misfit, end)
+    return judged(misfit, end)
 
 
 def _better(one: End | None, other: End | None) -> End | None:
@@ -147,7 +147,7 @@ def _excess(misfit: Misfit, point: np.ndarray) -> float:
     return worst
 
 
-def _judged(misfit: Misfit, end: End) -> Fit:
+def judged(misfit: Misfit, end: End) -> Fit:
     """The result at the end of a search."""
     from scipy.stats import t as student
 

@@ -30,6 +30,7 @@ def colours() -> dict[str, str]:
         "rolling": ROLLING,
         "on-stem": STEM,
         "bouncing": FLYING,
+        "nutating": "#d9c7a3",
     }
 
 
@@ -43,6 +44,7 @@ NOT_INVERTED = {
     "rolling": "rolling",
     "on-stem": "on its stem",
     "bouncing": "in the air",
+    "nutating": "nutates for ever: no friction",
 }
 """The end of tops without a time of inversion, by their class."""
 STYLES = ("-", "--", ":", "-.")

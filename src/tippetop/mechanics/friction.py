@@ -4,6 +4,8 @@ k may depend on the sliding speed and on z = cos(theta), which says where on the
 """
 
 import re
+from functools import reduce
+from operator import and_
 from typing import Any, NamedTuple
 
 from ..errors import InputError, names_its_faults
@@ -196,11 +198,16 @@ def is_frictionless(law: Any) -> bool:
 
     So are the law `none`, and every law with mu = 0.
     """
+    return bool(takes_nothing(law))
+
+
+def takes_nothing(law: Any) -> Any:
+    """As `is_frictionless`, of numbers (n,): which of them."""
     if isinstance(law, SetValued):
-        return bool(law.mu == 0)
+        return law.mu == 0
     if isinstance(law, Contensou):
-        return bool(law.mu == 0 and law.mu_r == 0)
-    return all(slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS)
+        return (law.mu == 0) & (law.mu_r == 0)
+    return reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
 
 
 def add(name: str, law: Law) -> None:

@@ -1,5 +1,6 @@
 """What is known of a scenario before it is run: its invariants, its regime, its expected cost."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -36,7 +37,11 @@ def at_start(problem: Problem) -> dict[str, float]:
         problem = replace(problem, precision="double", tolerance=0.0)
         first = driver_of(problem).first
     values = Observables(problem).evaluate(first)
-    return {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
+    start = {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
+    if "theta" in problem.initial:
+        still = problem.initial.get("theta_dot", 0.0) == 0
+        start["at_pole"] = float(still and problem.initial["theta"] in (0.0, math.pi))
+    return start
 
 
 def _in_words(quantity: Any, value: float) -> float | str:
@@ -123,6 +128,7 @@ def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, A
             result["inversion_by_eps"] = {
                 "eps": {"value": list(times), "unit": "m s-1"},
                 "first_equator": {"value": list(times.values()), "unit": "s"},
+                "lifted_at": {"value": list(sensitivity["lifted_at"].values()), "unit": "s"},
                 "exponent": {"value": sensitivity["exponent"], "unit": "1"},
             }
     return result

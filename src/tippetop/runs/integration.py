@@ -191,7 +191,8 @@ class Integration:
         values = self.view.evaluate(self.last)
         theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
         settled = np.array([self.log.settled_since(self.last) is not None])
-        kind = with_phases(classes_of(system, theta, omega3 / self.second, settled, self.problem.body()), values)
+        kinds = classes_of(system, theta, omega3 / self.second, settled, self.problem.body())
+        kind = with_phases(kinds, theta, values)
         return {"outcome": CLASSES[kind[0]]}
 
     def reason(self) -> str:
@@ -209,7 +210,7 @@ class Integration:
             settled = self.log.settled_since(self.last)
             return f"settled: sliding died at t = {settled:.6g} s, stopped at t = {t:.6g} s{beyond}"
         if status is Status.LIFTOFF:
-            return f"the top lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
+            return f"the body lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
         if status is Status.FALLEN:
             return f"the top fell at t = {t:.9g} s (theta = pi/2): the plane is in its way"
         if status is Status.ENDED:

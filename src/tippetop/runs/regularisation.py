@@ -34,26 +34,29 @@ def inversion_sensitivity(problem: Problem, factor: float = 2.0) -> dict[str, An
     -------
     dict
         `inversion_time`: first theta = pi/2 [s] by eps [m/s], for eps/factor, eps and eps*factor; None where it is not
-        within `until`. `unknown`: those eps for which MOST_STEPS (to a slice) did not suffice, or whose run has no end;
-        they have no time. `exponent`: d log t / d log eps; None where a time is missing. Empty for a law without eps.
+        within `until`. `lifted_at`: when a liftoff ended the run before that [s], or None. `unknown`: those eps for
+        which MOST_STEPS (to a slice) did not suffice, or whose run has no end; they have no time. `exponent`:
+        d log t / d log eps; None where a time is missing. Empty for a law without eps.
     """
     if "eps" not in problem.friction._fields:
         return {}
     times: dict[float, float | None] = {}
+    lifted: dict[float, float | None] = {}
     unknown = []
     for eps in (problem.friction.eps / factor, problem.friction.eps, problem.friction.eps * factor):
-        time = _first_equator(replace(problem, friction=problem.friction._replace(eps=eps)))
+        time, end = _first_equator(replace(problem, friction=problem.friction._replace(eps=eps)))
         if time is math.nan:
             unknown.append(eps)
         else:
-            times[eps] = time
+            times[eps], lifted[eps] = time, end
     low, high = times.get(problem.friction.eps / factor), times.get(problem.friction.eps * factor)
     exponent = math.log(high / low) / (2 * math.log(factor)) if low and high else None
-    return {"inversion_time": times, "unknown": unknown, "exponent": exponent}
+    return {"inversion_time": times, "lifted_at": lifted, "unknown": unknown, "exponent": exponent}
 
 
-def _first_equator(problem: Problem) -> float | None:
-    """First theta = pi/2 [s]; None if it is not within the run, nan if that was not found out."""
+def _first_equator(problem: Problem) -> tuple[float | None, float | None]:
+    """First theta = pi/2 [s]; None if it is not within the run, nan if that was not found out; and when a liftoff ended
+    the run [s], or None."""
     reached: list[float | None] = []
 
     def watch(integration: Integration) -> None:
@@ -65,7 +68,8 @@ def _first_equator(problem: Problem) -> float | None:
     try:
         solution = solve(lean, watch, keep=False)
     except _EnoughError:
-        return math.nan if reached[0] is None else reached[0]
+        return (math.nan if reached[0] is None else reached[0]), None
     equator = solution.report["inversion"]["first_equator"]
     lost = equator is None and solution.status in (Status.NON_FINITE, Status.STALLED)
-    return math.nan if lost else equator
+    lifted = solution.report["t_end"] if solution.status is Status.LIFTOFF else None
+    return (math.nan if lost else equator), lifted

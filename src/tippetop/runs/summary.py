@@ -15,6 +15,7 @@ WORDS = {
     "rolling": "rolling: nothing slides, and nothing is lost",
     "on-stem": "on its stem",
     "bouncing": "in the air",
+    "nutating": "nutates for ever: without friction nothing is lost",
 }
 """What has become of a body, by the name of its class."""
 
@@ -117,12 +118,20 @@ def regularisation(info: Mapping[str, Any]) -> str:
     if "inversion_by_eps" not in info:
         return info["regularisation"]
     by_eps = {name: entry["value"] for name, entry in info["inversion_by_eps"].items()}
+    lifted = by_eps.get("lifted_at") or [None] * len(by_eps["eps"])  # stores of earlier versions do not say
     times = ", ".join(
-        f"{'never' if t is None else f'{t:.5g} s'} ({'eps = ' if i == 0 else ''}{1e3 * eps:g} mm/s)"
-        for i, (eps, t) in enumerate(zip(by_eps["eps"], by_eps["first_equator"], strict=True))
+        f"{_equator(t, end)} ({'eps = ' if i == 0 else ''}{1e3 * eps:g} mm/s)"
+        for i, (eps, t, end) in enumerate(zip(by_eps["eps"], by_eps["first_equator"], lifted, strict=True))
     )
     exponent = "undefined" if by_eps["exponent"] is None else f"{by_eps['exponent']:.3g}"
     return f"{info['regularisation']}; theta = pi/2 at: {times}; exponent d log t/d log eps {exponent}"
+
+
+def _equator(time: float | None, lifted: float | None) -> str:
+    """When theta = pi/2 is passed, or why it is not."""
+    if time is not None:
+        return f"{time:.5g} s"
+    return "not in this time" if lifted is None else f"lifts off before, at {lifted:.5g} s"
 
 
 def _certificate(result: Mapping[str, Any]) -> str:

@@ -50,9 +50,14 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         The disk; see `writing`.
     """
     path = Path(path)
+    if not path.name or path.is_dir():
+        raise StoreError(f"`{path}` must be the name of a file, but is a folder.")
     remove_stale(path)
-    if not overwrite and os.path.lexists(path):
-        raise _exists(path)
+    if os.path.lexists(path):
+        if not overwrite:
+            raise _exists(path)
+        if not path.is_symlink() and not path.is_file():
+            raise StoreError(f"`{path}` must be a file to be overwritten, but is a device, a pipe or a socket.")
     with _scratch_folder(path) as folder:
         scratch = folder / path.name
         os.close(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))

@@ -18,7 +18,7 @@ from .samples import needed, plain, samples, without
 
 MOST = 200_000  # samples of a page: 20 MB; with more it would not open within two seconds
 MOST_EVENTS = 20_000
-WIDEST = 64  # rows from one sample to the next, before the attitude asks for more
+WIDEST = 256  # rows from one sample to the next, before the attitude asks for more
 DEGREE = np.pi / 180
 TOO_FAR = 0.2 * DEGREE  # between rows: a page that shows less says so
 

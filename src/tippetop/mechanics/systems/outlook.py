@@ -32,6 +32,7 @@ from ..units import JELLETT, RADIAN_PER_SECOND
 Start = Mapping[str, float]
 UNLESS = ", unless it lifts off"
 """No bound of the normal force is proven, whatever the start."""
+FREE = "no friction: nothing is lost, and no state attracts"
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -39,7 +40,9 @@ def tippe_top(b: Body, start: Start) -> Outlook:
     """A gliding tippe top: lambda is conserved, so it decides which states are stable. [T Theorem 3.3.2, corrected]"""
     now = regime(start["jellett"], b)
     if is_frictionless(b.friction):
-        fate = "no friction: no inversion, theta nutates for ever" + UNLESS
+        return Outlook(FREE, "theta nutates for ever" + UNLESS, {**thresholds(b), **_of_surface(b)})
+    if start["at_pole"]:
+        fate = "stays at the pole until it is disturbed"
     elif len(now.attractors) == 1:
         fate = f"ends in {now.attractors[0]}" + UNLESS
     else:
@@ -60,7 +63,7 @@ def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
             ),
         }
     if is_frictionless(b.friction):
-        return Outlook("no friction: no inversion, theta nutates while it stands on one ball", "", limits)
+        return Outlook(FREE, "theta nutates while it stands on one ball", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
     if isinstance(b.friction, SetValued):
         sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"

@@ -1,5 +1,6 @@
 /** Events and phases of a motion, as the plots and the steps from event to event take them. */
 import { before } from "./chart.js";
+import { CHANNELS, STRIDE } from "./motion.js";
 
 /** @typedef {{time: number, kind: string, text: string}} Mark */
 /** @typedef {{time: number, theta: number, least: boolean}} Turning */
@@ -44,9 +45,9 @@ export class Log {
     );
     this.bands = bands(this.turnings);
     let [low, high, least, most] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (let i = 0; i < motion.times.length; i++) {
-      const theta = motion.at(i, "theta")[0];
-      const force = motion.at(i, "force")[2];
+    for (let i = 0; i < motion.samples.length; i += STRIDE) {
+      const theta = motion.samples[i + CHANNELS.theta[0]];
+      const force = motion.samples[i + CHANNELS.force[0] + 2];
       [low, high] = [Math.min(low, theta), Math.max(high, theta)];
       if (isFinite(force)) [least, most] = [Math.min(least, force), Math.max(most, force)];
     }

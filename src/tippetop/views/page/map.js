@@ -24,6 +24,7 @@ export const CLASSES = /** @type {Record<string, string>} */ ({
   rolling: "#5b8c5a",
   "on-stem": "#b06ab3",
   bouncing: "#0ea5e9",
+  nutating: "#d9c7a3",
 });
 const VIRIDIS = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725"];
 
