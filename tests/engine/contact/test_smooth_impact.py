@@ -8,12 +8,15 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from tippetop.engine.contact import balls
+from tippetop.engine.contact.balls import Balls
 from tippetop.engine.contact.smooth_impact import SmoothImpacts
 from tippetop.mechanics.contact.ball import Ball, Mobility, mobility
 from tippetop.mechanics.contact.impact import after_impact, arrival
 from tippetop.mechanics.contact.struck import struck
 from tippetop.mechanics.friction import Coulomb, Viscous
-from tippetop.mechanics.operand import Vector
+from tippetop.mechanics.operand import Vector, leaves
+from tippetop.scenario import build
 
 
 def contacts(n: int = 20) -> list[tuple[Mobility, tuple[float, float, float]]]:
@@ -111,3 +114,14 @@ def test_a_body_is_struck_in_machine_code_as_its_formulas_say(e_n: float) -> Non
         np.testing.assert_allclose([*after.velocity, *after.v], [*expected.velocity, *expected.v], rtol=0, atol=1e-15)
         assert after.gained == pytest.approx(expected.gained, rel=1e-13)
         assert (impact.work_n, impact.work_t) == (slow.work_n, slow.work_t)
+
+
+def test_numbers_that_raise_are_kept_from_laws_and_stems_that_divide_by_zero() -> None:
+    """A body on one ball under a smooth law has Python's numbers, which formulas take faster; all others numpy's, whose
+    divisions by zero end no run."""
+    plain = [type(leaf) for leaf in leaves(Balls(build.load("flying"))[0])]
+    assert set(plain) == {float}
+    for preset in ("plastic-toy", "wooden-toy", "cohen-coulomb", "leine-glocker-stem"):
+        assert np.float64 in {type(leaf) for leaf in leaves(Balls(build.load(preset))[0])}, preset
+    for law, value in ((Viscous(0.3), True), (Coulomb(0.3, 0.1), True), (Coulomb(0.3, 0.0), False)):
+        assert balls._has_a_value_at_rest(law) is value

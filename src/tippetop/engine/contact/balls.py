@@ -1,7 +1,12 @@
 """The balls of a body that can touch the plane, as the equations take them."""
 
+from typing import Any
+
+import numpy as np
+
 from ...mechanics.contact.phases.legs import Body
-from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless
+from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless, slip_coefficient
+from ...mechanics.operand import leaves, refill
 from ...mechanics.units import METRE
 from ...problem import Problem
 
@@ -34,9 +39,20 @@ class Balls:
             clear = body.R - r
             self.bodies = [self.bodies[0]._replace(clearance=clear, lever=h)]
             self.bodies.append(self.bodies[0]._replace(R=r, c=body.c + h, clearance=-clear, lever=-h))
+        elif number is np.float64 and not self.dry and not self.drills and _has_a_value_at_rest(friction):
+            self.bodies = [refill(self.bodies[0], map(float, leaves(self.bodies[0])))]  # formulas take these faster
 
     def __len__(self) -> int:
         return len(self.bodies)
 
     def __getitem__(self, ball: int) -> Body:
         return self.bodies[ball]
+
+
+def _has_a_value_at_rest(friction: Any) -> bool:
+    """Whether no formula of a contact divides by zero: Python's numbers would raise where numpy's are infinite."""
+    try:
+        with np.errstate(all="ignore"):
+            return bool(np.isfinite(slip_coefficient(0.0, 0.0, refill(friction, map(float, leaves(friction))))))
+    except ArithmeticError:
+        return False
