@@ -1,10 +1,7 @@
 """The balls of a body that can touch the plane, as the equations take them."""
 
-import numpy as np
-
 from ...mechanics.contact.phases.legs import Body
 from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless
-from ...mechanics.operand import leaves, refill
 from ...mechanics.units import METRE
 from ...problem import Problem
 
@@ -37,8 +34,6 @@ class Balls:
             clear = body.R - r
             self.bodies = [self.bodies[0]._replace(clearance=clear, lever=h)]
             self.bodies.append(self.bodies[0]._replace(R=r, c=body.c + h, clearance=-clear, lever=-h))
-        if number is np.float64:  # Python's numbers, which formulas take faster
-            self.bodies = [refill(each, map(float, leaves(each))) for each in self.bodies]
 
     def __len__(self) -> int:
         return len(self.bodies)
