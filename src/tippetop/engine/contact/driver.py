@@ -30,6 +30,7 @@ from .transitions import Change, Transitions
 
 MOST_CHANGES = 10_000  # of phase in a run
 PER_SLICE = 64  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
+DRILLS = 1  # so many where friction drills: an impact of a patch that hardly turns takes seconds
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Formulas of a phase are asked of states of another, such as the region of a patch that drills; what is no number in
@@ -65,6 +66,7 @@ class ContactDriver:
         self.phases: dict[tuple[str, int], Followed] = {}
         self.force, self.tables = Extremes(), Tables(problem)
         self.changes = self.short = 0
+        self.per_slice = DRILLS if self.balls.drills else PER_SLICE
         self.taken: Any = problem.number(0)
         self.wanted, self.sentence = Wanted(), ""
         start = problem.start()
@@ -241,7 +243,7 @@ class ContactDriver:
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
             status = self._change(ending, piece.last[0], when, output)
-            if status is not None or steps >= most or self.changes % PER_SLICE == 0:
+            if status is not None or steps >= most or self.changes % self.per_slice == 0:
                 break
         if status is not None:
             self.tables.end(float(when), str(status.value))
