@@ -38,10 +38,8 @@ def at_start(problem: Problem) -> dict[str, float]:
         first = driver_of(problem).first
     values = Observables(problem).evaluate(first)
     start = {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
-    if "theta" in problem.initial:
-        still = problem.initial.get("theta_dot", 0.0) == 0
-        start["at_pole"] = float(still and problem.initial["theta"] in (0.0, math.pi))
-    return start
+    theta, theta_dot = (problem.initial.get(name, 0.0) for name in ("theta", "theta_dot"))
+    return start | {"at_pole": float(theta_dot == 0 and theta in (0.0, math.pi))}
 
 
 def _in_words(quantity: Any, value: float) -> float | str:
