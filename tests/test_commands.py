@@ -17,10 +17,8 @@ import tippetop as tt
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 SHORTER = {"1e6": "12", "2e6": "13", "5e5": "9", "500001": "9.01", "--step 1e-5": "--step 1e-3"}
-DONE_ALREADY = (
-    "resume RUN.zarr  ",
-    "resume LONG.zarr  ",
-)  # of an unfinished run: what is finished is refused, in a sentence
+DONE_ALREADY = ("resume RUN.zarr  ", "resume LONG.zarr  ")
+"""They continue an unfinished run; what is finished is refused, in a sentence."""
 PLAN = """
 scenario = "inverting"
 runs = [0]

@@ -114,6 +114,7 @@ def test_a_body_is_struck_in_machine_code_as_its_formulas_say(e_n: float) -> Non
         np.testing.assert_allclose([*after.velocity, *after.v], [*expected.velocity, *expected.v], rtol=0, atol=1e-15)
         assert after.gained == pytest.approx(expected.gained, rel=1e-13)
         assert (impact.work_n, impact.work_t) == (slow.work_n, slow.work_t)
+        assert (impact.p_e, impact.p_2) == pytest.approx((slow.p_e, slow.p_2), rel=1e-14, abs=1e-20)
 
 
 def test_numbers_that_raise_are_kept_from_laws_and_stems_that_divide_by_zero() -> None:

@@ -245,8 +245,8 @@ def strike(room, nodes, law, restitution):
 
 @entry
 def hit(numbers, room, nodes, law, restitution):
-    """The impact of a body of which numbers[:17] say axis, L, velocity, ball, e_n; gives how it went. After the 17
-    numbers stand velocity and slip of the contact before, and `Struck`; the impact itself is in room.result."""
+    """The impact of a body of which numbers[:17] say axis, L, velocity, ball, e_n; gives how it went. After them
+    stand the velocity of the contact before, `Struck`, and the impulses along e and 2hat; room.result has the rest."""
     u, L = Vector(numbers[0], numbers[1], numbers[2]), Vector(numbers[3], numbers[4], numbers[5])
     velocity = Vector(numbers[6], numbers[7], numbers[8])
     ball = Ball(numbers[9], numbers[10], numbers[11], numbers[12], numbers[13], numbers[14], numbers[15])
@@ -262,7 +262,7 @@ def hit(numbers, room, nodes, law, restitution):
     numbers[23], numbers[24], numbers[25] = b.L.x, b.L.y, b.L.z
     numbers[26], numbers[27], numbers[28] = b.velocity.x, b.velocity.y, b.velocity.z
     numbers[29], numbers[30], numbers[31] = b.v.x, b.v.y, b.v.z
-    numbers[32] = b.gained
+    numbers[32], numbers[33], numbers[34] = b.gained, p_e, p_2
     return how
 
 
@@ -285,7 +285,7 @@ class SmoothImpacts:
         self.room, self.nodes = new_room(count, number), new_nodes(count, number)
         self.compiled = number is np.float64
         if self.compiled:
-            self.numbers, given = np.zeros(33), (self.room, self.nodes, law, self.restitution)
+            self.numbers, given = np.zeros(35), (self.room, self.nodes, law, self.restitution)
             self.strike, self.hit = strike.on(*given), hit.on(self.numbers, *given)
 
     def struck(self, v_e: Any, v_2: Any, v_n: Any, K: Mobility, z: Any, e_n: Any) -> Impact:
@@ -330,7 +330,7 @@ class SmoothImpacts:
             raise ArithmeticError(MEANT[how])
         n = self.numbers[17:].tolist()
         v, p, newer, moves, after = (Vector(*n[k : k + 3]) for k in range(0, 15, 3))
-        return v, self._impact(0.0, 0.0), Struck(p, newer, moves, after, n[15])
+        return v, self._impact(n[16], n[17]), Struck(p, newer, moves, after, n[15])
 
     def _impact(self, p_e: Any, p_2: Any) -> Impact:
         left_e, left_2, p_z, work_n, work_t, after, compression = self.room.result.tolist()
