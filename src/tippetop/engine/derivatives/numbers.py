@@ -7,7 +7,7 @@ import numpy as np
 
 from ...mechanics.system import Parameter
 from ...problem import Problem, refuse
-from ..tangent import Kind
+from ..variational import Kind
 
 
 class Numbers:
