@@ -84,6 +84,17 @@ def test_unstable_is_what_has_a_mode_that_grows(
     assert len({*expected}) == (1 if tip and (gliding or inverted) else 2 if gliding or inverted or tip else 1)
 
 
+@either_end
+@pytest.mark.parametrize("mu", [1e-300, 1e-20, 1e-9, 30.0])
+def test_however_weak_or_strong_friction_is_the_same_spins_are_unstable(
+    mu: float, inverted: bool, rng: np.random.Generator
+) -> None:
+    b, omega3 = bodies(rng, Viscous(0.3), 300), rng.uniform(-6, 6, 300)
+    expected = modes.is_unstable(omega3, b, inverted=inverted)
+    found = modes.is_unstable(omega3, b._replace(friction=Viscous(mu)), inverted=inverted)
+    assert found.tolist() == expected.tolist()
+
+
 @pytest.mark.parametrize("faster", [1.0, 1e4])
 def test_without_friction_nothing_but_rounding_grows_in_a_fast_top(faster: float, rng: np.random.Generator) -> None:
     """A gliding tip: the sleeping top is stable above 2 sqrt(m g l I1)/I3, about its centre of mass, in any units."""

@@ -14,8 +14,8 @@ from tippetop.scenario import build
 class Computer:
     """A clock, and runs that take 3 s to compile, 0.01 s to begin and 1 ms a step, of 100 steps a second."""
 
-    def __init__(self, ends_at: float = 1e9):
-        self.now, self.compiled, self.ends_at, self.longest = 0.0, False, ends_at, 0.0
+    def __init__(self, ends_at: float = 1e9, meets: float = 1e9):
+        self.now, self.compiled, self.ends_at, self.longest, self.meets = 0.0, False, ends_at, 0.0, meets
 
     def clock(self) -> float:
         return self.now
@@ -28,6 +28,8 @@ class Computer:
         for part in range(11):
             watch(SimpleNamespace(t_end=end * part / 10))
             self.now += 10 * end * 1e-3 if part < 10 else 0
+            if end * part / 10 >= self.meets:  # what is compiled only there
+                self.now, self.meets = self.now + 4.0, 1e9
         status = Status.LIFTOFF if self.ends_at < problem.until else Status.FINISHED
         return SimpleNamespace(status=status, report={"steps": 100 * end}, columns=dict)
 
@@ -53,6 +55,14 @@ def test_a_run_that_ends_early_is_not_taken_for_longer(monkeypatch: pytest.Monke
     expected = measuring.measured(build.load("inverting", until=1e4), 1e6, computer.clock)
     assert expected["steps"] == 150
     assert expected["seconds"] == pytest.approx(0.16, rel=0.05)
+
+
+def test_what_is_compiled_on_the_way_is_no_time_of_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first of two hundred tenths of a second takes 4 s, for another phase begins."""
+    computer = Computer(meets=0.1)
+    monkeypatch.setattr(measuring, "solve", computer.solve)
+    expected = measuring.measured(build.load("inverting", until=20.0), 2000, computer.clock)
+    assert expected["seconds"] == pytest.approx(2.01, rel=0.05)
 
 
 def test_real_steps() -> None:

@@ -42,9 +42,18 @@ def test_a_short_run_says_nothing() -> None:
     assert said("inverting", [], 5e-3, 0.01) == []
 
 
+def test_one_slow_slice_says_nothing_of_the_rest() -> None:
+    problem, sentences, now = build.load("inverting", []), [], [0.0]
+    follow = Patience(sentences.append, lambda: now[0])
+    for slices in range(20):
+        now[0] += 60.0 if slices == 3 else 1.0  # a compilation, or somebody else's work
+        follow(SimpleNamespace(problem=problem, t_end=slices * 0.1, monitor=SimpleNamespace(steps=slices)))
+    assert sentences == []
+
+
 def test_the_command_warns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
     monkeypatch.setattr(patience, "LONG", 0.0)
     monkeypatch.setattr(patience, "AGAIN_AFTER", 0.0)
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 64)
-    assert outcome(["run", "inverting", "--until", "1"]) == 0
+    assert outcome(["run", "inverting", "--until", "8"]) == 0
     assert capsys.readouterr().err.count("will take about") == 1

@@ -10,6 +10,7 @@ from ..problem import Problem
 
 LONG = 600.0  # [s] that are left: from there on there is a sentence
 AGAIN_AFTER = 3.0  # [s] of computing from which the rest is inferred
+AGREED = 3  # so many times in a row: what one of them compiled, or another program took, is not the run's
 SHORT = 0.02  # of a radian of the fastest angle: steps that spin alone does not ask for
 
 
@@ -27,6 +28,7 @@ class Patience:
     def __init__(self, say: Callable[[str], Any], clock: Callable[[], float] = time.monotonic):
         self.say, self.clock = say, clock
         self.since: tuple[float, float, int] | None = None  # clock, time of the run, steps
+        self.inferred: list[float] = []  # [s], long ones in a row
 
     def __call__(self, integration: Any) -> None:
         """Looks how far the run has come."""
@@ -38,8 +40,9 @@ class Patience:
             return
         self.since = now
         left = seconds * (integration.problem.until - now[1]) / max(advance, 1e-300)
-        if left > LONG:
-            self.say(sentence(integration.problem, left, advance / max(steps, 1)))
+        self.inferred = [*self.inferred, left] if left > LONG else []
+        if len(self.inferred) == AGREED:
+            self.say(sentence(integration.problem, min(self.inferred), advance / max(steps, 1)))
             self.clock, self.since = (lambda: 0.0), (0.0, 0.0, 0)  # once is enough
 
 

@@ -64,6 +64,13 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     return result
 
 
+COUNTED = {
+    "equator": "equator (theta = pi/2)",
+    "inverted": "inverted (theta rises through pi - 0.1)",
+    "settled": "friction all but ceases (its loss is below 1e-12)",
+}
+"""What is passed, in words."""
+
 VERBS = {"slip": "slips", "roll": "rolls", "flight": "flies", "both": "stands on body and stem"}
 TIMES = {1: "once", 2: "twice"}
 
@@ -110,7 +117,9 @@ def _counted(kind: str, events: Mapping[str, Any]) -> str:
     event = events.get(kind)
     if kind == "liftoff" and event is not None and event.ends is None:
         return "vertical reaction falls to zero"
-    return {"equator": "equator (theta = pi/2)", "inverted": "inverted (theta rises through pi - 0.1)"}.get(kind, kind)
+    if kind == "equator" and "inverted" not in events:  # theta of a cylinder or a pendulum goes on beyond pi
+        return "equator (cos theta = 0)"
+    return COUNTED.get(kind, kind)
 
 
 def regularisation(info: Mapping[str, Any]) -> str:
@@ -163,6 +172,8 @@ def _turnings(info: Mapping[str, Any]) -> str:
         return "none logged"
     noise = counts["turning"] - counts["turning_significant"]
     text = f"{counts['turning_significant']} logged"
-    if band["theta_min"] is not None:
+    if band["theta_min"] is not None and band["theta_max"] - band["theta_min"] < 1e-6:
+        text += f", at theta = {band['theta_min']:.6g} rad"
+    elif band["theta_min"] is not None:
         text += f", theta between {band['theta_min']:.6g} and {band['theta_max']:.6g} rad"
     return text + (f"; {noise} more below the rounding floor" if noise else "")

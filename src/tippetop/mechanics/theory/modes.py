@@ -27,17 +27,17 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
         Complex rates [1/s], (3,), fastest growth first: the state is unstable iff the first has a positive real part;
         NaN where a number of the linear motion exceeds the doubles.
     """
+    up = -1 if inverted else 1
     with np.errstate(all="ignore"):
-        matrix = _gliding(omega3, b, -1 if inverted else 1)
+        matrix = _gliding(omega3, b, up, _slip(omega3, up, b.friction))
     if not np.isfinite(matrix).all():
         return np.full(3, complex(np.nan, np.nan))
     modes = np.linalg.eigvals(matrix)
     return modes[np.argsort(-modes.real)]
 
 
-def _gliding(omega3: Any, b: Body, up: int) -> np.ndarray:
-    """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many."""
-    slip = _slip(omega3, up, b.friction)
+def _gliding(omega3: Any, b: Body, up: int, slip: Any) -> np.ndarray:
+    """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many, with slip coefficients."""
     Lz, h = up * b.I3 * omega3, b.R - up * b.c
     n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
     momentum = _row(-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g)
@@ -61,6 +61,7 @@ def _row(*entries: Any) -> np.ndarray:
 
 
 ROUNDED = 1e-12  # of the fastest rate: a growth that is slower is zero to rounding
+WEAK = 1e-3  # of the fastest angle's rate: where friction turns a spin into another more slowly, its sign alone counts
 LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
 
 
@@ -85,11 +86,18 @@ def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool =
         Near theta = pi rather than theta = 0.
     gliding
         Whether the contact glides; it is at rest otherwise: rolling, or a fixed tip.
+
+    Notes
+    -----
+    Any friction decides as strong friction does, however weak: it takes energy, whose least value at this Jellett's
+    integral does not depend on it. A growth that is lost in rounding is therefore asked of stronger friction.
     """
     up = -1 if inverted else 1
     if gliding:
         with np.errstate(all="ignore"):
-            matrix = _gliding(omega3, b, up)
+            slip = _slip(omega3, up, b.friction)
+            least = WEAK / b.g * np.maximum(np.abs(omega3), np.sqrt(b.g / (b.R + np.abs(b.c))))
+            matrix = _gliding(omega3, b, up, np.where(slip > 0, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
         modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # NaN beyond the doubles would end all
         return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
