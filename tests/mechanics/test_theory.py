@@ -15,6 +15,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.theory import modes, regimes, thresholds, tumbling
 from tippetop.problem import Problem
 from tippetop.runs import forecast
+from tippetop.runs.run import solve
 from tippetop.runs.summary import lines
 
 
@@ -293,6 +294,15 @@ def test_mu_zero_is_no_friction_under_any_law(law: tuple) -> None:
 )
 def test_any_number_that_rubs_is_friction(law: tuple) -> None:
     assert not is_frictionless(law)
+
+
+@pytest.mark.parametrize("name", ["gliding-cylinder", "rolling-cylinder"])
+def test_a_cylinder_rocks_at_the_frequency_that_is_named(name: str) -> None:
+    """Against a run: it turns every half period; without friction its centre of mass stays above one place."""
+    made = start_of(name, 1e-4, ("none", {}))
+    named = float(forecast.assessment(made)["regime"].split()[-2])
+    made = dataclasses.replace(made, until=20 * math.pi / named)
+    np.testing.assert_allclose(np.diff(solve(made).events.of("turning").time), math.pi / named, rtol=1e-5)
 
 
 def test_modes_beyond_the_doubles_are_nan_and_the_outlook_says_no_rate() -> None:

@@ -295,7 +295,6 @@ COMMON: dict[str, Any] = {
     "long_names": LONG_NAMES,
     "potential": contact.height_energy,
     "theta_inertia": tippe_top.theta_inertia,
-    "outlook": outlook.cylinder,
 }
 
 GLIDING_CYLINDER = of_one_phase(
@@ -316,5 +315,6 @@ GLIDING_CYLINDER = of_one_phase(
     integrals=(),
     events=(TURNING, LIFTOFF, gliding.EQUATOR, SETTLED),
     laws=ChainMap({"modified": MODIFIED}, LAWS),  # it sees what is added to LAWS later
+    outlook=outlook.gliding_cylinder,
     **COMMON,
 )

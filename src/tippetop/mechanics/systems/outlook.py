@@ -127,11 +127,21 @@ def gliding_heavy_top(b: Body, start: Start) -> Outlook:
 
 
 def cylinder(b: Body, start: Start) -> Outlook:
-    """An eccentric cylinder, gliding or rolling. [T ch. 6]"""
+    """An eccentric cylinder that rolls, or comes to. [T ch. 6]"""
     if b.c == 0:
         return Outlook("a round cylinder: gliding decays exponentially to rolling")
     omega = math.sqrt(b.m * b.g * b.c / (b.I1 + b.m * (b.R - b.c) ** 2))
     return Outlook(f"small oscillations in rolling have angular frequency {omega:.6g} rad/s")
+
+
+def gliding_cylinder(b: Body, start: Start) -> Outlook:
+    """An eccentric cylinder that glides; without friction its centre of mass moves as it began. [T ch. 6]"""
+    if not is_frictionless(b.friction):
+        return cylinder(b, start)
+    if b.c == 0:
+        return Outlook("a round cylinder: without friction it glides and turns as it began")
+    omega = math.sqrt(b.m * b.g * b.c / b.I1)
+    return Outlook(f"without friction small oscillations have angular frequency {omega:.6g} rad/s")
 
 
 def _sleeps(b: Body, start: Start) -> bool:

@@ -12,7 +12,7 @@ from ..contact.rolling import reaction
 from ..operand import Operand, formula
 from ..system import Form, of_one_phase
 from ..units import METRE, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
-from . import cylinder
+from . import cylinder, outlook
 
 
 class RollingState(NamedTuple):
@@ -138,5 +138,6 @@ ROLLING_CYLINDER = of_one_phase(
     quantities=(*gliding.ENERGIES, *rolling.REACTION),
     integrals=("energy",),
     events=(cylinder.TURNING, rolling.LIFTOFF, gliding.EQUATOR),
+    outlook=outlook.cylinder,
     **cylinder.COMMON,
 )
