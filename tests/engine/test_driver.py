@@ -105,7 +105,8 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.r
     assert same_bits(states, ends[:, :n])
     assert same_bits(driver.state, theirs.state)
     assert driver.clock == theirs.dtime
-    asked = np.sort(np.concatenate([rng.uniform(0, driver.end, 200), output.times[[0, 3, -1]]]))
+    in_one_step = rng.uniform(*output.times[5:7], 19)
+    asked = np.sort(np.concatenate([rng.uniform(0, driver.end, 200), in_one_step, output.times[[0, 3, -1]]]))
     expected = np.array(output(asked))[:, :n]
     between = asked != output.times[3]  # there heyoka has the end of a polynomial, and we the start of the next
     for room in (1 << 16, 7):

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tippetop_kernels.compiled_step import call, call_dense, call_step
+from tippetop_kernels.dense_rows import TIMES, VARIABLES, sums
 from tippetop_kernels.jit import apart, entry, inlined
 
 from .observer import take_step
@@ -15,6 +16,7 @@ from .status import Status
 
 
 RUNNING, FINISHED, NON_FINITE = Status.RUNNING.code, Status.FINISHED.code, Status.NON_FINITE.code
+FEW = 2  # rows in a step, which are made one by one
 
 
 class Motion(NamedTuple):
@@ -37,10 +39,12 @@ class Rows(NamedTuple):
     """States that are asked for of the first lane: at given times, or at the ends of its steps."""
 
     times: np.ndarray  # (n,) internal, ascending; those of steps are written here
-    states: np.ndarray  # (n, variables)
+    states: np.ndarray  # (n, variables that are asked for)
     filled: np.ndarray  # (1,) how many of them there are
     steps: bool  # at the ends of steps
     out: np.ndarray  # (variables,) room for a state
+    when: np.ndarray  # (TIMES,) room for times since the beginning of a step
+    some: np.ndarray  # (VARIABLES, TIMES) room for values of variables
 
 
 def new_motion(integrator: Any, lanes: int) -> Motion:
@@ -53,7 +57,8 @@ def new_motion(integrator: Any, lanes: int) -> Motion:
 
 def no_rows(variables: int) -> Rows:
     """Nothing is asked for."""
-    return Rows(np.zeros(0), np.zeros((0, variables)), np.zeros(1, np.int64), False, np.zeros(variables))
+    room = np.zeros(variables), np.zeros(TIMES), np.zeros((VARIABLES, TIMES))
+    return Rows(np.zeros(0), np.zeros((0, variables)), np.zeros(1, np.int64), False, *room)
 
 
 @entry
@@ -173,26 +178,52 @@ def _rows(dense, motion, tallies, rows, moved):
     if rows.steps:
         if moved and tally.upto == 1.0 and tally.status != NON_FINITE:
             rows.times[at] = motion.high[0]
-            for i in range(len(motion.state)):
+            for i in range(rows.states.shape[1]):
                 rows.states[at, i] = motion.state[i, 0]
             rows.filled[0] = at + 1
         return rows.filled[0] == n
     ended = tally.status != RUNNING
     if tally.status == NON_FINITE or tally.steps == 0:
         return False
-    while at < n and (rows.times[at] < tally.t or (ended and rows.times[at] <= tally.t)):
-        motion.limit[0] = (rows.times[at] - motion.start_high[0]) - motion.start_low[0]
-        call_dense(dense, rows.out, motion.tc, motion.limit)
-        _copy(rows.out, rows.states, at)
-        at += 1
+    while True:
+        count = 0
+        while at + count < n and count < TIMES:
+            when = rows.times[at + count]
+            if not (when < tally.t or (ended and when <= tally.t)):
+                break
+            rows.when[count] = (when - motion.start_high[0]) - motion.start_low[0]
+            count += 1
+        if count > FEW:
+            _several(motion.tc, rows, at, count)
+        else:
+            for k in range(count):
+                motion.limit[0] = rows.when[k]
+                call_dense(dense, rows.out, motion.tc, motion.limit)
+                _copy(rows.out, rows.states, at + k)
+        at += count
+        if count < TIMES:
+            break
     rows.filled[0] = at
     return at == n
 
 
 @inlined
+def _several(tc, rows, at, count):
+    """Fills so many rows, up to TIMES, of the present step: the bits of heyoka's dense output."""
+    for k in range(count, TIMES):
+        rows.when[k] = rows.when[count - 1]
+    variables = rows.states.shape[1]
+    for first in range(0, variables, VARIABLES):
+        sums(tc, first, rows.when, rows.some)
+        for i in range(min(VARIABLES, variables - first)):
+            for k in range(count):
+                rows.states[at + k, first + i] = rows.some[i, k]
+
+
+@inlined
 def _copy(values, table, row):
     """Puts values into a row; as a loop, for numba compiles an assignment of arrays with all its error messages."""
-    for i in range(len(values)):
+    for i in range(table.shape[1]):
         table[row, i] = values[i]
 
 
