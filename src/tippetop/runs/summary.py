@@ -117,7 +117,7 @@ def _counted(kind: str, events: Mapping[str, Any]) -> str:
     event = events.get(kind)
     if kind == "liftoff" and event is not None and event.ends is None:
         return "vertical reaction falls to zero"
-    if kind == "equator" and "inverted" not in events:  # theta of a cylinder or a pendulum goes on beyond pi
+    if kind == "equator" and "inverted" not in events:  # a cylinder or a pendulum turns beyond theta = pi
         return "equator (cos theta = 0)"
     return COUNTED.get(kind, kind)
 
