@@ -16,7 +16,10 @@ STAGES = [
     ("import tippetop.mechanics.systems", {"numba", "matplotlib", "zarr", "pydantic"}),
     ("import tippetop.landscape.surface, tippetop.figures, tippetop.cli", {"numba", "matplotlib"}),
     ("import tippetop.sweeps.sweep", {"numba", "matplotlib", "dask", "distributed"}),
-    ("tt.run('inverting', until=0.1)", {"matplotlib", "dask"} | ({"numba"} if disk.folder() else set())),
+    (
+        "tt.run('inverting', until=0.1)",
+        {"matplotlib", "dask", "tippetop.engine.derivatives.along_run"} | ({"numba"} if disk.folder() else set()),
+    ),
 ]
 """What a process does, one after the other, and what it has not imported after that."""
 CODE = """

@@ -39,7 +39,7 @@ class Rows(NamedTuple):
     """States that are asked for of the first lane: at given times, or at the ends of its steps."""
 
     times: np.ndarray  # (n,) internal, ascending; those of steps are written here
-    states: np.ndarray  # (n, variables that are asked for)
+    states: np.ndarray  # (variables that are asked for, n)
     filled: np.ndarray  # (1,) how many of them there are
     steps: bool  # at the ends of steps
     out: np.ndarray  # (variables,) room for a state
@@ -58,7 +58,7 @@ def new_motion(integrator: Any, lanes: int) -> Motion:
 def no_rows(variables: int) -> Rows:
     """Nothing is asked for."""
     room = np.zeros(variables), np.zeros(TIMES), np.zeros((VARIABLES, TIMES))
-    return Rows(np.zeros(0), np.zeros((0, variables)), np.zeros(1, np.int64), False, *room)
+    return Rows(np.zeros(0), np.zeros((variables, 0)), np.zeros(1, np.int64), False, *room)
 
 
 @entry
@@ -178,8 +178,8 @@ def _rows(dense, motion, tallies, rows, moved):
     if rows.steps:
         if moved and tally.upto == 1.0 and tally.status != NON_FINITE:
             rows.times[at] = motion.high[0]
-            for i in range(rows.states.shape[1]):
-                rows.states[at, i] = motion.state[i, 0]
+            for i in range(len(rows.states)):
+                rows.states[i, at] = motion.state[i, 0]
             rows.filled[0] = at + 1
         return rows.filled[0] == n
     ended = tally.status != RUNNING
@@ -199,7 +199,8 @@ def _rows(dense, motion, tallies, rows, moved):
             for k in range(count):
                 motion.limit[0] = rows.when[k]
                 call_dense(dense, rows.out, motion.tc, motion.limit)
-                _copy(rows.out, rows.states, at + k)
+                for i in range(len(rows.states)):
+                    rows.states[i, at + k] = rows.out[i]
         at += count
         if count < TIMES:
             break
@@ -212,18 +213,18 @@ def _several(tc, rows, at, count):
     """Fills so many rows, up to TIMES, of the present step: the bits of heyoka's dense output."""
     for k in range(count, TIMES):
         rows.when[k] = rows.when[count - 1]
-    variables = rows.states.shape[1]
+    variables = len(rows.states)
     for first in range(0, variables, VARIABLES):
         sums(tc, first, rows.when, rows.some)
         for i in range(min(VARIABLES, variables - first)):
             for k in range(count):
-                rows.states[at + k, first + i] = rows.some[i, k]
+                rows.states[first + i, at + k] = rows.some[i, k]
 
 
 @inlined
 def _copy(values, table, row):
     """Puts values into a row; as a loop, for numba compiles an assignment of arrays with all its error messages."""
-    for i in range(table.shape[1]):
+    for i in range(len(values)):
         table[row, i] = values[i]
 
 

@@ -27,7 +27,8 @@ class Observables:
         self.problem, self.form, self.system = problem, problem.form, problem.system
         self._wide = np.float64 if problem.precision == "double" else np.longdouble
         body = problem.internal_body
-        self.body = _cast(body, lambda leaf: _widened(np.array(leaf), self._wide)[()])
+        double = self._wide is np.float64
+        self.body = _cast(body, np.float64 if double else lambda leaf: _widened(np.array(leaf), self._wide)[()])
         self._pars = np.array(leaves(self.body), dtype=float)
         self._last: tuple[bytes, dict[str, np.ndarray]] = b"", {}  # the row that was read last, and what it says
 

@@ -86,7 +86,7 @@ class CompiledDriver(Driver):
             steps += drive_on(left)
             wanted.made = int(rows.filled[0])
             if wanted.made > first:
-                request.take(rows.times[first : wanted.made], rows.states[first : wanted.made])
+                request.take(rows.times[first : wanted.made], rows.states[:, first : wanted.made].T)
             if wanted.made == first or wanted.made < len(rows.times):
                 break
         code, when, after, _, upto, *_ = tally.item()
@@ -112,7 +112,7 @@ class CompiledDriver(Driver):
     def _filling(self, times: np.ndarray, steps: bool) -> tuple[Rows, Callable[[int], int]]:
         """Rows at these times, and the loop that fills them: the same ones as long as these times are wanted."""
         if self.filling is None or self.filling[0].times is not times:
-            states, filled = np.empty((len(times), self.variables)), np.zeros(1, np.int64)
+            states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
             rows = self.place.nothing._replace(times=times, states=states, filled=filled, steps=steps)
             self.filling = rows, self.place.drive.on(rows, RULES)
         return self.filling

@@ -26,9 +26,16 @@ def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
     Each row of 4 q q^t is q times a number and linear in the matrix: the row whose number is largest is taken, so that
     no digits are lost. With additions, products and square roots alone, the bits are the same wherever a row stands.
     """
-    products = np.array(outer(Vector(*first), Vector(*third)))
-    largest = np.argmax([products[k, k] for k in range(4)], axis=0)
-    q = products[largest, :, np.arange(first.shape[1])]
-    q = q / np.sqrt((q[:, 0] ** 2 + q[:, 1] ** 2) + (q[:, 2] ** 2 + q[:, 3] ** 2))[:, None]
-    leading = np.take_along_axis(q, np.argmax(q != 0, axis=1)[:, None], axis=1)
-    return np.where(leading < 0, -q, q)
+    products = outer(Vector(*first), Vector(*third))
+    parts, most = list(products[0]), products[0][0]
+    for k in range(1, 4):
+        number = products[k][k]
+        more = number > most
+        parts = [np.where(more, other, part) for part, other in zip(parts, products[k], strict=True)]
+        most = np.where(more, number, most)
+    q = np.array(parts)
+    q /= np.sqrt((q[0] ** 2 + q[1] ** 2) + (q[2] ** 2 + q[3] ** 2))
+    leading = q[0]
+    if not leading.all():
+        leading = np.take_along_axis(q, np.argmax(q != 0, axis=0)[None], axis=0)[0]
+    return np.where(leading < 0, -q, q).T

@@ -2,6 +2,7 @@
 
 import hashlib
 import threading
+import weakref
 
 import heyoka as hy
 import numpy as np
@@ -94,7 +95,12 @@ def _checked(problem: Problem, code: Compiled) -> Compiled:
 
 def fingerprint(driver: Driver) -> str:
     """Says which equations a driver was made of: a digest of their expressions, and of how they were compiled."""
-    lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
-    if opt_level() != DEFAULT:
-        lines += f"\nopt_level {opt_level()}"
-    return hashlib.sha256(lines.encode()).hexdigest()[:16]
+    if driver not in _fingerprints:  # 1 ms, and there is one in every keyframe
+        lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
+        if opt_level() != DEFAULT:
+            lines += f"\nopt_level {opt_level()}"
+        _fingerprints[driver] = hashlib.sha256(lines.encode()).hexdigest()[:16]
+    return _fingerprints[driver]
+
+
+_fingerprints: weakref.WeakKeyDictionary[Driver, str] = weakref.WeakKeyDictionary()

@@ -1,6 +1,7 @@
 """The event log as it grows: zeros of a slice become rows, with what can only be known later as marks on older rows."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..engine.slices import Passages
 from ..mechanics.events import Event
+from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from .events import Confirmation, EventTable
@@ -38,6 +40,36 @@ class Lines(NamedTuple):
         return Lines(*(values[keep] for values in self))
 
 
+class Known(NamedTuple):
+    """What a log knows of the events of a system; the arrays are by event."""
+
+    events: dict[str, Event]
+    kinds: tuple[str, ...]
+    empty: EventTable
+    lasting: list[Event]
+    kept: dict[str, Any]  # what events keep, before any has happened
+    numbers: np.ndarray  # of its kind, int8
+    senses: np.ndarray
+    is_logged: np.ndarray
+    is_open: np.ndarray  # whether a row may become significant later
+
+
+@lru_cache(maxsize=64)
+def _known(system: System, logged: tuple[str, ...]) -> Known:
+    every = list(system.events)
+    return Known(
+        {event.name: event for event in every},
+        system.kinds,
+        EventTable.empty(system.kinds),
+        [event for event in every if event.lasting],
+        {k.name: 0 if k.what == "count" else None for event in every for k in event.kept},
+        np.array([system.kinds.index(event.name) for event in every], dtype=np.int8),
+        np.array([event.sense for event in every], dtype=int),
+        np.array([event.name in logged for event in every], dtype=bool),
+        np.array([bool(event.sense or event.lasting) for event in every], dtype=bool),
+    )
+
+
 @dataclass
 class Tally:
     """What a run keeps of its events, whatever it logs. Times in seconds, angles in radians; None: did not happen."""
@@ -61,20 +93,13 @@ class EventLog:
 
     def __init__(self, problem: Problem, view: Observables, first: np.ndarray):
         self.view, self.second = view, float(problem.scales.of(SECOND))
-        self.events = {event.name: event for event in problem.system.events}
-        self.kinds = problem.system.kinds
-        self.empty = EventTable.empty(self.kinds)
-        every = list(self.events.values())
-        self.lasting = [event for event in every if event.lasting]
-        self.numbers = np.array([self.kinds.index(event.name) for event in every], dtype=np.int8)  # by event, like:
-        self.senses = np.array([event.sense for event in every], dtype=int)
-        self.is_logged = np.array([event.name in problem.events for event in every], dtype=bool)
-        self.is_open = np.array([bool(event.sense or event.lasting) for event in every], dtype=bool)
+        self.known = known = _known(problem.system, problem.events)
+        self.events, self.kinds, self.empty, self.lasting = known.events, known.kinds, known.empty, known.lasting
         self.confirmation = Confirmation()
         self.tally = Tally(
             before=view.theta(first),
             counts=dict.fromkeys(self.kinds, 0),
-            kept={k.name: 0 if k.what == "count" else None for event in self.events.values() for k in event.kept},
+            kept=known.kept.copy(),
         )
 
     def _value(self, kind: str, state: np.ndarray) -> float:
@@ -89,10 +114,10 @@ class EventLog:
         if not len(zeros.times):
             return self.empty, [], np.zeros((0, 0))
         passages = self._lines(zeros)
-        keep = self.is_logged[passages.event]
+        keep = self.known.is_logged[passages.event]
         self._remember(passages, np.where(keep, self.tally.rows + np.cumsum(keep) - 1, -1))
         logged = passages.where(keep)
-        turning = self.senses[logged.event] != 0
+        turning = self.known.senses[logged.event] != 0
         table = self._table(logged, turning)
         rows = self.tally.rows + np.flatnonzero(turning)
         self.tally.rows += len(turning)
@@ -102,12 +127,12 @@ class EventLog:
 
     def _lines(self, zeros: Passages) -> Lines:
         values = self.view.evaluate(zeros.states)
-        turns = zeros.signs * self.senses[zeros.events]
+        turns = zeros.signs * self.known.senses[zeros.events]
         return Lines(
             zeros.states,
             zeros.times.astype(float) * self.second,
             zeros.events,
-            self.numbers[zeros.events],
+            self.known.numbers[zeros.events],
             zeros.signs,
             values["theta"].astype(float),
             np.where(turns != 0, turns, np.sign(values["theta_dot"].astype(float))).astype(np.int8),
@@ -142,7 +167,7 @@ class EventLog:
             self.tally.before = float(angles[-1])
         for number, count in enumerate(np.bincount(logged.kind, minlength=len(self.kinds)).tolist()):
             self.tally.counts[self.kinds[number]] += count
-        known = ~self.is_open[logged.event]
+        known = ~self.known.is_open[logged.event]
         return EventTable(self.kinds, logged.seconds, logged.kind, logged.theta, logged.rising, swing, known)
 
     def _marks(self, confirmed: list[tuple[int, float]]) -> list[int]:
@@ -193,8 +218,13 @@ class EventLog:
 
     def snapshot(self) -> dict[str, Any]:
         """What a checkpoint keeps."""
-        waiting = self.confirmation
-        return {"tally": asdict(self.tally), "waiting": [waiting.row, waiting.theta, waiting.sign]}
+        waiting, tally = self.confirmation, self.tally
+        tables = {
+            "counts": dict(tally.counts),
+            "kept": dict(tally.kept),
+            "lasting": {name: list(last) for name, last in tally.lasting.items()},
+        }
+        return {"tally": vars(tally) | tables, "waiting": [waiting.row, waiting.theta, waiting.sign]}
 
     def restore(self, kept: dict[str, Any]) -> None:
         """Continues from a checkpoint."""

@@ -48,13 +48,17 @@ class Solution:
         return Observables(self.problem).columns(self.times, self.rows)
 
 
+LARGE_ROW = 1 << 14  # bytes that no row has: where so many fit, none need be made to see how large one is
+
+
 def refuse_more_than_memory(problem: Problem) -> None:
     """Raises InputError for rows that this machine cannot hold: the states, and the columns that are made of them."""
-    if problem.output != "times":
+    there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if problem.output != "times" or len(problem.times) * LARGE_ROW < there:
         return
     columns = Observables(problem).columns(np.zeros(1), problem.start()[None, :])
     per_row = sum(c.values.nbytes for c in columns.values()) + problem.start().nbytes + 8
-    needed, there = len(problem.times) * per_row, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    needed = len(problem.times) * per_row
     if needed > there:
         raise InputError(
             [

@@ -1,11 +1,16 @@
 """The derivatives that a run keeps beside its rows and events, where its scenario asks for them: made at its end."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..columns import Column
-from ..engine.derivatives.along_run import Derivatives, differentiate, empty
 from ..problem import MOST_DERIVATIVES, Problem
 from .events import EventTable
+
+
+if TYPE_CHECKING:
+    from ..engine.derivatives.along_run import Derivatives
 
 
 NAMES = ("sensitivities", "event_sensitivities")
@@ -28,6 +33,8 @@ def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str,
     wrt = problem.sensitivities
     if not wrt:
         return {}
+    from ..engine.derivatives.along_run import differentiate  # a fiftieth of a start, which other runs do without
+
     most = MOST_DERIVATIVES // len(wrt)
     first = EventTable(events.kinds, *(values[:most] for values in events.columns().values()))
     derived = _named(problem, differentiate(problem, wrt, times, first))
@@ -42,10 +49,14 @@ def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str,
 
 def no_rows(problem: Problem, kinds: tuple[str, ...]) -> dict[str, dict[str, Column]]:
     """The tables without rows, by name."""
-    return _named(problem, empty(problem, problem.sensitivities, kinds)) if problem.sensitivities else {}
+    if not problem.sensitivities:
+        return {}
+    from ..engine.derivatives.along_run import empty
+
+    return _named(problem, empty(problem, problem.sensitivities, kinds))
 
 
-def _named(problem: Problem, derived: Derivatives) -> dict[str, dict[str, Column]]:
+def _named(problem: Problem, derived: "Derivatives") -> dict[str, dict[str, Column]]:
     """The tables of a store: every column of derivatives says by which numbers, in order."""
     by = {"parameters": " ".join(problem.sensitivities)}
     return {
