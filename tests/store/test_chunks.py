@@ -80,10 +80,11 @@ def test_the_files_do_not_depend_on_the_pieces_nor_on_flushes(pieces: list[int],
     assert_same(tmp_path / "a", whole(tmp_path / "whole"))
 
 
-def test_only_whole_chunks_are_written_before_a_flush(tmp_path: Path) -> None:
+def test_only_whole_chunks_are_written_before_a_flush_which_says_how_many_rows_there_are(tmp_path: Path) -> None:
     appender = new(tmp_path / "a")
     appender.append(columns(slice(0, 13)))
-    assert len(read(tmp_path / "a")["time"]) == 8
+    assert [place.name for place in (tmp_path / "a/trajectory/time/c").iterdir()] == ["0"]
+    assert len(read(tmp_path / "a")["time"]) == 0
     appender.flush()
     assert len(read(tmp_path / "a")["time"]) == 13
     before = files(tmp_path / "a")
@@ -91,12 +92,18 @@ def test_only_whole_chunks_are_written_before_a_flush(tmp_path: Path) -> None:
     assert files(tmp_path / "a") == before
 
 
+@pytest.mark.parametrize("flushed", [True, False])
 @pytest.mark.parametrize("acknowledged", [0, 5, 8, 19, 40])
-def test_what_was_not_acknowledged_is_cut_and_the_rest_goes_on(acknowledged: int, tmp_path: Path) -> None:
-    """As after a kill: rows beyond the checkpoint are on the disk, whole or in part."""
+def test_what_was_not_acknowledged_is_cut_and_the_rest_goes_on(
+    acknowledged: int, flushed: bool, tmp_path: Path
+) -> None:
+    """As after a kill: rows beyond the checkpoint are on the disk, whole or in part, also where no metadata tell."""
     appender = new(tmp_path / "a")
-    appender.append(columns(slice(0, 43)))
+    appender.append(columns(slice(0, acknowledged)))
     appender.flush()
+    appender.append(columns(slice(acknowledged, 43)))
+    if flushed:
+        appender.flush()
     again = Appender(table(tmp_path / "a"))
     again.cut(acknowledged)
     again.reload(acknowledged)

@@ -217,11 +217,13 @@ def record(
             integration = Integration(problem, stop)
             root = tables.create_root(scratch, attributes_of(integration))
             lock = held.enter_context(Lock(scratch))
-            appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
+            with tables.every_chunk():
+                appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
             with Recorder(integration, appenders, lock) as recorder:
                 recorder.commit()
         lock.folder = Path(target)
-        return run_into(integration, lock, progress, stop)
+        tables.moved(root, lock.folder)
+        return run_into(integration, lock, progress, stop, appenders=appenders)
 
 
 def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
@@ -248,13 +250,16 @@ def run_into(
     progress: Progress | None,
     stop: threading.Event | None,
     begin: Callable[[Recorder], None] | None = None,
+    appenders: dict[str, Appender] | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Integrates into a store that is there, whose lock is held: from its start, or from where `begin` puts it."""
+    """Integrates into a store that is there, whose lock is held: from its start, where it has just been made with these
+    tables, or from where `begin` puts it."""
     folder = lock.folder
     with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"), lock.guarded():
-        names = [name for name, *_ in tables_of_run(integration)]
-        _, members = tables.open_root(folder, *names)
-        with Recorder(integration, dict(zip(names, map(Appender, members), strict=True)), lock, stop) as recorder:
+        if appenders is None:
+            names = [name for name, *_ in tables_of_run(integration)]
+            appenders = dict(zip(names, map(Appender, tables.open_root(folder, *names)[1]), strict=True))
+        with Recorder(integration, appenders, lock, stop) as recorder:
             if begin is not None:
                 begin(recorder)
             integration.run(recorder, progress)

@@ -25,11 +25,8 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
     integration.t_end = solution.report["t_end"]
     with new_store(target, overwrite=overwrite) as scratch:
         root = tables.create_root(scratch, attributes)
-        names = []
-        for table in tables_of_run(integration):
-            Appender.created(root, *table)
-            names.append(table[0])
-        appenders = dict(zip(names, map(Appender, tables.open_root(scratch, *names)[1]), strict=True))
+        with tables.every_chunk():
+            appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
         for first in range(0, len(solution.times), ROWS_AT_ONCE):
             some = slice(first, first + ROWS_AT_ONCE)
             appenders["trajectory"].append(view.columns(solution.times[some], solution.rows[some]))

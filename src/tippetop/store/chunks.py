@@ -1,5 +1,6 @@
 """Columns in chunks on disk: growing row by row, checked, and read thinly where there are more than memory holds."""
 
+import dataclasses
 import hashlib
 import itertools
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from .skeleton import groups_of
 from .tables import create_table, read_member
 
 
+MOST_ROWS = 1 << 62
 Window = tuple[float | None, float | None]
 
 
@@ -24,11 +26,13 @@ class Appender:
     """Grows the arrays of a group row by row, in whole chunks; rows that do not fill a chunk wait in memory.
 
     A flush writes the waiting rows too, as a chunk that is written again when it is full: so the files of a finished
-    store do not depend on when it was flushed.
+    store do not depend on when it was flushed. Only then the metadata say how many rows there are: chunks beyond are
+    not acknowledged yet.
     """
 
     def __init__(self, arrays: dict[str, Any]):
         self.arrays = arrays
+        self.endless = {name: _endless(array) for name, array in arrays.items()}
         self.chunk = chunk = next(iter(self.arrays.values())).chunks[0]
         self.written, self.waiting = 0, 0  # rows in full chunks, rows in memory
         self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
@@ -61,16 +65,17 @@ class Appender:
                 self.written, self.waiting = self.written + self.chunk, 0
 
     def flush(self) -> None:
-        """Writes the rows that wait."""
+        """Writes the rows that wait, and how many there are."""
         if self.unflushed and self.waiting:
             self._write(self.waiting)
         self.unflushed = False
+        for array in self.arrays.values():
+            if array.shape[0] < self.rows:
+                array.resize((self.rows, *array.shape[1:]))
 
     def _write(self, count: int) -> None:
         end = self.written + count
-        for name, array in self.arrays.items():
-            if array.shape[0] < end:
-                array.resize((end, *array.shape[1:]))
+        for name, array in self.endless.items():
             array[self.written : end] = self.buffers[name][:count]
         self.unsynced.add(self.written)
 
@@ -92,9 +97,12 @@ class Appender:
         self.buffers[name][waiting] = value
         self.unflushed = self.unflushed or bool(waiting)
         older = [row for row in rows if row < self.written]
-        if older:
-            self.arrays[name].set_coordinate_selection(np.array(older), np.full(len(older), value))
-            self.unsynced |= {row // self.chunk * self.chunk for row in older}
+        for start in {row // self.chunk * self.chunk for row in older}:
+            some = slice(start, start + self.chunk)
+            flags = self.endless[name][some]
+            flags[[row - start for row in older if start <= row < some.stop]] = value
+            self.endless[name][some] = flags
+            self.unsynced.add(start)
 
     def cut(self, rows: int) -> None:
         """Cuts the arrays to the rows that a checkpoint acknowledges."""
@@ -119,6 +127,13 @@ class Appender:
         for name, array in self.arrays.items():
             self.buffers[name][: self.waiting] = array[self.written : rows]
         self.unflushed = True
+
+
+def _endless(array: Any) -> Any:
+    """An array into which rows can be written beyond those that its metadata on the disk tell of."""
+    inner = array.async_array
+    metadata = inner.metadata.update_shape((MOST_ROWS, *array.shape[1:]))
+    return type(array)(dataclasses.replace(inner, metadata=metadata))
 
 
 def _shrink(array: Any, rows: int) -> None:

@@ -46,6 +46,12 @@ def open_root(folder: Path, *members: str, write_empty: bool = True) -> tuple[An
         return root, [_opened(root[name]) for name in members]
 
 
+def moved(root: Any, folder: Path) -> None:
+    """Tells the root group of a store that is written, and the arrays that were made in it, that its folder is now this
+    one."""
+    root.store.root = folder
+
+
 def read_member(path: str | Path, name: str) -> Any:
     """An array of a store, or a group as a dict of arrays, to be read. Raises StoreError."""
     try:
