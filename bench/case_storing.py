@@ -1,6 +1,7 @@
 """What storing costs: a run at 1 kHz with events, drift, store and checkpoints against the equations alone.
 
-Processor seconds, both threads: the store is written by a second one. By the wall too.
+Processor seconds, both threads: the store is written by a second one. By the wall too. What bounds it: the same columns
+given to zarr alone, from memory; and a run so long that the making of a store no longer counts.
 """
 
 import statistics
@@ -9,12 +10,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import zarr
+
 from tippetop.cli.memory import keep_memory
 from tippetop.problem import Problem
 from tippetop.runs import recording
 from tippetop.runs.integration import Integration
+from tippetop.runs.run import solve
 from tippetop.runs.sinks import Nowhere
+from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
+from tippetop.store.tables import codecs
 
 from .measure import Seconds, interleaved, ratio, spent
 from .ours import alone, end_of
@@ -58,6 +64,28 @@ def three(problem: Problem) -> Seconds:
     return stored(replace(problem, columns=THREE, orientation=False))
 
 
+def zarr_alone(problem: Problem) -> dict[str, float]:
+    """Processor seconds that zarr takes to write the columns of all rows, and three, that are in memory, in our chunks
+    and codecs: measured on a chunk of each column, which is given once for nothing."""
+    rows = recording.MOST_ROWS
+    columns = solve(replace(problem, times=EvenTimes(0.001, (rows - 1) * 0.001), until=(rows - 1) * 0.001)).columns()
+    seconds = {}
+    with tempfile.TemporaryDirectory() as folder:
+        group = zarr.open_group(folder, mode="w")
+        for name, column in columns.items():
+            values = column.values
+            array = group.create_array(
+                name, shape=values.shape, chunks=values.shape, dtype=values.dtype, compressors=codecs()
+            )
+            array[:] = values
+            seconds[name] = spent(lambda array=array, values=values: array.__setitem__(slice(None), values))
+    share = len(problem.times) / rows
+    return {
+        "three": share * sum(seconds[name] for name in ("time", *THREE)),
+        "stored": share * sum(seconds.values()),
+    }
+
+
 def compare(quick: bool) -> dict[str, Any]:
     """Seconds of each run, bare, followed, and stored with keyframes, three columns or all."""
     keep_memory()  # as `tippetop run` does
@@ -66,11 +94,23 @@ def compare(quick: bool) -> dict[str, Any]:
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])
         problem = build.load(preset, sets, until / 10 if quick else until)
         works = {f.__name__: lambda f=f, p=problem: f(p) for f in (bare, followed, keyframes, three, stored)}
-        seconds: dict[Any, list[Any]] = interleaved(works, 5)
+        seconds: dict[Any, list[Any]] = interleaved(works, 4)
         found["runs"][name] = {
             "rows": len(problem.times),
             "seconds": {name: statistics.median(times) for name, times in seconds.items()},
             "wall": {name: statistics.median(each.wall for each in times) for name, times in seconds.items()},
+            "zarr alone": zarr_alone(problem),
             **{f"{way} / bare": ratio(seconds[way], seconds["bare"]) for way in seconds if way != "bare"},
         }
+    found["long"] = {name: long(preset, until * 5, quick) for name, (preset, until) in RUNS.items()}
     return found
+
+
+def long(preset: str, until: float, quick: bool) -> dict[str, float]:
+    """Keyframes over a span in which the store's own seconds are lost among those of the motion."""
+    sets = ["run.output=keyframes"] + (["friction.mu=0.0"] if preset == "inverting" else [])
+    problem = build.load(preset, sets, until / 10 if quick else until)
+    works = {f.__name__: lambda f=f: f(problem) for f in (bare, followed, keyframes)}
+    seconds: dict[Any, list[Any]] = interleaved(works, 2)
+    ways = {f"{way} / bare": ratio(seconds[way], seconds["bare"]) for way in ("followed", "keyframes")}
+    return {"until": problem.until, **ways}

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from tippetop.engine.status import Status
+from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
@@ -17,7 +19,7 @@ from tippetop.scenario import build
 
 from .measure import interleaved, ratio, timed
 from .minimal import Minimal
-from .ours import by_hand, motion
+from .ours import ENDLESS, alone, by_hand, end_of, motion
 
 
 RUNS = {
@@ -26,6 +28,7 @@ RUNS = {
     "heavy top": ("heavy-top", 100.0),
     "cylinder that glides": ("gliding-cylinder", 4.0),
 }
+BESIDE = ("equations", "loop", "whole", "rows")
 HAND = "canonical inversion"  # the run that is also typed into heyoka
 HOPS, SMOOTH = "flying", "inverting"  # presets: the same top, which hops, or slides all along
 
@@ -40,8 +43,7 @@ def compare(quick: bool) -> dict[str, Any]:
         entry = {
             "form": problem.form.name,
             "seconds": {what: statistics.median(times) for what, times in seconds.items()},
-            "whole / motion": ratio(seconds["whole"], seconds["motion"]),
-            "rows / motion": ratio(seconds["rows"], seconds["motion"]),
+            **{f"{way} / motion": ratio(seconds[way], seconds["motion"]) for way in BESIDE},
             **processors(partial(_often, problem)),
         }
         if name == HAND:
@@ -64,12 +66,21 @@ def hops(rounds: int) -> dict[str, Any]:
 
 
 def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
-    """The motion alone; the whole run without rows, for which the orientation is not integrated; the run with the rows
-    of its preset in memory, and the orientation; heyoka by hand."""
+    """The motion alone; with the integrals of a run; the compiled loop of a run, with all that it finds, and the making
+    of its driver; the whole run without rows, for which the orientation is not integrated; the run with the rows of its
+    preset in memory, and the orientation; heyoka by hand."""
     minimal = Minimal(problem, np.array([problem.until]))
     moving, bare = motion((), minimal)(0.0), replace(problem, orientation=False)
+    integrals, start = alone(bare), bare.start()
+
+    def equations() -> None:
+        integrals.time, integrals.state[:] = 0.0, start
+        integrals.propagate_until(end_of(bare))
+
     works = {
         "motion": lambda: moving.work(None),
+        "equations": equations,
+        "loop": lambda: looped(bare),
         "whole": lambda: Integration(bare).run(Nowhere()),
         "rows": lambda: solve(problem),
     }
@@ -77,6 +88,14 @@ def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
         plain = by_hand(False, minimal)(0.0)
         works["by hand"] = lambda: plain.work(None)
     return works
+
+
+def looped(problem: Problem) -> None:
+    """The compiled loop, to the end of a run; what it finds is left lying."""
+    driver: Any = driver_of(problem)
+    while driver.tally["status"] == Status.RUNNING.code:
+        driver.log.filled[0] = driver.samples.filled[0] = 0
+        driver.place.drive_on(ENDLESS)
 
 
 def _often(problem: Problem) -> None:

@@ -173,21 +173,38 @@ def storing(result: dict[str, Any]) -> str:
         for name, r in result["runs"].items()
     ]
     head = [f"{words[way]} [s]" for way in ways] + [f"{words[way]} / equations only" for way in ways[2:]]
-    return table(["run", "rows", *head], rows)
+    found = table(["run", "rows", *head], rows)
+    if "long" not in result:
+        return found
+    bounds = [
+        [
+            name,
+            *(number(r["zarr alone"][way] / r["seconds"]["bare"]) for way in ("three", "stored")),
+            number(result["long"][name]["until"]),
+            *(number(result["long"][name][f"{way} / bare"]) for way in ("followed", "keyframes")),
+        ]
+        for name, r in result["runs"].items()
+    ]
+    beside = ["zarr alone, three columns / equations only", "zarr alone, all / equations only", "a longer span [s]"]
+    beside += ["followed / equations only", "with keyframes / equations only"]
+    return f"{found}\n\n{table(['run', *beside], bounds)}"
 
 
 def whole(result: dict[str, Any]) -> str:
     """What runs cost beside their motion."""
+    inner = {"equations / motion": "with its integrals / motion", "loop / motion": "compiled loop / motion"}
+    ways = [way for way in inner if all(way in r for r in result["runs"].values())]
+    ways += ["whole / motion", "rows / motion", "processor / wall"]
     rows = [
         [
             f"{name}, {r['form']} form",
             *(_milliseconds(r["seconds"][way]) for way in ("motion", "whole", "rows")),
-            *(number(r[way]) for way in ("whole / motion", "rows / motion", "processor / wall")),
+            *(number(r[way]) for way in ways),
         ]
         for name, r in result["runs"].items()
     ]
-    head = ["motion alone [ms]", "whole run [ms]", "with rows in memory [ms]", "whole / motion", "rows / motion"]
-    beside = table(["run", *head, "processor / wall"], rows)
+    head = ["motion alone [ms]", "whole run [ms]", "with rows in memory [ms]", *(inner.get(way, way) for way in ways)]
+    beside = table(["run", *head], rows)
     if "hops" not in result:
         return beside
     hops = result["hops"]
