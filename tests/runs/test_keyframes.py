@@ -76,6 +76,15 @@ def test_a_replay_has_the_bits_of_the_rows_that_the_run_would_have_stored(
     same_columns(tt.open(kept).replay(start, until, step), rows.trajectory)
 
 
+def test_a_replay_does_not_take_the_place_of_its_run(kept: Path, tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(kept)
+    before = files(kept)
+    for out in (kept, tmp_path / "link"):
+        with pytest.raises(StoreError, match="must be another store than the one that is replayed"):
+            replay.into_store(kept, 30.0, 30.01, 1e-3, out, overwrite=True)
+    assert files(kept) == before
+
+
 def test_a_replay_begins_at_its_keyframe(kept: Path, tmp_path: Path) -> None:
     made = replay.into_store(kept, 30.0, 30.01, 1e-3, tmp_path / "rows.zarr")
     assert 0 < 30.0 - made["began"] < 40.0 * 100 / root.attributes(kept)["report"]["steps"]
