@@ -150,6 +150,7 @@ def test_pages_say_what_was_measured() -> None:
         assert report.filled(text, sections) == text
 
 
+@pytest.mark.slow
 def test_the_reference_is_that_of_an_independent_integration() -> None:
     """To what the parameters' own rounding to doubles makes of theta: the inversion amplifies it a thousandfold."""
     stored = json.loads((Path(__file__).parents[1] / "tests" / "reference" / "case1_inverting.json").read_text())

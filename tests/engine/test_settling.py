@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from tippetop.engine.settling import stays
+from tippetop.engine.status import Status
 from tippetop.mechanics.theory import thresholds
 from tippetop.problem import Problem
+from tippetop.runs.run import solve
 from tippetop.scenario import build
 
 
@@ -34,3 +36,13 @@ def test_a_motion_in_a_plane_stays() -> None:
     """It has no spin, and no pole that it could leave."""
     problem = build.load("gliding-cylinder")
     assert stays(problem.body(float), {"theta": np.array([0.0])}, 1.0)
+
+
+@pytest.mark.parametrize("mu", [0.0, 1e-12, 1e-9])
+def test_friction_that_takes_nothing_to_speak_of_lets_nothing_settle(mu: float) -> None:
+    """Its loss is below the threshold from the start, while the contact slides on."""
+    problem = build.load("inverting", [f"friction.mu={mu}", "run.stop_when=settled"], until=12.0)
+    solution = solve(problem, keep=False)
+    assert solution.status is Status.FINISHED
+    assert solution.report["t_end"] == 12.0  # 200 internal units are 9 s
+    assert solution.report["outcome"] == ("under-way" if mu else "nutating")

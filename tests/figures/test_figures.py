@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
+from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, film, labels, thinning
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.runs import attributes
@@ -84,6 +85,13 @@ def test_a_swing_that_is_a_trembling_does_not_narrow_the_band() -> None:
 
     swings = np.array([1.0, 0.9, 1.0, 0.5, 1e-6, 0.5, 0.9, 1.0])
     assert list(np.flatnonzero(_trembling(swings))) == [3, 4]
+
+
+def test_a_title_is_text(inverting: tuple) -> None:
+    """Bytes of a command line that are no UTF-8 come as lone surrogates, which no font has."""
+    trajectory, events, attrs = inverting
+    with pytest.raises(InputError, match="the title must be text in UTF-8"):
+        drawing.figure_of("theta", {"trajectory": trajectory, "events": events}, attrs, catalogue.Look("b\udcff"))
 
 
 def test_a_title_has_the_letters_of_the_axes_and_units(inverting: tuple) -> None:

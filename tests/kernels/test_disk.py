@@ -269,6 +269,7 @@ print(float(D[0, 0]).hex(), grid.gradients.found)
 """
 
 
+@pytest.mark.slow
 def test_two_processes_at_once_and_one_after_them(cache: Path) -> None:
     """The real kernels, by the real sources: both compile, neither is in the way of the other."""
 

@@ -93,6 +93,7 @@ def test_thresholds_of_the_surface_stand_beside_the_others() -> None:
     assert limits["gamma_star"].value == pytest.approx(2.1213, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_theta_is_made_again_by_a_command(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     store, table = tmp_path / "r.zarr", tmp_path / "theta.csv"
     tt.run("inverting", start={"theta": 0.8}, until=0.3, output_step=1e-4, out=store)

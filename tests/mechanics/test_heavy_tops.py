@@ -7,6 +7,7 @@ import heyoka as hy
 import numpy as np
 import pytest
 from examples import HEAVY
+from nightly import at_night
 
 from tippetop.engine.expressions import equations_of_motion
 from tippetop.engine.observables import Observables
@@ -27,7 +28,7 @@ def closed(made) -> heavy_top_motion.ClosedForm:
     return heavy_top_motion.closed_form(start["energy"], start["Lz"], start["L3"], inertia, b.I3, -b.m * b.g * b.c)
 
 
-@pytest.mark.parametrize("form", ["vector", "euler"])
+@pytest.mark.parametrize("form", ["vector", at_night("euler")])
 def test_the_impulse_beside_the_motion_changes_no_bit_of_it(form: str, rng: np.random.Generator) -> None:
     """Whatever shares products with the equations of motion may: of twelve starts, four or five kept their bits."""
     made: dict[int, hy.taylor_adaptive] = {}

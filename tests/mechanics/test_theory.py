@@ -305,13 +305,28 @@ def test_a_cylinder_rocks_at_the_frequency_that_is_named(name: str) -> None:
     np.testing.assert_allclose(np.diff(solve(made).events.of("turning").time), math.pi / named, rtol=1e-5)
 
 
+@pytest.mark.parametrize("name", ["heavy-top", "gliding-heavy-top", "tippe-top", "rolling-tippe-top"])
+@pytest.mark.parametrize("law", [("none", {}), ("viscous", {"mu": 0.3})], ids=["none", "viscous"])
+def test_a_start_exactly_at_a_pole_stays_there(name: str, law: tuple) -> None:
+    for theta in (0.0, math.pi):
+        found = forecast.assessment(start_of(name, theta, law, omega3=122.8))
+        assert "stays at the pole until it is disturbed" in found.get("fate", "")
+    assert "stays" not in forecast.assessment(start_of(name, 0.1, law, omega3=122.8)).get("fate", "")
+
+
+def test_a_law_of_one_system_is_not_taken_for_none() -> None:
+    made = start_of("gliding-cylinder", 0.1, ("modified", {"mu": 0.0, "v_k": 0.01}))
+    assert not is_frictionless(made.friction)
+    assert forecast.assessment(made)["regime"].startswith("small oscillations in rolling")
+
+
 def test_modes_beyond_the_doubles_are_nan_and_the_outlook_says_no_rate() -> None:
     """A Coulomb law with eps = 5e-324. Before, a traceback of the eigenvalues."""
     law = Coulomb(mu=0.3, eps=5e-324)
     assert np.isnan(modes.linear_modes(155.0, B._replace(friction=law))).all()
     assert not modes.is_unstable(155.0, B._replace(friction=law))
     top = SYSTEMS["gliding-heavy-top"]
-    start = {"L3": 0.01, "energy": 0.1, "Lz": 0.01}
+    start = {"L3": 0.01, "energy": 0.1, "Lz": 0.01, "at_pole": 0.0}
     with np.errstate(all="ignore"):
         outlook = top.outlook(top.body_of({"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}, law), start)
     assert outlook.regime.startswith("upright spin unstable at every speed: the top")

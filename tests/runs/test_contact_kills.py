@@ -6,6 +6,7 @@ import warnings
 from pathlib import Path
 
 import pytest
+from nightly import at_night
 from stores import assert_same
 from touching import STANDING, THROWN
 
@@ -50,9 +51,7 @@ def killed(name: str, store: Path, place: tuple[str, int], count: int) -> bool:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
 
 
-@pytest.mark.parametrize(
-    ("name", "steps", "counts"), [("thrown", 3, (1,)), pytest.param("stands", 3, (1,), marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("name", "steps", "counts"), [at_night("thrown", 3, (1,)), at_night("stands", 3, (1,))])
 def test_a_kill_in_any_phase_leaves_no_trace(
     name: str, steps: int, counts: tuple[int, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -73,6 +73,7 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precis
         assert again.report()["contact_phases"] == integration.report()["contact_phases"]
 
 
+@pytest.mark.slow
 def test_a_longer_end_gives_the_run_that_would_have_been_made_at_once(tmp_path: Path) -> None:
     """The end of the first comes in flight: the landing after it is not forgotten."""
     short, long = with_run(BOUNCE, until=0.02, output_step=1e-3), with_run(BOUNCE, until=0.3, output_step=1e-3)

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from forked import Forked
+from nightly import at_night
 from stores import TURNING, acknowledged, assert_same, ended, files, wait_until
 
 import tippetop as tt
@@ -58,7 +59,9 @@ def said(store: Path) -> dict[str, Any]:
     return json.loads((store / "zarr.json").read_text())["attributes"]
 
 
-@pytest.mark.parametrize("kind", list(OUTPUT))
+@pytest.mark.parametrize(
+    "kind", [kind if kind in ("rows", "keyframes", "inverting") else at_night(kind) for kind in OUTPUT]
+)
 def test_a_run_that_is_continued_is_that_of_one_go(kind: str, at_once: Callable[..., Path], tmp_path: Path) -> None:
     """From 3.3 s, in the midst of a step, to 47 s, some slices later."""
     sets = [ROWS, *OUTPUT[kind]]
@@ -81,6 +84,7 @@ def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
     assert_same(store, whole)
 
 
+@pytest.mark.slow
 def test_in_wider_numbers(tmp_path: Path) -> None:
     sets = ["run.precision=longdouble", ROWS]
     whole, store = made(tmp_path / "whole.zarr", 2.0, *sets), made(tmp_path / "run.zarr", 0.7, *sets)
@@ -102,7 +106,7 @@ def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
     assert_same(store, whole)
 
 
-@pytest.mark.parametrize("moment", ["at once", "after a commit"])
+@pytest.mark.parametrize("moment", [at_night("at once"), "after a commit"])
 def test_killed_while_it_is_continued_it_is_resumed(moment: str, at_once: Callable[..., Path], tmp_path: Path) -> None:
     whole, store = at_once(150.0, ROWS), copied(at_once(60.0, ROWS), tmp_path)
     prelude = "import tippetop.runs.recording as r; r.COMMIT_EVERY = 0.0"

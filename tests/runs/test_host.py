@@ -17,7 +17,7 @@ from tippetop.errors import Interrupted, StoreError
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
 from tippetop.scenario import build
-from tippetop.store.files import Lock
+from tippetop.store.lock import Lock
 from tippetop.sweeps.plan import Plan
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import zarr
+from nightly import at_night
 from stores import assert_same
 
 import tippetop as tt
@@ -129,7 +130,7 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
     assert run.certify(0.1).theta < 1e-12  # it keeps theta for itself
 
 
-@pytest.mark.parametrize("preset", ["inverting", "flying"])
+@pytest.mark.parametrize("preset", ["inverting", at_night("flying")])
 def test_a_figure_needs_no_more_than_it_names(preset: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the whole run."""
     monkeypatch.setattr(film, "PIXELS", 20)

@@ -83,6 +83,16 @@ def test_a_bad_export_is_said(store: Path, tmp_path: Path, capsys: pytest.Captur
     assert out.read_text().startswith("time,")
 
 
+def test_a_run_without_rows_is_exported_by_its_other_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sets = [part for text in ("run.output=keyframes", "run.output_step=") for part in ("--set", text)]
+    run, rows = str(tmp_path / "k.zarr"), tmp_path / "rows.csv"
+    assert outcome(["run", "inverting", "--until", "1", *sets, "--out", run]) == 0
+    assert outcome(["export", run, "--to", "csv", "--out", str(rows)]) == 2
+    assert "must have rows to be exported, but has none: say --group events" in capsys.readouterr().err
+    assert outcome(["export", run, "--to", "csv", "--group", "trajectory", "--out", str(rows)]) == 0
+    assert "L_x,L_y,L_z" in rows.read_text()
+
+
 def test_a_thin_reading_loses_no_peak(store: Path) -> None:
     whole = chunks.digest(store, "trajectory", "theta")
     thin = chunks.digest(store, "trajectory", "theta", most=200)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from forked import Forked
+from nightly import at_night
 from stores import PRELUDE, TURNING, acknowledged, assert_same, ended, short_slices, wait_until
 
 from tippetop import errors
@@ -86,7 +87,7 @@ def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
     assert_same(store, whole)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), at_night(signal.SIGTERM, 143)])
 def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
     number: int, code: int, undisturbed: Path, tmp_path: Path
 ) -> None:
@@ -185,7 +186,7 @@ def test_a_store_equals_the_run_in_memory(undisturbed: Path) -> None:
     assert report == root.finite(run.report)
 
 
-@pytest.mark.parametrize("precision", ["longdouble", "quad"])
+@pytest.mark.parametrize("precision", ["longdouble", at_night("quad")])
 def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
     monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)

@@ -17,7 +17,7 @@ from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
 from tippetop.scenario import build
 from tippetop.store import checkpoint, provenance, root
-from tippetop.store.files import LOCK
+from tippetop.store.lock import LOCK
 
 
 UNTIL = 30.0
@@ -159,6 +159,8 @@ def test_an_unfinished_store_can_be_looked_at(store: Path, tmp_path: Path, capsy
     trajectory = xr.open_zarr(store, group="trajectory", consolidated=False)
     assert np.all(np.isfinite(trajectory["theta"]))
     assert outcome(["plot", str(store), "--out", str(tmp_path / "a.png")]) == 0
+    with pytest.warns(UserWarning, match="is not finished: what is written is what there is of it so far"):
+        assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 0
 
 
 def test_acknowledged_rows_that_were_exchanged_are_refused(

@@ -15,6 +15,12 @@ def test_presets_are_not_suspicious() -> None:
         assert suspicions(build.load(name)) == []
 
 
+def test_a_top_that_begins_below_its_plane_is_suspicious() -> None:
+    assert suspicions(build.load("gliding-heavy-top", ["initial.theta=1.57"])) == []
+    (sentence,) = suspicions(build.load("gliding-heavy-top", ["initial.theta=3.0"]))
+    assert "beyond pi/2: this body has fallen" in sentence
+
+
 @pytest.mark.parametrize(
     ("sets", "word"),
     [
@@ -35,6 +41,13 @@ def test_a_suspicion_is_said_and_changes_no_exit_code(sets: list[str], word: str
     assert any(word in sentence for sentence in json.loads(said.out)["warnings"])
     assert "tippetop: warning: " in said.err
     assert word in said.err
+
+
+def test_a_potential_beyond_the_doubles_is_refused(capsys) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["potential", "inverting", "--D", "1e300", "--lambda", "1e300"])
+    assert end.value.code == 2
+    assert "must leave V within the doubles" in capsys.readouterr().err
 
 
 def test_lambda_in_another_unit_is_said(capsys) -> None:

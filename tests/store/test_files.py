@@ -15,7 +15,7 @@ from forked import Forked
 from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import files, own, provenance, tables
-from tippetop.store.files import LOCK, Lock
+from tippetop.store.lock import LOCK, Lock
 from tippetop.store.root import new_store
 
 
@@ -213,7 +213,7 @@ def test_a_link_is_no_place_for_a_store(tmp_path: Path) -> None:
 
 
 def test_a_killed_holder_leaves_a_free_lock(tmp_path: Path) -> None:
-    code = f"import os; from tippetop.store.files import Lock; lock = Lock({str(tmp_path)!r}); os.kill(os.getpid(), 9)"
+    code = f"import os; from tippetop.store.lock import Lock; lock = Lock({str(tmp_path)!r}); os.kill(os.getpid(), 9)"
     assert killed(code)
     assert (tmp_path / LOCK).read_text().startswith("process ")
     with Lock(tmp_path) as lock:
@@ -375,3 +375,22 @@ def test_a_file_that_another_process_is_writing_is_not_stale(tmp_path: Path) -> 
         with files.replacing(path) as other:
             other.write_text("yours")
     assert path.read_text() == "mine"
+
+
+# --- what a user names ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["zarr.json", "time/x.csv", "new.zarr"])
+def test_no_target_lies_in_a_store(name: str, tmp_path: Path) -> None:
+    """Nor by way of a link, or of `..`; the store stays as it is."""
+    store = made_store(tmp_path / "a.zarr")
+    (store / "time").mkdir()
+    (tmp_path / "link").symlink_to(store)
+    before = (store / "zarr.json").read_bytes()
+    for place in (store, tmp_path / "link", store / ".." / "a.zarr"):
+        with pytest.raises(StoreError, match="must lie outside of every store"), files.replacing(place / name):
+            raise AssertionError
+        with pytest.raises(StoreError, match="must lie outside of every store"), new_store(place / name):
+            raise AssertionError
+    assert content(store) == ["time", "zarr.json"]
+    assert (store / "zarr.json").read_bytes() == before

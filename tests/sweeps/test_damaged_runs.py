@@ -4,7 +4,9 @@ import shutil
 from pathlib import Path
 
 import pytest
+from stores import assert_same
 
+import tippetop
 from tippetop.errors import StoreError
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.store import RUNS, _there
@@ -20,3 +22,19 @@ def test_a_sweep_whose_runs_are_no_group_is_not_continued(file: Path, whole: Pat
     (store / RUNS / "zarr.json").write_bytes(b"\x02\x01\x33\x08 no metadata")
     with pytest.raises(StoreError, match=RUNS):
         _there(store, plan)
+
+
+def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(file: Path, whole: Path, tmp_path: Path) -> None:
+    """Exchanged, or continued to another end: each is sound, and not what the plan makes. A folder that is gone is
+    made again."""
+    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    with pytest.raises(StoreError, match="must lie outside of every store"):
+        tippetop.resume(store / RUNS / "5", until=1.0)
+    shutil.rmtree(store / RUNS / "5")
+    tippetop.run("inverting", until=0.5, out=tmp_path / "other.zarr")
+    shutil.copytree(tmp_path / "other.zarr", store / RUNS / "5")
+    with pytest.raises(StoreError, match="must be the run that the plan makes, but has another"):
+        tippetop.sweep(file, store, workers=1)
+    shutil.rmtree(store / RUNS)
+    tippetop.sweep(file, store, workers=1)
+    assert_same(store, whole)

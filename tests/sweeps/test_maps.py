@@ -136,6 +136,7 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
     assert found.notes == ["most frequent of the tops in a cell"]
 
 
+@pytest.mark.slow
 def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: Any) -> None:
     from tippetop.figures import sweep
     from tippetop.figures.style import save, styled

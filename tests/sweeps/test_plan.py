@@ -179,6 +179,8 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         ({"axis": [OMEGA], "runs": [1]}, ["`runs` must be numbers of tops, 0 to 0, but has 1"]),
         ({"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]}, ["top 0: `friction.mu` must be at least 0"]),
         ({"axis": [{**GRID[0], "n": 10**5}, {**GRID[1], "n": 10**5}]}, ["at most 1e+09 tops, but makes 1e+10"]),
+        ({"axis": [{**GRID[0], "n": 10**9}]}, ["`axis` 1 must have at most 1e+07 numbers, but has 1e+09"]),
+        ({"axis": [{**GRID[0], "n": 10**400}]}, ["`axis` 1 must have at most 1e+07 numbers"]),
     ],
 )
 def test_what_is_wrong_is_said(document: dict[str, Any], words: list[str]) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import zarr
+from nightly import at_night
 from plans import PLAN
 from stores import assert_same, written
 
@@ -97,7 +98,7 @@ def test_gridded_has_the_axes_as_dimensions(whole: Path) -> None:
         assert float(grid["theta_end"].sel(place)) == float(one["theta_end"])
 
 
-@pytest.mark.parametrize("damage", ["chunk", "metadata"])
+@pytest.mark.parametrize("damage", ["chunk", at_night("metadata")])
 def test_damage_in_a_run_of_a_sweep_is_found_and_named(
     damage: str, whole: Path, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -281,7 +282,7 @@ def test_a_chunk_that_fails_is_named_and_the_others_finish(
     assert_same(store, whole)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [at_night(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
     number: int, code: int, whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:

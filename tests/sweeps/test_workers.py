@@ -48,6 +48,7 @@ def failing(task: chunk.Task, threads: int = 1) -> chunk.Rows:
     return LINES(task, threads)
 
 
+@pytest.mark.slow
 def test_a_sweep_does_not_wait_for_processes_that_are_gone_for_good(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nightly import at_night
 
 import tippetop as tt
 from tippetop.views import samples, thinning
@@ -76,6 +77,7 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     assert tab.faults == []
 
 
+@pytest.mark.slow
 def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     """What the button records has the pictures that were drawn meanwhile: a file that a player opens."""
     tab.evaluate("tippetop.set(0)")
@@ -95,7 +97,8 @@ def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("preset", "theme"), [("heavy-top", "dark"), ("gliding-cylinder", "light"), ("leine-glocker-stem", "dark")]
+    ("preset", "theme"),
+    [at_night("heavy-top", "dark"), ("gliding-cylinder", "light"), at_night("leine-glocker-stem", "dark")],
 )
 def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) -> None:
     tab = open_page(tt.run(preset, until=0.1).view().text, color_scheme=theme)

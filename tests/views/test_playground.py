@@ -50,6 +50,7 @@ def test_the_canonical_inversion_is_that_of_the_engine(tab: Any) -> None:
     assert tab.faults == []
 
 
+@pytest.mark.slow
 def test_twenty_tops_are_those_of_the_engine(tab: Any) -> None:
     rng = np.random.default_rng(20)
     worst = []

@@ -187,6 +187,10 @@ def potential(
         "F_lambda": least["F_lambda"].item(),
         "status": meanings[least["status"].item()],
     }
+    if not math.isfinite(report["F"]):
+        raise _wrong(
+            f"`--D` and `--lambda` must leave V within the doubles, but D = {D:g}, lambda = {lambda_:g} do not."
+        )
     if out is not None:
         if overwrite:
             remove_store(out)
@@ -254,6 +258,10 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
 
     problem = build.load(scenario)
     landscape = problem.system.landscape
+    if landscape is None and problem.contact is not None and problem.system.inverts:
+        raise _wrong(
+            "D and lambda belong to a sphere that stays on the plane; the contact of this top changes its phase."
+        )
     if landscape is None or landscape.symbols != SPINNING:
         raise _wrong(f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}.")
     return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name

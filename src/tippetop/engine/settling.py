@@ -9,7 +9,7 @@ from ..mechanics.contact.phases.row import BALLS, PHASES
 from ..mechanics.friction import takes_nothing
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
-from ..mechanics.theory.modes import LINEAR, is_unstable, will_leave
+from ..mechanics.theory.modes import LINEAR, is_unstable, shows_sliding, will_leave
 
 
 SETTLED_FOR = 200.0  # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
@@ -39,7 +39,9 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     """
     if not isinstance(body, Body) or "omega3" not in values:
         return True
-    return not will_leave(float(values["theta"][0]), float(values["omega3"][0]) / second, body)
+    return bool(shows_sliding(body)) and not will_leave(
+        float(values["theta"][0]), float(values["omega3"][0]) / second, body
+    )
 
 
 CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way", "rolling", "on-stem", "bouncing",
@@ -67,6 +69,8 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
         The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has no modes.
     """
     known = isinstance(body, Body)
+    if known and system.frictional:
+        settled = settled & shows_sliding(body)
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     kinds = np.full(len(theta), CLASSES.index("under-way"))
     for name in system.classes:

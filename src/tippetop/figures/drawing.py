@@ -149,8 +149,12 @@ def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
 
 def _finish(axes: Any, look: Look, *, own: bool) -> None:
     """Gives a figure its title and size; a panel of somebody else's figure its title."""
+    from ..errors import InputError
+
     figure = axes.get_figure(root=True)
     if look.title is not None:
+        if any("\ud800" <= letter <= "\udfff" for letter in look.title):  # bytes of a command line that are no text
+            raise InputError([f"the title must be text in UTF-8, but is {look.title!r}."])
         if own and figure.get_suptitle():
             figure.suptitle(look.title, x=0.01, ha="left", fontsize=11)
         else:

@@ -21,7 +21,7 @@ from ..columns import Column
 from ..errors import StoreError
 from ..store import files, seal, skeleton, tables
 from ..store.chunks import Appender, chunk_file, readable
-from ..store.files import LOCK, Lock
+from ..store.lock import LOCK, Lock
 from ..store.provenance import provenance
 from ..store.root import finish, new_store
 from ..store.seal import DOCUMENT
@@ -115,6 +115,7 @@ def write(
     surface.
     """
     path = Path(path)
+    files.refuse_inside(path)
     if os.path.lexists(path):
         raise StoreError(f"`{path}` must not exist yet, but does.")
     scratch = path.with_name(f".{path.name}.part")  # the same name in every process: what one began, another continues

@@ -207,6 +207,8 @@ def takes_nothing(law: Any) -> Any:
         return law.mu == 0
     if isinstance(law, Contensou):
         return (law.mu == 0) & (law.mu_r == 0)
+    if type(law) not in SLIP:  # a law of one system, which is no multiple of the sliding velocity
+        return False
     return reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
 
 

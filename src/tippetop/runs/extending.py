@@ -14,7 +14,7 @@ from ..scenario import build
 from ..store import checkpoint, chunks, files, renaming, root, skeleton, tables
 from ..store.checkpoint import END, END_FILE, ROWS
 from ..store.chunks import Appender
-from ..store.files import Lock
+from ..store.lock import Lock
 from ..store.provenance import FORMAT_VERSION
 from . import recording, resuming, sensitivities
 from .integration import Integration
@@ -72,6 +72,7 @@ def extend(
         `stop` was set.
     """
     target = files.own_folder(target)
+    files.refuse_inside(target)  # in a sweep, whose plan says until when
     attrs = root.attributes(target)
     if attrs["status"] == Status.RUNNING.value:
         if until < attrs["run"]["until"]:

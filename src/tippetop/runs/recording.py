@@ -20,7 +20,7 @@ from ..problem import Problem
 from ..store import checkpoint, files, provenance, skeleton, tables
 from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
-from ..store.files import Lock
+from ..store.lock import Lock
 from ..store.root import finish, finite, new_store
 from . import attributes, keyframes, phases, sensitivities
 from .events import EventTable, event_columns

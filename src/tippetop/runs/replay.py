@@ -1,5 +1,6 @@
 """A part of a stored run is integrated again, from its nearest keyframe: the bits of the rows it could have kept."""
 
+import os
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -83,6 +84,8 @@ def into_store(
 ) -> dict[str, Any]:
     """As `columns`, into a new store that has the events of that time too; gives what was done: `rows`, `steps`,
     `seconds`, and the time where it `began` [s]."""
+    if os.path.realpath(out) == os.path.realpath(path):
+        raise StoreError(f"`{out}` must be another store than the one that is replayed, which holds its keyframes.")
     integration = _integration(path, EvenTimes(step, until, start), accept_other_version)
     began, steps, clock = integration.t_end, integration.monitor.steps, time.perf_counter()
     attrs = root.attributes(path)

@@ -11,7 +11,7 @@ from ..mechanics.system import System
 from ..scenario import build
 from ..store import checkpoint, chunks, files, skeleton, tables
 from ..store.checkpoint import CHECKPOINT, ROWS
-from ..store.files import LOCK, Lock
+from ..store.lock import LOCK, Lock
 from ..store.root import attributes as read_attributes
 from .integration import Integration
 from .recording import Progress, Recorder, here, run_into, tables_of_run

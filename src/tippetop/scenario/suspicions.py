@@ -1,4 +1,6 @@
-"""What is allowed in a scenario, but is hardly meant: numbers left out that decide the motion, and other units."""
+"""What is allowed in a scenario, but is hardly meant: numbers left out, other units, a body below the plane."""
+
+import math
 
 from ..mechanics.units import KILOGRAM, METRE
 from ..problem import Problem
@@ -13,7 +15,15 @@ LARGEST = {
 
 def suspicions(problem: Problem) -> list[str]:
     """One sentence for everything that is suspicious; empty for most scenarios."""
-    return [*_left_out(problem), *_other_units(problem)]
+    return [*_left_out(problem), *_fallen(problem), *_other_units(problem)]
+
+
+def _fallen(problem: Problem) -> list[str]:
+    """A body that falls to the plane at theta = pi/2, and begins beyond."""
+    theta = float(problem.initial.get("theta", 0.0))
+    if abs(theta) < math.pi / 2 or not any(event.ends == "fallen" for event in problem.system.events):
+        return []
+    return [f"`initial.theta` is {theta:g} rad, beyond pi/2: this body has fallen, and lies below its plane."]
 
 
 def _left_out(problem: Problem) -> list[str]:

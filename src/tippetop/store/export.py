@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,13 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
         raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")
     if group not in (None, *groups):
         raise InputError([f"--group must be {' or '.join(groups)}, but is `{group}`."])
+    if to != "netcdf" and group is None and groups[0] == "trajectory" and not _has_rows(store):
+        others = " or ".join(groups[1:])
+        raise InputError(
+            [f"`{store}` must have rows to be exported, but has none: say --group {others}, or replay it."]
+        )
+    if attrs["status"] == "running":
+        warnings.warn(f"`{store}` is not finished: what is written is what there is of it so far.", stacklevel=2)
     try:
         with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
             writer = _netcdf_apart if to == "netcdf" else FORMATS[to]
@@ -40,6 +48,11 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
         raise StoreError(
             f"the export to {to} must find its library, but: {error} (install tippetop[export])."
         ) from None
+
+
+def _has_rows(store: Path) -> bool:
+    """Whether the trajectory of a run has any."""
+    return all(array.shape[0] for array in tables.read_member(store, "trajectory").values())
 
 
 def _netcdf_apart(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
@@ -131,7 +144,7 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
         empty = False
         yield pd.DataFrame(columns)
     if empty:
-        yield pd.DataFrame({name: [] for name in names})
+        yield pd.DataFrame({column: [] for name in names for column in parts.get(name, [name])})
 
 
 def _parts(name: str, array: Any) -> list[str]:

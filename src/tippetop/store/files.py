@@ -1,4 +1,4 @@
-"""Files and folders that appear whole or not at all, and the lock of a store.
+"""Files and folders that appear whole or not at all.
 
 No link is followed where something is written: scratch names cannot be guessed and are made exclusively, and what takes
 its place does so by a rename, which replaces a link rather than what it points to.
@@ -13,15 +13,14 @@ import shutil
 import stat
 import uuid
 import warnings
-import weakref
 from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import StoreError
 from . import renaming
+from .lock import LOCK, Lock
 
 
-LOCK = "run.lock"
 SCRATCH = ("*.partial", ".*.part", ".*.part-*")  # what a killed writer leaves: zarr's files, and ours
 
 
@@ -52,6 +51,24 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
     path = Path(path)
     if not path.name or path.is_dir():
         raise StoreError(f"`{path}` must be the name of a file, but is a folder.")
+    refuse_inside(path)
+    with _replacing(path, overwrite=overwrite) as scratch:
+        yield scratch
+
+
+def refuse_inside(path: Path) -> None:
+    """Raises StoreError if a path that a user names lies in a store: what is added there, or replaced, damages it."""
+    for place in (Path(os.path.abspath(path)), Path(os.path.realpath(path))):
+        for folder in place.parents:
+            if os.path.lexists(folder / "zarr.json"):
+                raise StoreError(
+                    f"`{path}` must lie outside of every store, but `{folder}` is one: it would be damaged."
+                )
+
+
+@contextlib.contextmanager
+def _replacing(path: Path, *, overwrite: bool) -> Iterator[Path]:
+    """As `replacing`, wherever that is."""
     remove_stale(path)
     if os.path.lexists(path):
         if not overwrite:
@@ -204,7 +221,7 @@ def scratch_name(path: Path) -> Path:
 
 def replace_text(path: Path, text: str) -> None:
     """Writes a file whole or not at all, also if the machine loses power. Raises OSError."""
-    with replacing(path) as scratch:
+    with _replacing(path, overwrite=True) as scratch:
         scratch.write_text(text, encoding="utf-8")
 
 
@@ -247,96 +264,3 @@ def refuse_links(folder: Path) -> None:
             elif not entry.is_file(follow_symlinks=False):
                 kind = "a link" if entry.is_symlink() else "no plain file"
                 raise StoreError(f"`{entry.path}` is {kind}: in a store, such a thing is neither followed nor written.")
-
-
-class Lock:
-    """The lock of a store, from here on until it is released or the process ends, however it ends: the kernel keeps it.
-
-    The file names the holder, who is named to those that are refused. Not filelock: it empties the file of a lock that
-    it then fails to take, and the holder could not be named. A context that releases.
-
-    Raises
-    ------
-    StoreError
-        Another process holds it.
-    OSError
-        The disk; see `writing`.
-    """
-
-    def __init__(self, folder: str | Path):
-        self.folder = Path(folder)
-        while True:
-            self._open()
-            self._plain()
-            self._take()
-            if self._in_place():
-                break
-            self.release()  # its last holder removed the file while we waited: there is another one, or none
-        os.ftruncate(self.descriptor, 0)
-        os.write(self.descriptor, f"process {os.getpid()} on {os.uname().nodename}".encode())
-
-    def _open(self) -> None:
-        flags, place = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC, self.folder / LOCK
-        try:
-            self.descriptor = os.open(place, flags | os.O_CREAT | os.O_EXCL, 0o644)
-            self.made = True
-        except FileExistsError:
-            self.descriptor = os.open(place, flags | os.O_CREAT, 0o644)
-            self.made = False
-        self._close = weakref.finalize(
-            self, os.close, self.descriptor
-        )  # should an exception leave nobody to release it
-
-    def _plain(self) -> None:
-        """Refuses a pipe, or a file that has another name elsewhere: the holder's name would be written there."""
-        status = os.fstat(self.descriptor)
-        if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1:
-            self.release()
-            raise StoreError(f"`{self.folder / LOCK}` must be a file of its own: remove it.")
-
-    def _take(self) -> None:
-        try:
-            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            holder = os.read(self.descriptor, 200).decode(errors="replace").strip() or "another process"
-            self.release()
-            raise StoreError(f"`{self.folder}` must have one writer, but {holder} is writing it.") from None
-
-    def _in_place(self) -> bool:
-        try:
-            return os.path.samestat(os.lstat(self.folder / LOCK), os.fstat(self.descriptor))
-        except FileNotFoundError:
-            return False
-
-    def check(self) -> None:
-        """Raises StoreError if the folder is no longer the one that was locked."""
-        if not self._in_place():
-            raise StoreError(
-                f"`{self.folder}` must stay in its place while it is written, but was moved, removed or replaced: "
-                "what was there is gone from here, and nothing more is written."
-            )
-
-    @contextlib.contextmanager
-    def guarded(self) -> Iterator[None]:
-        """A block in which whatever cannot be read or written is the fault of the folder, if that is gone: then
-        StoreError says so."""
-        try:
-            yield
-        except (OSError, LookupError, ValueError):
-            self.check()
-            raise
-
-    def remove(self) -> None:
-        """Takes the file away: what is finished has no writer. The lock is still to be released."""
-        if self._in_place():
-            (self.folder / LOCK).unlink()
-
-    def release(self) -> None:
-        """Lets others write."""
-        self._close()
-
-    def __enter__(self) -> "Lock":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.release()

@@ -14,6 +14,9 @@ from ..errors import StoreError
 from . import checkpoint, files, seal, skeleton
 
 
+RUNS = "runs"  # the group of a sweep whose members are stores of runs
+
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -159,6 +162,8 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     written; at the end if something else has come to stand there.
     """
     target = Path(target)
+    if not (target.parent.name == RUNS and target.name.isdigit()):  # a sweep's own
+        files.refuse_inside(target)
     if target.exists() and not target.is_symlink():
         if not overwrite:
             raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")

@@ -23,6 +23,7 @@ from .design import Axis, Design, Sample
 
 
 MOST_TOPS = 10**9
+MOST_VALUES = 10**7  # of an axis: they are kept as they are
 CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk takes 0.03 s, whatever its size
 LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
@@ -264,6 +265,20 @@ def _design_faults(shape: _Plan) -> list[str]:
         sentences.append("`sample` must have an axis with `between` to draw, but there is none.")
     if shape.sample and shape.sample.method == "sobol" and shape.sample.n & (shape.sample.n - 1):
         sentences.append(f"`sample.n` must be a power of two for sobol, but is {shape.sample.n}.")
+    return sentences + _size_faults(shape)
+
+
+def _size_faults(shape: _Plan) -> list[str]:
+    """That there are more numbers or tops than can be; asked before any is made."""
+    counts = [min(axis.n or len(axis.values or [0]), 10**99) for axis in shape.axis]  # larger ones have no %g
+    sentences = [
+        f"`axis` {i} must have at most {MOST_VALUES:.0e} numbers, but has {count:.3g}."
+        for i, count in enumerate(counts, 1)
+        if count > MOST_VALUES
+    ]
+    tops = math.prod(counts) * (min(shape.sample.n, 10**99) if shape.sample else 1)
+    if not sentences and tops > MOST_TOPS:
+        sentences.append(f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {tops:.3g}.")
     return sentences
 
 
@@ -276,8 +291,6 @@ def _key_faults(base: Problem, keys: list[str]) -> list[str]:
 def _whole_faults(plan: Plan) -> list[str]:
     """What is wrong with the plan as a whole."""
     sentences = []
-    if plan.n > MOST_TOPS:
-        sentences.append(f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {plan.n:.3g}.")
     for top in plan.runs:
         if top >= plan.n:
             sentences.append(f"`runs` must be numbers of tops, 0 to {plan.n - 1}, but has {top}.")

@@ -19,9 +19,9 @@ from ..columns import Column
 from ..errors import StoreError
 from ..store import files, provenance, seal, skeleton, tables
 from ..store.chunks import chunk_file, readable
-from ..store.files import Lock
+from ..store.lock import Lock
+from ..store.root import RUNS, finish, finite, new_store
 from ..store.root import attributes as read_attributes
-from ..store.root import finish, finite, new_store
 from . import chunk, derived
 from .chunk import Rows
 from .plan import Plan
@@ -29,7 +29,6 @@ from .plan import Plan
 
 GROUP = "sweep"
 CHUNK_STATUS, CHUNK_CHECKSUM = "chunk_status", "chunk_checksum"
-RUNS = "runs"
 FAILED = "failed.json"  # while there are failed chunks: number -> sentence
 TODO, DONE, BROKEN = 0, 1, 2
 BEGUN = {"status": "running", "reason": "tops are still to be run"}

@@ -151,22 +151,38 @@ def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bo
             yield from on_client(ours, tasks)
 
 
-def whole_run(place: Path) -> None:
+def whole_run(place: Path, problem: Problem) -> None:
     """Reads every chunk of a finished run in a sweep. Raises StoreError, which says what to do."""
     try:
+        _refuse_another(place, problem)
         for group in ("trajectory", "events"):
             chunks.verify(tables.read_member(place, group))
     except StoreError as error:
-        raise StoreError(f"`{place}` is damaged: {error} Remove it: the same command runs that top again.") from None
+        raise StoreError(
+            f"`{place}` is not as it was made: {error} Remove it: the same command runs that top again."
+        ) from None
 
 
 def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
     """Runs the tops that the plan wants whole, each into a store of its own."""
     for top in store.plan.runs:
-        place = files.own_folder(store.folder / RUNS) / str(top)
+        runs, problem = files.own_folder(store.folder / RUNS), store.plan.problem(top)
+        if not runs.exists():
+            runs.mkdir()
+            tables.create_root(runs, {})
+        place = runs / str(top)
         if not place.exists():
-            recording.record(store.plan.problem(top), place, stop=stop)
+            recording.record(problem, place, stop=stop)
         elif root.attributes(place)["status"] == "running":
+            _refuse_another(place, problem)
             resuming.resume(place, stop=stop)
         else:
-            whole_run(place)
+            whole_run(place, problem)
+
+
+def _refuse_another(place: Path, problem: Problem) -> None:
+    """Raises StoreError if a run is not the one that the plan makes."""
+    scenario, attrs = root.finite(build.resolved(problem)), root.attributes(place)
+    for name, value in scenario.items():
+        if attrs.get(name) != value:
+            raise StoreError(f"`{place}` must be the run that the plan makes, but has another `{name}`.")

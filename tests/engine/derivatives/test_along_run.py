@@ -128,6 +128,7 @@ def test_every_smooth_law(law: str) -> None:
 # --- what the library says
 
 
+@pytest.mark.slow
 def test_datasets_by_parameter_and_second_derivatives_are_differences_of_first_ones() -> None:
     problem, wrt, h = short("inverting", 0.12), ["friction.mu", "initial.omega3"], 1e-5
     found = tt.sensitivities(problem, wrt, order=2)

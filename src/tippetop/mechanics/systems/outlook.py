@@ -32,6 +32,7 @@ from ..units import JELLETT, RADIAN_PER_SECOND
 Start = Mapping[str, float]
 UNLESS = ", unless it lifts off"
 """No bound of the normal force is proven, whatever the start."""
+STAYS = "stays at the pole until it is disturbed"
 FREE = "no friction: nothing is lost, and no state attracts"
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
@@ -40,9 +41,10 @@ def tippe_top(b: Body, start: Start) -> Outlook:
     """A gliding tippe top: lambda is conserved, so it decides which states are stable. [T Theorem 3.3.2, corrected]"""
     now = regime(start["jellett"], b)
     if is_frictionless(b.friction):
-        return Outlook(FREE, "theta nutates for ever" + UNLESS, {**thresholds(b), **_of_surface(b)})
+        fate = STAYS if start["at_pole"] else "theta nutates for ever" + UNLESS
+        return Outlook(FREE, fate, {**thresholds(b), **_of_surface(b)})
     if start["at_pole"]:
-        fate = "stays at the pole until it is disturbed"
+        fate = STAYS
     elif len(now.attractors) == 1:
         fate = f"ends in {now.attractors[0]}" + UNLESS
     else:
@@ -63,7 +65,7 @@ def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
             ),
         }
     if is_frictionless(b.friction):
-        return Outlook(FREE, "theta nutates while it stands on one ball", limits)
+        return Outlook(FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
     if isinstance(b.friction, SetValued):
         sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
@@ -90,7 +92,8 @@ def rolling_tippe_top(b: Body, start: Start) -> Outlook:
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
     limits["gamma"] = thresholds(b)["gamma"]
-    fate = f"nutation between two angles{UNLESS}; the inverted spin of this lambda is {stable} in rolling"
+    nutates = STAYS if start["at_pole"] else "nutation between two angles" + UNLESS
+    fate = f"{nutates}; the inverted spin of this lambda is {stable} in rolling"
     return Outlook(sentence, fate, limits)
 
 
@@ -108,6 +111,8 @@ def heavy_top(b: Body, start: Start) -> Outlook:
 
 def heavy_top_motion(b: Body, start: Start) -> str:
     """The name of the motion of a heavy top whose tip is fixed."""
+    if start["at_pole"]:
+        return f"a spin that {STAYS}"
     conserved = start["energy"], start["Lz"], start["L3"]
     return motions.heavy_top_motion(*conserved, tip_inertia(b), b.I3, b.m * b.g * -b.c)
 
@@ -116,12 +121,13 @@ def gliding_heavy_top(b: Body, start: Start) -> Outlook:
     """A heavy top whose tip glides: upright it is unstable at every speed, against [T 5.54]. [section 6]"""
     growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
     if is_frictionless(b.friction):
-        return Outlook(f"without friction the upright spin is {'un' if growth > GROWS else ''}stable", "", _sleeping(b))
+        regime = f"without friction the upright spin is {'un' if growth > GROWS else ''}stable"
+        return Outlook(regime, STAYS if start["at_pole"] else "", _sleeping(b))
     how = "spirals out slowly" if _sleeps(b, start) else "topples"
     rate = f" (growth rate {growth:.3g} per second)" if math.isfinite(growth) else ""
     return Outlook(
         f"upright spin unstable at every speed{rate}: the top {how}",
-        "falls to the plane in the end" + UNLESS,
+        STAYS if start["at_pole"] else "falls to the plane in the end" + UNLESS,
         _sleeping(b),
     )
 
