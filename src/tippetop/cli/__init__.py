@@ -59,8 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         code = stopped.code if isinstance(stopped.code, int) else BUG
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # only what is printed is left
     code = streams.finished(code)
-    if _received or awaiting.abandoned():
-        os._exit(code)  # a compilation may still run in its thread, dask may be half begun: nobody waits for them
+    if awaiting.abandoned():
+        os._exit(code)  # a compilation still runs in its thread, and the interpreter would wait for it
     sys.exit(code)
 
 
