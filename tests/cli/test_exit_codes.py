@@ -88,7 +88,7 @@ def code_of(tmp_path: Path, monkeypatch: Patch, file: Path) -> Iterator[Callable
         (4, RUN, no_promise_can_be_kept, "the accuracy contract is broken: the drift of jellett"),
         (5, ["info", "STORE"], nothing, "does not exist"),
         (6, ["sweep", "PLAN", "--out", "SWEEP", "--workers", "1"], a_chunk_fails, "it will not do"),
-        (130, RUN, asked(signal.SIGINT), "interrupted; nothing was stored."),
+        (130, RUN, asked(signal.SIGINT), "interrupted; nothing more was stored."),
         (130, [*RUN, "--out", "STORE"], asked(signal.SIGINT), "Continue with: tippetop resume"),
         (143, RUN, asked(signal.SIGTERM), ""),
         (143, [*RUN, "--out", "STORE"], asked(signal.SIGTERM), "Continue with: tippetop resume"),

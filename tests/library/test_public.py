@@ -434,6 +434,12 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
         "`problem` must be a Problem": lambda: tt.integrate("inverting"),  # type: ignore[arg-type]
         "`table` must be the table of a sweep": lambda: tt.gridded(run.trajectory),
         "`period` must be greater than 0": lambda: tt.reconstruct(run, period=-1.0),
+        "`period` must be longer than the 0.008 s between two rows, but is 1e-300 s": lambda: tt.reconstruct(
+            run, period=1e-300
+        ),
+        "some hundred in each nutation, but has 1": lambda: tt.reconstruct(
+            tt.run("inverting", until=0.1, output_times=[0.0])
+        ),
         "`window` must be greater than 0": lambda: run.certify(0),
         "the kind of figure must be one of .* but is `3`": lambda: run.plot(3),  # type: ignore[arg-type]
         "the kind of figure must be one of .* but is .*x": lambda: run.plot(["x"]),  # type: ignore[arg-type]

@@ -80,7 +80,7 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
 
         return called(words)
     except KeyboardInterrupt:
-        return complain(["interrupted; nothing was stored."], INTERRUPTED)
+        return complain(["interrupted; nothing more was stored."], INTERRUPTED)
     except BrokenPipeError:  # the reader of our output went away
         return DONE
     except Exception as error:

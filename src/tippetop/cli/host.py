@@ -21,6 +21,7 @@ def prepared(command: Callable[..., int]) -> Callable[..., int]:
     @functools.wraps(command)
     def ready(*arguments: Any, **options: Any) -> int:
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for them reads all that is installed
+        os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")  # of a process that tidies up after workers
         from ..engine import taylor
 
         keep_memory()

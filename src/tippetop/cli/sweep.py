@@ -47,11 +47,12 @@ def sweep(
     again = f"Continue with: {_command(plan, out, workers, scheduler)}"
     if overwrite:
         remove_store(out)
-    elif out.is_dir() and root.attributes(out, whole=False).get("status") == "finished":
-        print(f"tippetop: `{out}` is finished: its chunks are checked, nothing else to do.", file=sys.stderr)
+    was_finished = out.is_dir() and root.attributes(out, whole=False).get("status") == "finished"
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
         failed = []
+        if was_finished:
+            print(f"tippetop: `{out}` was finished: its chunks are checked.", file=sys.stderr)
     except errors.InputError as error:
         words = (re.sub("^`(workers|scheduler)` must", r"--\1 must", sentence) for sentence in error.sentences)
         raise errors.InputError(list(words)) from None

@@ -45,12 +45,17 @@ def reconstruction(
         raise InputError([f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."])
     rows = trajectory()
     require(("theta", "modified_energy", *system.momenta), rows, "what theta is reconstructed from")
+    times = rows["time"].values
+    if len(times) < LEAST_ROWS:
+        raise InputError([f"the run must have rows enough, some hundred in each nutation, but has {len(times)}."])
     log = events()
     turning = (log["kind"].values == 0) & log["significant"].values.astype(bool)
     if period is None and not turning.any():
         raise InputError(["`period` must be given where the run has no turnings, but is missing."])
     guess = 2 * float(log["time"].values[turning][0]) if period is None else period
-    _refuse_few(rows["time"].values, np.append(0.0, log["time"].values[turning]) if turning.any() else [0.0, guess / 2])
+    if guess <= (apart := float(np.diff(times).min())):
+        raise InputError([f"`period` must be longer than the {apart:.3g} s between two rows, but is {guess:.3g} s."])
+    _refuse_few(times, np.append(0.0, log["time"].values[turning]) if turning.any() else [0.0, guess / 2])
     units = {quantity.name: quantity.unit for quantity in system.quantities}
     second = float(problem.scales.of(SECOND))
     energy, *momenta = (
@@ -59,7 +64,7 @@ def reconstruction(
     solution = main_equation.reconstruct(
         system,
         Observables(problem).body,
-        rows["time"].values / second,
+        times / second,
         momenta,
         energy,
         math.cos(float(rows["theta"][0])),

@@ -129,6 +129,18 @@ def test_drilling_friction_turns_a_top_onto_its_stem():
     assert max(done.report["drift"].values()) < 1e-13
 
 
+def test_a_disc_that_does_not_turn_slides_as_coulombs_law_has_it():
+    """From rest it passes from the region of little sliding to that of much in 1e-15 s, which is no rounding: the
+    expansion for little sliding made energy beyond it."""
+    numbers = {"m": 7.971e-3, "R": 1.55e-2, "alpha": 0.1688, "I1": 7.259e-7, "I3": 7.694e-7, "g": 9.81}
+    laws = {"law": "contensou", "mu": 0.15, "patch": 2e-4}, {"law": "coulomb", "mu": 0.15}
+    rest = {"stem": {"r": 3e-3, "h": 2.45e-2}, "initial": {"theta": 2.9, "omega3": 0.0}, "until": 1e-4}
+    drills, slides = (run(numbers, friction=law, **rest).columns() for law in laws)
+    for name in ("theta", "theta_dot", "nu_x", "normal_force", "energy"):
+        expected = slides[name].values[-1]
+        assert drills[name].values[-1] == pytest.approx(expected, rel=1e-4), name
+
+
 def test_rolling_resistance_takes_energy_that_is_accounted_for():
     friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
     start = {"theta": 1.0, "omega3": 100.0, "phi_dot": 5.0}

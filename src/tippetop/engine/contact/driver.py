@@ -25,7 +25,7 @@ from .gathered import NOBODY, Gathered
 from .impacts import Moment, moment_of
 from .legs import Followed, new_leg
 from .tables import Tables
-from .transitions import Change, Transitions
+from .transitions import BACK, Change, Transitions
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -209,8 +209,8 @@ class ContactDriver:
                 sign, zero = 1.0 if value > 0 else -1.0, abs(value) < ON_ZERO
                 if name in ("stick", "slip"):
                     sign, zero = sign if event.direction == 0 else 1.0, False
-                elif name in ("faster", "slower") and zero:
-                    sign = -float(event.direction)
+                elif name in BACK:  # by the region that was chosen: as small as U, they are not zero
+                    sign, zero = -float(event.direction), name == change.passed
                 elif name == "touch" and zero:
                     sign = 1.0
             at.append(sign)

@@ -29,6 +29,9 @@ MOST_STRIKES = 16  # of impacts at one instant
 
 
 ALIKE = FOLLOWS | BOTH_FOLLOWS
+BACK = {f"{ball}{there}": f"{ball}{back}" for ball in ("", "stem-")
+        for there, back in (("faster", "slower"), ("slower", "faster"))}  # fmt: skip
+"""By the event in which a region of friction that drills ends, the event of the way back."""
 
 
 @dataclass
@@ -41,6 +44,7 @@ class Change:
     reason: str
     events: tuple[str, ...] = ()  # of the run, that happen now
     signs: dict[str, float] = field(default_factory=dict)  # of event functions that continue as they were
+    passed: str = ""  # the event function that is on its zero, because the phase before ended beyond it
     functions: dict[str, float] | None = None  # the event functions where it begins, if they are known
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
@@ -112,7 +116,7 @@ class Transitions(Sliding, Standing):
             Of the functions of the axis.
         """
         if (kind, end) in ALIKE:  # the same phase in other words
-            return Change(ALIKE[kind, end], ball, moment, "", signs=signs)
+            return Change(ALIKE[kind, end], ball, moment, "", signs=signs, passed=BACK.get(end, ""))
         if end == "clear":
             return Change(kind, ball, moment, "", signs=signs)
         if end in STAYS:
