@@ -4,11 +4,12 @@ import os
 import signal
 import warnings
 from pathlib import Path
+from typing import Any
 
 import pytest
 from nightly import at_night
 from stores import assert_same
-from touching import STANDING, THROWN
+from touching import BOUNCE, STANDING, THROWN
 
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
@@ -17,20 +18,48 @@ from tippetop.scenario import build
 from tippetop.store import root
 
 
-RUNS = {"thrown": THROWN, "stands": STANDING}
-PLACES = {
-    "thrown": [("dry-slip", 0), ("flight", 0), ("roll", 0)],
-    "stands": [("slip", 0), ("slip", 1), ("flight", 1), ("both", 0)],
+ON_STEM: dict[str, Any] = {
+    "system": "tippe-top",
+    "parameters": {"m": 7.971e-3, "R": 1.55e-2, "alpha": 0.1688, "I1": 7.259e-7, "I3": 7.694e-7, "g": 9.81},
+    "friction": {"law": "coulomb", "mu": 0.32},
+    "stem": {"r": 3e-3, "h": 2.45e-2},
+    "contact": {"e_n": 0.5},
+    "initial": {"theta": 2.992, "phi_dot": 11.8, "omega3": -79.9, "theta_dot": 4.7},
+    "run": {"until": 0.08},
 }
-"""Kind of phase, and ball (sphere, stem), of each run."""
+"""A top that bounces on its stem, slides on it, rolls on it, and slides again."""
+
+DRILLS: dict[str, Any] = {
+    **STANDING,
+    "friction": {"law": "contensou", "mu": 0.3, "patch": 2e-3, "mu_r": 0.0},
+    "contact": {"e_n": 0.0},
+}
+"""A top that rocks from its sphere to its stem, and stands on both, through every region of friction that drills."""
+
+RUNS = {"thrown": THROWN, "stands": STANDING, "bounces": BOUNCE, "on-stem": ON_STEM, "drills": DRILLS}
+PLACES = {
+    ("thrown", "double"): [("dry-slip", 0, 1), ("flight", 0, 1), ("roll", 0, 1), ("dry-slip", 0, 5), ("flight", 0, 2)],
+    ("thrown", "longdouble"): [("dry-slip", 0, 2), ("flight", 0, 1), ("roll", 0, 1)],
+    ("stands", "double"): [("slip", 0, 1), ("slip", 1, 1), ("flight", 1, 1), ("flight", 0, 2), ("both", 0, 1)],
+    ("stands", "longdouble"): [("slip", 1, 1), ("flight", 1, 1), ("both", 0, 1)],
+    ("bounces", "double"): [("flight", 0, 1), ("flight", 0, 5), ("roll", 0, 2), ("roll", 0, 5)],
+    ("on-stem", "double"): [("flight", 1, 2), ("dry-slip", 1, 1), ("roll", 1, 1), ("dry-slip", 1, 5), ("flight", 1, 5)],
+    ("drills", "double"): [
+        *(("drill-inside", 0, 1), ("drill-between", 0, 1), ("drill-between", 0, 5), ("drill-outside", 1, 2)),
+        *(("both-between-outside", 0, 1), ("both-between-outside", 0, 2), ("both-outside-outside", 0, 1)),
+    ],
+}
+"""Kind of phase, ball (sphere, stem), and which of the checkpoints in such phases, of each run and precision."""
+STEPS = 3  # a slice: a phase of four is written in two
 
 
-def problem_of(name: str) -> Problem:
+def problem_of(name: str, precision: str) -> Problem:
     until = RUNS[name]["run"]["until"]
-    return build.problem({**RUNS[name], "run": {"until": until, "output_step": 1e-3}})
+    run = {"until": until, "output_step": 1e-3, "precision": precision}
+    return build.problem({**RUNS[name], "run": run})
 
 
-def killed(name: str, store: Path, place: tuple[str, int], count: int) -> bool:
+def killed(problem: Problem, store: Path, place: tuple[str, int], count: int) -> bool:
     """Records a run in a process of its own, which is killed at its count-th checkpoint in a phase; whether it was."""
     left = [count]
 
@@ -45,22 +74,22 @@ def killed(name: str, store: Path, place: tuple[str, int], count: int) -> bool:
     if child == 0:
         try:
             recording.COMMIT_EVERY = 0.0
-            recording.record(problem_of(name), store, progress=kill)
+            recording.record(problem, store, progress=kill)
         finally:
             os._exit(0)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
 
 
-@pytest.mark.parametrize(("name", "steps", "counts"), [at_night("thrown", 3, (1,)), at_night("stands", 3, (1,))])
+@pytest.mark.parametrize(("name", "precision"), [at_night(*run) for run in PLACES])
 def test_a_kill_in_any_phase_leaves_no_trace(
-    name: str, steps: int, counts: tuple[int, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", steps)
-    recording.record(problem_of(name), tmp_path / "whole")
-    for place in PLACES[name]:
-        for count in counts:
-            store = tmp_path / f"{place[0]}-{place[1]}-{count}"
-            assert killed(name, store, place, count), place
-            assert root.attributes(store)["status"] == "running"
-            resuming.resume(store)
-            assert_same(store, tmp_path / "whole")
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", STEPS)
+    problem = problem_of(name, precision)
+    recording.record(problem, tmp_path / "whole")
+    for kind, ball, count in PLACES[name, precision]:
+        store = tmp_path / f"{kind}-{ball}-{count}"
+        assert killed(problem, store, (kind, ball), count), store.name
+        assert root.attributes(store)["status"] == "running"
+        resuming.resume(store)
+        assert_same(store, tmp_path / "whole")

@@ -17,6 +17,7 @@ WRITTEN = {
     "1-first": "runs as they first were: without the turn of the body, a seal, and an end from which to continue",
     "2-end-in-a-file": "the turn of the body, keyframes, and an end, in a file beside the groups",
     "3-end": "the end is a root attribute, under a seal",
+    "4-sweep-and-contact": "a sweep with a run in it, and a run whose contact may change: phases and impacts",
 }
 """Archives, and what was new in what they hold, written from 21 to 22 November 2026, before release 0.1. The first
 form of the seal, which had another digest for some hours of these days, is not read."""

@@ -15,7 +15,7 @@ from .status import Status
 
 
 RUNNING = Status.RUNNING.code
-PLACES = 4  # that a thread keeps of an integrator, 0.4 MB each
+PLACES = 4  # that a thread keeps of an integrator, 1 MB each of which a short run fills a part
 
 
 class Place:

@@ -33,6 +33,7 @@ from .tallies import (
 
 
 STEPS_PER_SLICE = 8192  # about 20 ms of work
+PASSAGES = 4096  # that a slice has room for: one every other step
 EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the steps
 FIRST = 256  # steps of a run that are all looked at: a short run has no more
 ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
@@ -116,7 +117,7 @@ def new_room(compiled: Compiled) -> Room:
     """Room for the runs of an integrator."""
     rows = compiled.rows._replace(events=compiled.rows.events.copy())
     n, size = len(compiled.integrator.state), compiled.integrator.order + 1
-    log = new_log(1024 + len(rows.events) * size, n)
+    log = new_log(PASSAGES + len(rows.events) * size, n)
     samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
     return Room(rows, new_tallies(rows, 1), log, samples, new_scratch(size, 1))
 

@@ -6,10 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tippetop_kernels.jit import entry
+
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.impact import Struck, after_impact, arrival
-from ...mechanics.contact.patch_impact import patch_struck
+from ...mechanics.contact.patch_impact import follow, new_room, patch_struck
 from ...mechanics.contact.phases.drilling import LOST
 from ...mechanics.contact.phases.legs import Body
 from ...mechanics.contact.phases.row import Row
@@ -59,6 +61,12 @@ class Strike:
     makes_energy: bool  # more than rounding does; restitution "newton" can
 
 
+@entry
+def follow_patch(room):
+    """`follow` in doubles."""
+    return follow(room, 2.0**-52)
+
+
 class Impacts:
     """The balls of a body and what their impacts do.
 
@@ -81,6 +89,8 @@ class Impacts:
         self.landings, law = Landings(problem.number), balls[0].friction
         smooth = not (self.balls.dry or self.balls.drills or isinstance(law, Frictionless))
         self.smooth = SmoothImpacts(law, rules.restitution, problem.number) if smooth else None
+        self.room = new_room(problem.number) if self.balls.drills else None
+        self.patch = follow_patch.on(self.room) if self.room and problem.number is np.float64 else None
         self.touching = [self._ball(body) for body in balls.bodies]
 
     def ball(self, index: int) -> Ball:
@@ -147,7 +157,7 @@ class Impacts:
         if self.balls.drills:
             turn = balls_.angular_velocity(u, moment.L, b).z
             patch, slip = self.number(law.patch), (a.along, a.sideways, a.v.z)
-            impact: Any = patch_struck(slip, turn, a.s, u.z, b, patch, e_n, restitution)
+            impact: Any = patch_struck(slip, turn, a.s, u.z, b, patch, e_n, restitution, self.room, self.patch)
         elif self.smooth is None:
             impact = struck(a.along, a.sideways, a.v.z, a.K, b.mu, e_n, restitution)
         else:

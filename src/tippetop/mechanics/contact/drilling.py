@@ -6,7 +6,7 @@ f and m are elementary; there is one formula for each region, and no approximati
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..operand import Operand, Vector, atan2, formula, sqrt
 
@@ -50,10 +50,11 @@ def outside(w2, U2):
     return Drag(f / w, m / (5 * w))
 
 
-def drag(w2: Any, U2: Any) -> Drag:
+@formula
+def drag(w2, U2):
     """The drag of two numbers, by the formula of its region; infinite where w = U = 0."""
     if w2 <= U2:
-        return inside(w2, U2) if U2 else Drag(math.inf, math.inf)
+        return inside(w2, U2) if U2 > 0 else Drag(math.inf, math.inf)
     return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
 
 

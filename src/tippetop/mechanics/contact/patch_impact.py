@@ -2,10 +2,12 @@
 
 As `struck`, with mu f(x) for mu and the torque of drilling beside the force, which couples v_2 and Omega_z. The
 variable is v_n, which rises all along. Where slip and drilling stop together, the patch sticks. Numbers of any kind:
-the results have the digits of the arguments. [contact 3.3, 5]
+the results have the digits of the arguments; numba can compile what follows an impact. [contact 3.3, 5]
 """
 
+import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,7 +60,16 @@ class PatchImpact(NamedTuple):
 
 
 def patch_struck(
-    v: tuple, Omega_z: Any, s: Any, z: Any, ball: Ball, patch: Any, e_n: Any, restitution: str = "energetic"
+    v: tuple,
+    Omega_z: Any,
+    s: Any,
+    z: Any,
+    ball: Ball,
+    patch: Any,
+    e_n: Any,
+    restitution: str = "energetic",
+    room: "Room | None" = None,
+    followed: Callable | None = None,
 ) -> PatchImpact:
     """The impact of a patch that arrives with v = (v_e, v_2, v_n), v_n < 0, and turns with Omega_z about the vertical.
 
@@ -74,14 +85,27 @@ def patch_struck(
         Radius of the patch [m].
     e_n, restitution
         As for `struck`.
+    room, followed
+        Where it is followed, and by what: followed() -> as of `follow`, in this room. None: by Python.
     """
     K, spin = mobility(s, z, ball), spin_mobility(s, z, ball)
     if restitution not in RESTITUTIONS or not 0 <= e_n <= 1 or not v[2] < 0 or not ball.mu * abs(K.ez) < K.zz:
         raise ValueError(f"no impact: v_n = {v[2]}, e_n = {e_n}, mu = {ball.mu}, restitution = {restitution!r}")
-    none = 0 * v[2]
-    way = _Way(K, spin, ball.mu, patch, np.array([v[0], v[1], Omega_z, *(none,) * 6]), v[2])
-    way.follow(none)
-    compression, pressed = way.y[WORK_N], way.y[P_Z]
+    none, eps = 0 * v[2], rounding(v[2])
+    room = new_room(np.array([v[2]]).dtype) if room is None else room
+    followed = followed or partial(follow, room, eps)
+    room.y[:] = [v[0], v[1], Omega_z, *(none,) * 6]
+    room.given[:] = [*K, *spin, ball.mu, patch]
+    room.at[:] = [v[2], none, 0]
+    room.size[0] = abs(v[2]) + _speed(room.y, patch)
+
+    def to(v_n: Any) -> None:
+        room.at[UNTIL] = v_n
+        if not followed():
+            raise ArithmeticError(f"the impact of a patch did not end in {MOST_STEPS} steps")
+
+    to(none)
+    compression, pressed = room.y[WORK_N], room.y[P_Z]
     goals = {
         "energetic": (WORK_N, (1 - e_n**2) * compression, (2 * e_n**2 * abs(compression) * K.zz) ** 0.5),
         "poisson": (P_Z, (1 + e_n) * pressed, e_n * pressed * K.zz),
@@ -89,102 +113,183 @@ def patch_struck(
     }
     field, goal, v_n = goals[restitution]
     if e_n > 0:
-        way.follow(v_n)
+        below = room.y.copy(), room.at.copy()
+        to(v_n)
         for _ in range(20 if field is not None else 0):  # Newton: the work rises by v_n, the impulse by 1, per impulse
-            missing = (goal - way.y[field]) * way.lift() / (way.v_n if field == WORK_N else 1)
-            way.follow(way.v_n + missing)
-            if abs(missing) < 2 * way.eps * abs(way.v_n):
+            lift = K.zz + K.ez * _push(room.y, _patch(room), room.at[STUCK]).e
+            missing = (goal - room.y[field]) * lift / (room.at[V_N] if field == WORK_N else 1)
+            v_n = room.at[V_N] + missing
+            if missing > 0:
+                below = room.y.copy(), room.at.copy()
+            elif -missing > 4 * eps * abs(v_n):  # never backwards, where what friction brought to rest would grow
+                room.y[:], room.at[:] = below
+            to(v_n)
+            if abs(missing) < 2 * eps * abs(room.at[V_N]):
                 break
-    v_e, v_2, Omega_z, p_z, p_e, p_2, twist, work_n, work_t = way.y.tolist()
-    mode = "stick" if way.stuck else "slip"
-    return PatchImpact(p_e, p_2, p_z, twist, v_e, v_2, way.v_n, Omega_z, work_n, work_t, compression, mode)
+    v_e, v_2, Omega_z, p_z, p_e, p_2, twist, work_n, work_t = room.y.tolist()
+    v_n, _, stuck = room.at.tolist()
+    mode = "stick" if stuck else "slip"
+    return PatchImpact(p_e, p_2, p_z, twist, v_e, v_2, v_n, Omega_z, work_n, work_t, compression, mode)
 
 
-P_Z, WORK_N = 3, 7
-
-MOST_STEPS = 20_000
-"""A patch that hardly drills is stiff: thousands of steps, of 2 ms each."""
-
-
-class _Way:
-    """v_e, v_2, Omega_z; impulses p_z, p_e, p_2, twist; works of normal force and friction: y, by v_n."""
-
-    def __init__(self, K: Mobility, spin: Spin, mu: Any, patch: Any, y: np.ndarray, v_n: Any) -> None:
-        self.K, self.spin, self.mu, self.patch, self.y, self.v_n = K, spin, mu, patch, y, v_n
-        self.stuck, self.eps = False, rounding(v_n)
-        self.size = abs(v_n) + self.speed(y)
-
-    def speed(self, y: np.ndarray) -> Any:
-        """How fast the patch slides and turns, at its edge; or the rate of that."""
-        return sqrt(y[0] * y[0] + y[1] * y[1]) + self.patch * abs(y[2])
-
-    def push(self, y: np.ndarray) -> tuple:
-        """Friction along e, across and about the vertical, per normal force."""
-        if self.stuck:
-            return -self.K.ez / self.K.ee, 0.0, 0.0
-        v_e, v_2, Omega_z = y[:3].tolist()
-        k, twist = drag(v_e**2 + v_2**2, (self.patch * Omega_z) ** 2)
-        return -self.mu * k * v_e, -self.mu * k * v_2, -self.mu * self.patch**2 * twist * Omega_z
-
-    def lift(self) -> Any:
-        """What v_n gains per normal impulse."""
-        return self.K.zz + self.K.ez * self.push(self.y)[0]
-
-    def rate(self, v_n: Any, y: np.ndarray) -> np.ndarray:
-        K, spin = self.K, self.spin
-        e, t, about = self.push(y)
-        along, across = K.ez + K.ee * e, K.tt * t + spin.across * about
-        turn = spin.across * t + spin.about * about
-        work_t = e * y[0] + t * y[1] + about * y[2]
-        if self.stuck:
-            along, work_t = 0.0, 0.0
-        return np.array([along, across, turn, 1, e, t, about, v_n, work_t]) / (K.zz + K.ez * e)
-
-    def follow(self, until: Any) -> None:
-        """To v_n = until, forwards or a little backwards."""
-        step = until - self.v_n
-        for _ in range(MOST_STEPS):
-            if self.v_n == until:
-                return
-            still = self.speed(self.y)
-            if not self.stuck and still < 450 * self.eps * self.size and abs(self.K.ez) <= self.mu * self.K.ee:
-                self.stuck, self.y[:3], step = True, 0.0, until - self.v_n
-            change = self.speed(self.rate(self.v_n, self.y))
-            if change * abs(step) > still / 2 > 0:  # a step that reverses friction would look exact
-                step = still / (2 * change) * (1 if step > 0 else -1)
-            last = abs(step) >= abs(until - self.v_n)
-            step = until - self.v_n if last else step
-            y, error = extrapolated(self.rate, self.v_n, self.y, step)
-            excess = float(np.max(error.astype(float) / self.tolerated(still, step)))
-            if not excess <= 1 and abs(step) > 4 * self.eps * self.size:
-                step = step / 3
-                continue
-            self.y, self.v_n = y, until if last else self.v_n + step
-            step = step * (2 if excess < 0.1 else 1)
-        raise ArithmeticError(f"the impact of a patch did not end in {MOST_STEPS} steps")
-
-    def tolerated(self, still: Any, step: Any) -> np.ndarray:
-        """Errors of a step that are rounding: of velocities by what is left of them, of the rest by what there is."""
-        p = self.y[P_Z] + abs(step) / self.K.zz
-        turn = max(abs(self.y[2]), still / self.patch if self.patch else still + 1)
-        twist = p * (self.patch or 1.0)
-        sizes = np.array([*map(float, (still, still, turn, p, p, p, twist, p * self.size, p * self.size))])
-        return 135 * self.eps * sizes + 1e-14 * self.eps
+P_Z, WORK_N, WORK_T = 3, 7, 8
+V_N, UNTIL, STUCK = range(3)
+MOST_STEPS = 1_000_000
+"""A patch that hardly drills is stiff: thousands of steps, of 2 ms each in Python and 5 us compiled."""
 
 
-def extrapolated(rate: Callable, t: Any, y: np.ndarray, step: Any) -> tuple[np.ndarray, np.ndarray]:
+class Room(NamedTuple):
+    """What an impact is followed in."""
+
+    given: np.ndarray  # (8,) as `Patch`
+    size: np.ndarray  # (1,) what rounding is relative to
+    at: np.ndarray  # (3,) v_n, where to follow it, and whether the patch sticks
+    y: np.ndarray  # (9,) v_e, v_2, Omega_z; impulses p_z, p_e, p_2, twist; works of normal force and friction
+    first: np.ndarray  # (9,) the rates of y
+    rate: np.ndarray
+    old: np.ndarray
+    new: np.ndarray
+    error: np.ndarray
+    rows: np.ndarray  # (8, 9) extrapolated: the last is the best
+
+
+class Patch(NamedTuple):
+    """A patch that strikes."""
+
+    K: Mobility
+    spin: Spin
+    mu: Operand
+    radius: Operand
+
+
+class Push(NamedTuple):
+    """Friction along e, across and about the vertical, per normal force."""
+
+    e: Operand
+    across: Operand
+    about: Operand
+
+
+def new_room(number: Any) -> Room:
+    """Room for an impact in numbers of a kind."""
+    shapes = (8,), (1,), (3,), (9,), (9,), (9,), (9,), (9,), (9,), (8, 9)
+    return Room(*(np.array(np.zeros(shape), dtype=number) for shape in shapes))
+
+
+@formula
+def _patch(room):
+    """The patch that strikes in a room."""
+    g = room.given
+    return Patch(Mobility(g[0], g[1], g[2], g[3]), Spin(g[4], g[5]), g[6], g[7])
+
+
+@formula
+def _speed(y, patch):
+    """How fast the patch slides and turns, at its edge; or the rate of that."""
+    return sqrt(y[0] * y[0] + y[1] * y[1]) + patch * abs(y[2])
+
+
+@formula
+def _push(y, p, stuck):
+    """Friction in a state."""
+    if stuck:
+        return Push(-p.K.ez / p.K.ee, 0 * p.mu, 0 * p.mu)
+    turn = p.radius * y[2]
+    by = drag(y[0] * y[0] + y[1] * y[1], turn * turn)
+    return Push(-p.mu * by.k * y[0], -p.mu * by.k * y[1], -p.mu * p.radius**2 * by.twist * y[2])
+
+
+@formula
+def _rate(out, v_n, y, p, stuck):
+    """The rates of y by v_n."""
+    K, spin, push = p.K, p.spin, _push(y, p, stuck)
+    per = 1 / (K.zz + K.ez * push.e)  # impulse per v_n
+    work = push.e * y[0] + push.across * y[1] + push.about * y[2]
+    out[0] = (K.ez + K.ee * push.e) * per
+    out[1] = (K.tt * push.across + spin.across * push.about) * per
+    out[2] = (spin.across * push.across + spin.about * push.about) * per
+    out[P_Z], out[4], out[5], out[6] = per, push.e * per, push.across * per, push.about * per
+    out[WORK_N], out[WORK_T] = v_n * per, work * per
+    if stuck:
+        out[0], out[WORK_T] = 0 * per, 0 * per
+
+
+@formula
+def _extrapolated(room, p, stuck, t, step):
     """One step of the midpoint rule, extrapolated to order 16 (Gragg, Bulirsch, Stoer), and its last addition."""
-    first, one = rate(t, y), 0 * step + 1
-    rows: list[list[np.ndarray]] = []
+    y, first, rate, old, new, rows = room.y, room.first, room.rate, room.old, room.new, room.rows
+    one = 0 * step + 1
     for k in range(1, 9):
-        n = 2 * k
-        h = step / n
-        old, new = y, y + h * first
-        for i in range(1, n):
-            old, new = new, old + 2 * h * rate(t + i * h, new)
-        row = [(old + new + h * rate(t + step, new)) / 2]
-        for j in range(1, k):
-            excess = one * (j * (2 * k - j)) / (k - j) ** 2  # (k/(k - j))^2 - 1
-            row.append(row[-1] + (row[-1] - rows[-1][j - 1]) / excess)
-        rows.append(row)
-    return rows[-1][-1], np.abs(rows[-1][-1] - rows[-1][-2])
+        h = step / (2 * k)
+        for f in range(9):
+            old[f], new[f] = y[f], y[f] + h * first[f]
+        for i in range(1, 2 * k + 1):
+            _rate(rate, t + i * h, new, p, stuck)
+            if i < 2 * k:
+                for f in range(9):
+                    before = old[f]
+                    old[f], new[f] = new[f], before + 2 * h * rate[f]
+        for f in range(9):
+            value = (old[f] + new[f] + h * rate[f]) / 2
+            for j in range(1, k):
+                excess = one * (j * (2 * k - j)) / ((k - j) * (k - j))  # (k/(k - j))^2 - 1
+                addition = (value - rows[j - 1, f]) / excess
+                rows[j - 1, f] = value
+                value = value + addition
+                room.error[f] = abs(addition)
+            rows[k - 1, f] = value
+
+
+@formula
+def _excess(room, p, still, step, eps):
+    """The error of a step, of errors that are rounding: of velocities by what is left of them, of the rest by what
+    there is."""
+    press = room.y[P_Z] + abs(step) / p.K.zz
+    turn, lever, none = still + 1, press, 0 * still
+    if p.radius > 0:
+        turn, lever = still / p.radius, press * p.radius
+    turn, most = max(abs(room.y[2]), turn), 0.0
+    for f in range(9):
+        size = still + none
+        if f == 2:
+            size = turn
+        elif f == 6:
+            size = lever
+        elif f >= WORK_N:
+            size = press * room.size[0]
+        elif f >= P_Z:
+            size = press
+        ratio = float(room.error[f] / (135 * eps * size + 1e-14 * eps))
+        if not ratio <= most:
+            most = ratio if ratio == ratio else math.inf
+    return most
+
+
+@formula
+def follow(room, eps):
+    """Takes an impact to v_n = room.at[UNTIL], forwards or by roundings backwards. Gives whether it came there."""
+    at, y, p, size = room.at, room.y, _patch(room), room.size[0]
+    step = at[UNTIL] - at[V_N]
+    for _ in range(MOST_STEPS):
+        if at[V_N] == at[UNTIL]:
+            return 1
+        still = _speed(y, p.radius)
+        if not at[STUCK] and still < 450 * eps * size and abs(p.K.ez) <= p.mu * p.K.ee:
+            y[0], y[1], y[2], at[STUCK], step = 0 * size, 0 * size, 0 * size, 0 * size + 1, at[UNTIL] - at[V_N]
+        stuck = bool(at[STUCK])
+        _rate(room.first, at[V_N], y, p, stuck)
+        change = _speed(room.first, p.radius)
+        if change * abs(step) > still / 2 and still > 0:  # a step that reverses friction would look exact
+            step = still / (2 * change) * (1 if step > 0 else -1)
+        last = abs(step) >= abs(at[UNTIL] - at[V_N])
+        step = at[UNTIL] - at[V_N] if last else step
+        _extrapolated(room, p, stuck, at[V_N], step)
+        excess = _excess(room, p, still, step, eps)
+        if not excess <= 1 and abs(step) > 4 * eps * size:
+            step = step / 3
+            continue
+        for f in range(9):
+            y[f] = room.rows[7, f]
+        at[V_N] = at[UNTIL] if last else at[V_N] + step
+        step = step * (2 if excess < 0.1 else 1)
+    return 0
