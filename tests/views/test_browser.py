@@ -90,6 +90,25 @@ def test_the_first_picture_does_not_wait_for_the_traces(tab: Any) -> None:
     tab.wait_for_function("tippetop.stage.scene.floor && tippetop.stage.scene.skin")
 
 
+def test_the_scale_of_the_potential_is_that_of_times_on_the_ball(tab: Any) -> None:
+    """On its stem a toy is far above it, which made the well of all other times flat."""
+    sizes = tab.evaluate("""() => {
+        const { well, shown } = tippetop.stage;
+        const { log, motion } = shown;
+        const { phases, starts } = log;
+        const scale = () => { well.take(motion, (t) => log.touches(t)); return well.height; };
+        const whole = scale();
+        const slip = (start, end, ball) => ({ start, end, phase: "slip", ball });
+        log.phases = [slip(0, 1, "body"), slip(1, 9, "stem")];
+        log.starts = [0, 1];
+        const early = scale();
+        [log.phases, log.starts] = [phases, starts];
+        return [whole, early, scale()];
+    }""")
+    assert sizes[0] == sizes[2]
+    assert 0 < sizes[1] < 0.5 * sizes[0]
+
+
 @pytest.mark.slow
 def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     """What the button records has the pictures that were drawn meanwhile: a file that a player opens."""

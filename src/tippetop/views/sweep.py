@@ -52,7 +52,7 @@ def page_of_sweep(path: Path) -> str:
         "changes": {key: encoded(values, "<f8") for key, values in changes(plan, tops).items()},
         "notes": notes,
     }
-    about = f"{plan.n} tops; point at one for its line, click it for its motion"
+    about = f"{plan.n} tops; point at one for its line" + (", click it for its motion" if movable else "")
     scripts = {"formulas.js": _formulas(plan.base) if movable else formulas.NOTHING}
     heading = f"A sweep: {title}"
     return pages.page(heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about)

@@ -66,6 +66,15 @@ export class Log {
   }
 
   /**
+   * Whether the body itself touches the plane at a time: its potential is that of this contact.
+   * @param {number} t
+   */
+  touches(t) {
+    const phase = this.phase(t);
+    return !phase || (phase.ball === "body" && phase.phase !== "flight");
+  }
+
+  /**
    * The event next to a time, forwards or backwards.
    * @param {number} t
    * @param {boolean} forwards

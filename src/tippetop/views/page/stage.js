@@ -88,7 +88,7 @@ export class Stage {
     part("force-figure").hidden = !isFinite(log.forces[0]);
     if (potential) {
       this.well = new WellPanel(part("well"), potential);
-      this.well.take(motion);
+      this.well.take(motion, (t) => log.touches(t));
     } else this.well = undefined;
     part("scrub").min = String(motion.start);
     part("scrub").max = String(motion.end);
@@ -278,9 +278,7 @@ export class Stage {
     const span = this.window();
     this.theta.draw(motion, log, pose, span, colours);
     if (isFinite(log.forces[0])) this.force.draw(motion, log, pose, span, colours, body.weight);
-    const phase = log.phase(time);
-    const valid = isFinite(pose.well[2]) && (!phase || (phase.ball === "body" && phase.phase !== "flight"));
-    this.well?.draw(pose, colours, wound, valid);
+    this.well?.draw(pose, colours, wound, isFinite(pose.well[2]) && log.touches(time));
     if (body.kind !== "cylinder") {
       this.axis.draw(motion, pose, this.scene.camera.frame(), colours, Math.max(2, (motion.end - motion.start) / 4));
     }

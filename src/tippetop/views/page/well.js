@@ -24,11 +24,13 @@ export class WellPanel {
   /**
    * The scale, from the whole motion: how far the level is above the bottom.
    * @param {Motion} motion
+   * @param {(t: number) => boolean} touches whether there is a potential at a time
    */
-  take(motion) {
+  take(motion, touches) {
     const depths = [];
     for (let k = 0; k < 80; k++) {
       const i = Math.round((k * (motion.times.length - 1)) / 79);
+      if (!touches(motion.times[i])) continue;
       const [first, second, level] = motion.at(i, "well");
       const bottom = Math.min(...this.values(first, second, 121).filter(isFinite));
       if (isFinite(level) && isFinite(bottom)) depths.push(level - bottom);
