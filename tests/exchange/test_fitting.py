@@ -4,16 +4,22 @@ import json
 import tomllib
 from pathlib import Path
 
+import heyoka as hy
 import numpy as np
 import pytest
 
 import tippetop as tt
 from tippetop import cli
-from tippetop.engine import tangent
+from tippetop.engine import tangent, variational
+from tippetop.engine.derivatives.numbers import Numbers
 from tippetop.errors import InputError
 from tippetop.exchange import fitting
-from tippetop.exchange.motion import Motion, turned
+from tippetop.exchange.measured import observation_of
+from tippetop.exchange.misfit import Misfit
+from tippetop.exchange.motion import Convention, Motion, turned
 from tippetop.exchange.observation import Observation
+from tippetop.exchange.scales import Space, scale_of
+from tippetop.exchange.search import finished
 
 
 TRUE = {"friction.mu": 0.3, "initial.omega3": 155.0, "initial.theta": 0.5}
@@ -54,6 +60,33 @@ def test_numbers_are_recovered_within_their_errors(fit: tt.Fitted) -> None:
         assert estimate.low < estimate.value < estimate.high
     assert np.deg2rad(0.3) * 0.8 < np.sqrt(np.nanmean(fit.residuals["axis"] ** 2)) < np.deg2rad(0.3) * 1.2
     np.testing.assert_allclose(np.diag(fit.correlations), 1)
+
+
+def test_a_fit_computes_no_more_motions_than_it_needs(fit: tt.Fitted) -> None:
+    """286; 550 when clouds of points were twice as large, and steps that promise nothing were tried."""
+    assert fit.to_dict()["evaluations"] < 400
+
+
+def test_at_the_best_fit_one_motion_says_so(film: Path, fit: tt.Fitted) -> None:
+    """A step that would gain nothing is not tried."""
+    best = {name: estimate.value for name, estimate in fit.estimates.items()}
+    observation = observation_of(fit.problem, film, list(best), Convention(), None)
+    misfit = Misfit(observation, Space(best, [scale_of(observation.rule(n), v) for n, v in best.items()]), "linear")
+    found = finished(misfit, misfit.space.start)
+    assert misfit.evaluations == 1
+    np.testing.assert_array_equal(found.point, misfit.space.start)
+
+
+@pytest.mark.parametrize(("tolerance", "careful"), [(0.0, True), (1e-9, False)])
+def test_only_integrators_at_the_rounding_unit_add_up_in_two_numbers(
+    monkeypatch: pytest.MonkeyPatch, tolerance: float, careful: bool
+) -> None:
+    """It costs a quarter, and a fit asks for 1e-9."""
+    asked = []
+    monkeypatch.setattr(hy, "taylor_adaptive_batch", lambda *_, **options: asked.append(options["high_accuracy"]))
+    kind = Numbers(tt.load("heavy-top")).kind(1)
+    variational.compiled_motion.__wrapped__(kind, 1, True, tolerance, kind.variables.names)
+    assert asked == [careful]
 
 
 def test_a_fit_is_a_scenario_that_runs(fit: tt.Fitted, tmp_path: Path) -> None:

@@ -77,6 +77,19 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     assert tab.faults == []
 
 
+def test_the_first_picture_does_not_wait_for_the_traces(tab: Any) -> None:
+    """They are made of all samples, a frame later."""
+    made = tab.evaluate("""() => {
+        const { stage } = tippetop;
+        stage.take(stage.shown);
+        const pictures = tippetop.frames.count;
+        tippetop.draw();
+        return [tippetop.frames.count - pictures, !!stage.scene.floor];
+    }""")
+    assert made == [1, False]
+    tab.wait_for_function("tippetop.stage.scene.floor && tippetop.stage.scene.skin")
+
+
 @pytest.mark.slow
 def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     """What the button records has the pictures that were drawn meanwhile: a file that a player opens."""

@@ -117,6 +117,20 @@ def test_many_rows_are_read_until_a_page_is_full(inverting: tt.Run, monkeypatch:
     assert "up to 6.5 s" in notes[0]
 
 
+def test_samples_of_many_rows_are_spread_evenly_over_the_time_that_is_shown(
+    inverting: tt.Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many pieces they are read in: 10^7 rows are no larger a page than 10^5."""
+    monkeypatch.setattr(thinning, "FEW", 2000)
+    table = {k: v for k, v in rows(inverting).items() if np.ndim(v) and len(v) == 6501}
+    pieces = [{k: v[first : first + 650] for k, v in table.items()} for first in range(0, 6501, 650)]
+    times, *_ = gathered(iter(pieces), inverting.attributes, None, None)
+    assert len(times) < 1.15 * 2000
+    assert np.diff(times).max() < 0.0041
+    part, *_ = gathered(iter(pieces), inverting.attributes, 2.0, 3.0)
+    np.testing.assert_allclose(np.diff(part), 1e-3)  # fewer rows than samples: all
+
+
 def content(text: str) -> Any:
     """The data of a page."""
     found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)

@@ -19,9 +19,9 @@ AHEAD = 2.0  # standard deviations of the noise by which a predicted measurement
 SLOWEST, FASTEST = 1.1, 1.6  # growth of a window to the next
 PRIOR = 0.25  # the standard deviation, in the coordinates of the search, that the start itself has
 UNLIKELY = 30.0  # variances of the noise by which other valleys are worse, or have met the best, when it is alone
-WRONG, SOME = 1.5, 8  # the growth that tells a wrong valley, of windows of more than so many rows per free number
-SURPRISE = 1.2  # growth of what is left, in its variance, that makes a window look about again
-CLOUD, FEW, MOST = 60_000, 96, 512  # rows of all points about one; how many points
+WRONG, SOME = 1.3, 8  # the growth that tells a wrong valley, of windows of more than so many rows per free number
+SURPRISE = 1.05  # growth of what is left, in its variance, that makes a window look about again
+CLOUD, FEW, MOST = 30_000, 64, 256  # rows of all points about one; how many points
 WIDER = 1.5  # standard errors: how far they are
 COARSE = 0.12  # step, in the coordinates of the search
 BRANCHES, APART = 3, 6.0  # of them that are improved, and how far apart these are, in standard errors of the window
@@ -48,30 +48,33 @@ def followed(misfit: Misfit, start: np.ndarray, seed: int = 0, *, to_the_end: bo
     is a wrong one, unless it is wanted to the end."""
     random = np.random.default_rng(seed)
     total, free = len(misfit.observation.t), len(start)
-    rows, point, least, alone = _first(misfit), start, np.inf, False
+    rows, point, least, looking, known = _first(misfit), start, np.inf, True, None
+    enough = NEAR * rows
+    rivals: list[_State] = []
     while True:
         window, last = min(rows, total), rows >= total
-        state = _improved(misfit, point, start, window, last=last)
-        rivals: list[_State] = []
-        if not alone or state.variance > SURPRISE * least:
-            points = _about(misfit, state, window, random)
-            states = [state, *(_improved(misfit, p, start, window, last=last) for p in points)]
-            state, *rivals = sorted(states, key=lambda s: s.cost + s.variance / PRIOR**2 * _square(s.point - start))
-            alone = all(_met(state, r) or r.cost - state.cost > UNLIKELY * state.variance for r in rivals)
-        point = state.point
+        state = _improved(misfit, point, start, window, last=last, known=known)
+        looking = looking or state.variance > SURPRISE * least
+        points = _about(misfit, state, window, random) if looking else [rival.point for rival in rivals]
+        states = [state, *(_improved(misfit, p, start, window, last=last) for p in points)]
+        best, *rivals = sorted(states, key=lambda s: s.cost + s.variance / PRIOR**2 * _square(s.point - start))
+        rivals = [r for r in rivals if r.cost - best.cost < UNLIKELY * best.variance and not _met(best, r)]
+        looking = looking and bool(rivals) and (window < enough or state.cost - best.cost > best.variance)
+        state, point = best, best.point
         if state.variance > WRONG * least and rows > SOME * free and not to_the_end:
             return None
-        least = min(least, state.variance)
+        least = min(least, state.variance * (1 + 2 * np.sqrt(2 / max(len(state.residual) - free, 1))))
         if last:
             return End(point, state.cost, state.variance, tuple((r.point, r.cost) for r in rivals))
         ahead = min(total, int(np.ceil(FASTEST * rows)))
-        (_,), (jacobian,) = misfit.at(point[None, :], ahead)
+        (residual,), (jacobian,) = misfit.at(point[None, :], ahead)
         row = misfit.rows(ahead)
         within = jacobian[row < rows]
         decided = np.linalg.inv(within.T @ within + state.variance / PRIOR**2 * np.eye(free))
         spread = np.einsum("mf,mf->m", jacobian, jacobian @ decided)  # in variances of the noise
         unsure = row[(spread > AHEAD**2) & (row >= rows)]
         rows = min(max(int(unsure.min()) if len(unsure) else ahead, int(np.ceil(SLOWEST * rows))), total)
+        known = residual[row < rows], jacobian[row < rows]
 
 
 def _about(misfit: Misfit, state: "_State", rows: int, random: np.random.Generator) -> list[np.ndarray]:
@@ -143,34 +146,34 @@ class _State(NamedTuple):
     variance: float
 
 
-def _improved(misfit: Misfit, point: np.ndarray, start: np.ndarray, rows: int, *, last: bool) -> _State:
-    """A point after steps of Levenberg and Marquardt over the first rows; before the last window near the start."""
+def _improved(
+    misfit: Misfit, point: np.ndarray, start: np.ndarray, rows: int, *, last: bool, known: Any = None
+) -> _State:
+    """A point after steps of Levenberg and Marquardt over the first rows; before the last window near the start.
 
-    def at(point: np.ndarray, size: float, keep: float) -> tuple[Any, Any, float]:
-        (residual,), (jacobian,) = misfit.at(point[None, :], rows)
-        cost = float(misfit.costs(residual[None, :], size or misfit.size(residual))[0])
-        return residual, jacobian, cost + keep * _square(point - start)
-
-    free, (residual, jacobian, cost) = len(point), at(point, 0.0, 0.0)
+    `known`: residuals and Jacobian of the point over these rows, if they are. A step that promises next to nothing is
+    not tried."""
+    free = len(point)
+    residual, jacobian = known or (part[0] for part in misfit.at(point[None, :], rows))
     size = misfit.size(residual)
-    variance = cost / max(len(residual) - free, 1)
-    keep = 0.0 if last else variance / PRIOR**2
-    cost += keep * _square(point - start)
+    plain = float(misfit.costs(residual[None, :], size)[0])
     damping = 1e-3
+    variance = plain / max(len(residual) - free, 1)
+    keep = 0.0 if last else variance / PRIOR**2
+    cost = plain + keep * _square(point - start)
     for _ in range(LAST_STEPS if last else STEPS):
-        step = _step(misfit, point, residual, jacobian, size, damping, keep, start)
-        new = misfit.space.clipped(point + step)
-        residual_there, moves, value = at(new, size, keep)
-        gain = cost - value
-        if gain >= 0:
+        new, promised = _step(misfit, point, residual, jacobian, size, damping, keep, start)
+        if promised < (LAST_END if last else COARSE_END) * variance or damping > 1e6:
+            break
+        (residual_there,), (moves,) = misfit.at(new[None, :], rows)
+        value = float(misfit.costs(residual_there[None, :], size)[0]) + keep * _square(new - start)
+        if value <= cost:
             point, residual, jacobian, cost, damping = new, residual_there, moves, value, damping / 10
         else:
             damping = max(damping, 1e-8) * 10
-        if (0 <= gain < (LAST_END if last else COARSE_END) * variance) or damping > 1e6:
-            break
-        variance = (cost - keep * _square(point - start)) / max(len(residual) - free, 1)
-    plain = cost - keep * _square(point - start)
-    return _State(point, residual, jacobian, plain, plain / max(len(residual) - free, 1))
+        plain = cost - keep * _square(point - start)
+        variance = plain / max(len(residual) - free, 1)
+    return _State(point, residual, jacobian, plain, variance)
 
 
 def _step(
@@ -182,15 +185,18 @@ def _step(
     damping: float,
     keep: float,
     start: np.ndarray,
-) -> np.ndarray:
-    """The damped step; a number at a bound does not go beyond it."""
+) -> tuple[np.ndarray, float]:
+    """Where a damped step leads, and by how much it would lower the cost if residuals were linear; a number at a bound
+    does not go beyond it."""
     space, one = misfit.space, np.eye(len(point))
     weighted = jacobian * misfit.weight(residual, size)[:, None]
     slope = weighted.T @ residual + keep * (point - start)
     square = weighted.T @ jacobian + keep * one
     stuck = ((point <= space.low + 2e-6) & (slope > 0)) | ((point >= space.high - 2e-6) & (slope < 0))
     slope = np.where(stuck, 0.0, slope)
-    square = np.where(stuck[:, None] | stuck[None, :], one, square + damping * np.diag(np.diag(square)))
-    scale = np.sqrt(np.maximum(np.diag(square), 1e-300))
-    step = -np.linalg.solve(square / np.outer(scale, scale) + 1e-14 * one, slope / scale) / scale
-    return step * min(1.0, LONGEST / max(float(np.abs(step).max()), 1e-300))
+    damped = np.where(stuck[:, None] | stuck[None, :], one, square + damping * np.diag(np.diag(square)))
+    scale = np.sqrt(np.maximum(np.diag(damped), 1e-300))
+    step = -np.linalg.solve(damped / np.outer(scale, scale) + 1e-14 * one, slope / scale) / scale
+    new = space.clipped(point + step * min(1.0, LONGEST / max(float(np.abs(step).max()), 1e-300)))
+    step = new - point
+    return new, -float(2 * slope @ step + step @ square @ step)

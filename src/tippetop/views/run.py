@@ -1,5 +1,6 @@
 """The page of a run: its rows are read, as many as needed are kept, and written into one file."""
 
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,6 @@ from .samples import needed, plain, samples, without
 
 MOST = 200_000  # samples of a page: 20 MB; with more it would not open within two seconds
 MOST_EVENTS = 20_000
-WIDEST = 256  # rows from one sample to the next, before the attitude asks for more
 DEGREE = np.pi / 180
 TOO_FAR = 0.2 * DEGREE  # between rows: a page that shows less says so
 
@@ -111,7 +111,9 @@ def gathered(
         columns = {name: values[within] for name, values in piece.items()}
         t, some = columns["time"], samples(columns, attrs)
         rough = max(rough, thinning.between(t, some))
-        few = thinning.kept(t, some, max(thinning.FEW - total, len(t) // WIDEST))
+        if last is None:
+            span = max(min(end, end_of(attrs)) - t[0], 1e-300)
+        few = thinning.kept(t, some, max(1, math.ceil(thinning.FEW * (t[-1] - t[0]) / span)))
         times.append(t[few])
         kept.append(some[few])
         total, last = total + len(few), t[-1]
@@ -123,6 +125,11 @@ def gathered(
     if last is None:
         raise InputError([f"a page must have rows between {begin:g} and {end:g} s, but this run has none there."])
     return np.concatenate(times), np.concatenate(kept), rough, notes
+
+
+def end_of(attrs: dict[str, Any]) -> float:
+    """The time of the last row of a run [s]."""
+    return float(attrs["replay"]["until"] if "replay" in attrs else attrs["report"]["t_end"])
 
 
 def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[str, Any]]:

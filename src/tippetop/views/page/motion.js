@@ -83,6 +83,20 @@ export class Motion {
   }
 
   /**
+   * The largest length of a vector of the samples.
+   * @param {string} name
+   */
+  longest(name) {
+    const first = CHANNELS[name][0];
+    let most = 0;
+    for (let i = first; i < this.samples.length; i += STRIDE) {
+      const [x, y, z] = [this.samples[i], this.samples[i + 1], this.samples[i + 2]];
+      most = Math.max(most, x * x + y * y + z * z);
+    }
+    return Math.sqrt(most);
+  }
+
+  /**
    * The inclination of an attitude; where it counts turns, the one next to `about`.
    * @param {Quaternion} q
    * @param {number} about

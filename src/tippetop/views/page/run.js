@@ -10,11 +10,16 @@ import { Stage } from "./stage.js";
  * @type {(text: string, kind: "f8" | "f4") => any}
  */
 export function numbers(text, kind) {
+  const decode = /** @type {any} */ (Uint8Array).fromBase64; // new in browsers, and ten times as fast
+  if (decode) return typed(decode.call(Uint8Array, text), kind);
   const letters = atob(text);
   const bytes = new Uint8Array(letters.length);
   for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i); // twenty times as fast as Uint8Array.from
-  return kind === "f8" ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer);
+  return typed(bytes, kind);
 }
+
+/** @type {(bytes: Uint8Array, kind: "f8" | "f4") => any} */
+const typed = (bytes, kind) => (kind === "f8" ? new Float64Array(bytes.buffer) : new Float32Array(bytes.buffer));
 
 /** @param {any} data what Python wrote */
 export function show(data) {

@@ -27,6 +27,7 @@ const [NEAR, FAR] = [0.5, 60];
 /** Longest arrows, in units; a force of the weight has length 1. */
 const LONGEST = /** @type {Record<string, number>} */ ({ momentum: 2.1, omega: 2.5, slip: 1.3 });
 const ON_BALL = 1.5; // seconds that the trace on the ball stays
+const AIMED = 2000; // samples that the camera is set up by
 
 export class Scene {
   /**
@@ -71,6 +72,8 @@ export class Scene {
     this.skin = undefined;
     /** @type {(t: number) => number} */
     this.ballAt = () => 0;
+    /** Whether the traces are still to be made. */
+    this.untraced = false;
     this.width = 0;
     this.height = 0;
   }
@@ -89,42 +92,60 @@ export class Scene {
     const n = motion.times.length;
     this.scales = { force: 1 / body.weight };
     for (const name of ["momentum", "omega", "slip"]) {
-      let most = 0;
-      for (let i = 0; i < n; i++) most = Math.max(most, length(motion.at(i, name)));
+      const most = motion.longest(name);
       this.scales[name] = most > 0 ? LONGEST[name] / most : 0;
-    }
-    const floor = new Float32Array(3 * n);
-    const skin = new Float32Array(3 * n);
-    const k = 1 / body.unit;
-    const middle = /** @type {Vector} */ ([0, 0, 0]);
-    for (let i = 0; i < n; i++) {
-      const q = motion.at(i, "orientation");
-      const r = motion.at(i, "position");
-      const ball = body.balls[ballAt(motion.times[i])];
-      const p = touching(q, ball);
-      const [a, b, c] = axes(q);
-      const at = plus(r, plus(plus(times(p[0], a), times(p[1], b)), times(p[2], c)));
-      floor.set([at[0] * k, at[1] * k, 0.004], 3 * i);
-      const out = plus([0, 0, ball.offset], times(1.006, plus(p, [0, 0, -ball.offset])));
-      skin.set(times(k, out), 3 * i);
-      middle[0] += (at[0] * k) / n;
-      middle[1] += (at[1] * k) / n;
     }
     this.floor?.remove();
     this.skin?.remove();
+    this.floor = this.skin = undefined;
+    this.untraced = true;
+    if (keep) return;
+    const last = Math.min(n, AIMED) - 1;
+    const path = Array.from(
+      { length: last + 1 },
+      (_, i) => this.touched(Math.round((i * (n - 1)) / (last || 1))).floor,
+    );
+    const [x, y] = [0, 1].map((i) => path.reduce((sum, at) => sum + at[i], 0) / path.length);
+    const wide = Math.max(...path.map((at) => Math.hypot(at[0] - x, at[1] - y)));
+    this.camera.home = [x, y, body.kind === "heavy" ? 0.85 : 0.95];
+    this.camera.distance = Math.min(12, Math.max(body.kind === "heavy" ? 8.4 : 6.6, 5.8 + 1.3 * wide));
+    if (wide > 3) this.camera.mode = "follow";
+  }
+
+  /**
+   * Where the body touches the plane at a sample, in units of the picture: on the floor, and on its ball, from the centre
+   * of mass in its own axes.
+   * @param {number} i
+   */
+  touched(i) {
+    const body = /** @type {Body} */ (this.body);
+    const motion = /** @type {Motion} */ (this.motion);
+    const k = 1 / body.unit;
+    const q = motion.at(i, "orientation");
+    const ball = body.balls[this.ballAt(motion.times[i])];
+    const p = touching(q, ball);
+    const [a, b, c] = axes(q);
+    const at = plus(motion.at(i, "position"), plus(plus(times(p[0], a), times(p[1], b)), times(p[2], c)));
+    const out = plus([0, 0, ball.offset], times(1.006, plus(p, [0, 0, -ball.offset])));
+    return { floor: [at[0] * k, at[1] * k, 0.004], skin: times(k, out) };
+  }
+
+  /** Makes the traces of the contact point, of all samples: the first picture does without them. */
+  trace() {
+    const { body, motion } = this;
+    if (!body || !motion) return;
+    const n = motion.times.length;
+    const floor = new Float32Array(3 * n);
+    const skin = new Float32Array(3 * n);
+    for (let i = 0; i < n; i++) {
+      const touched = this.touched(i);
+      floor.set(touched.floor, 3 * i);
+      skin.set(touched.skin, 3 * i);
+    }
     const moves = body.kind !== "heavy" || !body.fixed;
     this.floor = moves ? new Ribbon(this.gl, this.ribbons, floor, motion.times) : undefined;
     this.skin = body.kind === "ball" ? new Ribbon(this.gl, this.ribbons, skin, motion.times) : undefined;
-    if (!keep) {
-      const height = body.kind === "heavy" ? 0.85 : 0.95;
-      this.camera.home = [middle[0], middle[1], height];
-      let wide = 0;
-      for (let i = 0; i < n; i++) {
-        wide = Math.max(wide, Math.hypot(floor[3 * i] - middle[0], floor[3 * i + 1] - middle[1]));
-      }
-      this.camera.distance = Math.min(12, Math.max(body.kind === "heavy" ? 8.4 : 6.6, 5.8 + 1.3 * wide));
-      if (wide > 3) this.camera.mode = "follow";
-    }
+    this.untraced = false;
   }
 
   /**

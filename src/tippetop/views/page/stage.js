@@ -53,6 +53,8 @@ export class Stage {
     this.near = false;
     this.calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.dirty = true;
+    /** Whether the page has had a frame of its own: the first must not wait for traces. */
+    this.framed = false;
     this.frames = { count: 0, seconds: 0, one: 0 };
     this.quality = 1;
     this.rested = 0;
@@ -238,6 +240,11 @@ export class Stage {
   /** @param {number} now */
   frame(now) {
     const step = this.clock.tick(now);
+    if (this.scene.untraced && this.framed) {
+      this.scene.trace();
+      this.dirty = true;
+    }
+    this.framed = true;
     const moves = this.clock.playing || step > 0 || this.dirty;
     this.rested = moves ? 0 : this.rested + 1;
     if (moves) this.scene.quality = QUALITIES[this.quality];
