@@ -9,7 +9,7 @@ import numpy as np
 from ..engine.status import Status
 from ..problem import Problem, Problems
 from ..sampling import ListedTimes
-from ..scenario.contact import contact_faults
+from ..scenario.contact import contact_faults, on_stem, touches
 from .outcomes import Outcomes
 
 
@@ -40,17 +40,31 @@ def problem_of(tops: Problems, top: int) -> Problem:
     contact: dict[str, Any] = {}
     for table in base.tables.keys() & {"contact", "stem"}:
         contact |= numbers(table)
+    rules = base.contact._replace(**contact) if base.contact is not None else None
+    parameters, initial = numbers("parameters"), numbers("initial")
+    if touches(base) and "initial.gap" not in tops.columns:
+        initial.pop("gap", None)
+        initial = on_stem(initial, parameters.get("R", 0.0), rules)
     return replace(
         base,
-        parameters=numbers("parameters"),
+        parameters=parameters,
         friction=type(base.friction)(**numbers("friction")),
-        initial=numbers("initial"),
-        contact=base.contact._replace(**contact) if base.contact is not None else None,
+        initial=initial,
+        contact=rules,
         until=until,
         times=ListedTimes(np.array([until])),
         output="times",
         orientation=tops.orientation,
     )
+
+
+def faults_of(tops: Problems, top: int) -> list[str]:
+    """Why one of many cannot be followed alone, in sentences."""
+    return _faults(problem_of(tops, top))
+
+
+def _faults(problem: Problem) -> list[str]:
+    return [*problem.faults(), *contact_faults(problem)]
 
 
 def one_by_one(
@@ -72,7 +86,7 @@ def one_by_one(
     tops = outcomes.tops
     for done, top in enumerate(numbers.tolist(), 1):
         problem = problem_of(tops, top)
-        if faults := [*problem.faults(), *contact_faults(problem)]:
+        if faults := _faults(problem):
             outcomes.status[top] = Status.INVALID.code
             outcomes.faults.append((top, faults[0]))
         else:

@@ -67,8 +67,8 @@ def read(path: str | Path, *, wrapped: bool = True) -> Table:
     """
     path = Path(path)
     if not path.is_file():
-        what = "is a folder" if path.is_dir() else "is no plain file" if path.exists() else "is not there"
-        raise InputError([f"`{path}` must be a CSV or Parquet file, but {what}."])
+        kind = "is a folder" if path.is_dir() else "is no plain file" if path.exists() else "is not there"
+        raise InputError([f"`{path}` must be a CSV or Parquet file, but {kind}."])
     names, values = _parquet(path) if path.suffix in (".parquet", ".pq") else _csv(path)
     columns = dict(zip(names, values.T, strict=True))
     faults = _rows_faults(columns, wrapped)

@@ -115,6 +115,14 @@ def on_stem(initial: dict[str, Any], R: float, rules: ContactLaw | None) -> dict
     return {**initial, "gap": least} if least > 0 else initial
 
 
+def touches(problem: Problem) -> bool:
+    """Whether a body starts on the plane because no gap was given: on its sphere, or on its stem."""
+    rules, gap = problem.contact, problem.initial.get("gap")
+    if rules is None or gap is None:
+        return rules is not None
+    return rules.stem and gap > 0 and gap == _least_gap(problem.initial, problem.body().R, rules)
+
+
 def _least_gap(initial: dict[str, Any], R: float, rules: ContactLaw) -> float:
     """Height of the sphere above the plane where the stem touches it [m]; negative where the sphere does first."""
     return rules.r - R - rules.h * math.cos(float(initial.get("theta", 0.0)))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.status import Status
-from ..ensembles import ensemble
+from ..ensembles import ensemble, singly
 from ..errors import InputError, StoreError
 from ..store import root, tables
 from .plan import Plan
@@ -140,5 +140,8 @@ def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
     if not len(invalid):
         return []
     plan, some = Plan.from_tables(document), invalid[:FAULTS]
-    _, faults = ensemble.vary(plan.base, plan.columns(some)).check()
+    tops = ensemble.vary(plan.base, plan.columns(some))
+    _, faults = tops.check()
+    if plan.base.contact is not None:  # whose contact is asked of each top by itself
+        faults += [(i, fault) for i in np.flatnonzero(tops.valid).tolist() for fault in singly.faults_of(tops, i)[:1]]
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]
