@@ -10,6 +10,7 @@ from stores import assert_same
 
 import tippetop as tt
 from tippetop.cli import outcome
+from tippetop.engine.derivatives import along_run
 from tippetop.errors import InputError
 from tippetop.runs import sensitivities
 
@@ -53,7 +54,7 @@ def test_killed_while_they_are_made_and_continued_to_a_later_end_nothing_shows(
 ) -> None:
     longer = tmp_path / "run.zarr"
     with monkeypatch.context() as patch:
-        patch.setattr(sensitivities, "differentiate", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(along_run, "differentiate", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             made(longer, 0.7)
     assert tt.open(longer).attributes["status"] == "running"

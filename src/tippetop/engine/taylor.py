@@ -95,12 +95,13 @@ def _checked(problem: Problem, code: Compiled) -> Compiled:
 
 def fingerprint(driver: Driver) -> str:
     """Says which equations a driver was made of: a digest of their expressions, and of how they were compiled."""
-    if driver not in _fingerprints:  # 1 ms, and there is one in every keyframe
+    known, level = _fingerprints.setdefault(driver, {}), opt_level()
+    if level not in known:  # 1 ms, and there is one in every keyframe
         lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
-        if opt_level() != DEFAULT:
-            lines += f"\nopt_level {opt_level()}"
-        _fingerprints[driver] = hashlib.sha256(lines.encode()).hexdigest()[:16]
-    return _fingerprints[driver]
+        if level != DEFAULT:
+            lines += f"\nopt_level {level}"
+        known[level] = hashlib.sha256(lines.encode()).hexdigest()[:16]
+    return known[level]
 
 
-_fingerprints: weakref.WeakKeyDictionary[Driver, str] = weakref.WeakKeyDictionary()
+_fingerprints: weakref.WeakKeyDictionary[Driver, dict[int, str]] = weakref.WeakKeyDictionary()
