@@ -213,3 +213,13 @@ def test_the_orientation_is_kept_only_where_it_is_named() -> None:
     assert all(kept[n].values.tobytes() == all_of_them[n].values.tobytes() for n in set(kept) & set(all_of_them))
     assert set(rows(base, numbers, ["psi_end"])) == {"status", "psi_end"}
     assert sum(kept[f"orientation_{part}_end"].values ** 2 for part in "wxyz") == pytest.approx(1.0, abs=1e-15)
+
+
+def test_a_top_of_a_plan_stands_as_it_would_alone() -> None:
+    """The base begins on its stem, a larger sphere on itself: no gap of the base is left under it."""
+    base = ["stem.r=3e-3", "stem.h=2.45e-2", "initial.theta=2.06", "parameters.R=1.3e-2"]
+    tables = reading.override(reading.read("wooden-toy"), base)
+    document = {"scenario": tables, "axis": [{"of": "parameters.R", "values": [1.2e-2, 1.55e-2]}]}
+    plan = Plan.from_tables(document)
+    assert plan.problem(0).initial["gap"] > 0
+    assert "gap" not in plan.problem(1).initial

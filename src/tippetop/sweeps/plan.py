@@ -16,6 +16,7 @@ from ..ensembles.outcomes import LYAPUNOV
 from ..errors import InputError
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
+from ..scenario.contact import touches
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived
@@ -181,6 +182,8 @@ class Plan:
     def problem(self, top: int) -> Problem:
         """The problem of one top, to run alone. Raises InputError."""
         tables = build.resolved(self.base)
+        if touches(self.base):  # no gap was given: each top stands as it would alone
+            tables["initial"].pop("gap", None)
         for key, values in self.columns(np.array([top])).items():
             table, _, name = key.partition(".")
             changed = {name: float(values[0])}
