@@ -67,7 +67,7 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
 COUNTED = {
     "equator": "equator (theta = pi/2)",
     "inverted": "inverted (theta rises through pi - 0.1)",
-    "settled": "friction all but ceases (its loss is below 1e-12)",
+    "settled": "settled (sliding, or its loss, falls below 1e-12 of its unit)",
 }
 """What is passed, in words."""
 
@@ -172,8 +172,7 @@ def _turnings(info: Mapping[str, Any]) -> str:
         return "none logged"
     noise = counts["turning"] - counts["turning_significant"]
     text = f"{counts['turning_significant']} logged"
-    if band["theta_min"] is not None and band["theta_max"] - band["theta_min"] < 1e-6:
-        text += f", at theta = {band['theta_min']:.6g} rad"
-    elif band["theta_min"] is not None:
-        text += f", theta between {band['theta_min']:.6g} and {band['theta_max']:.6g} rad"
+    if band["theta_min"] is not None:
+        low, high = (f"{band[name]:.6g}" for name in ("theta_min", "theta_max"))
+        text += f", at theta = {low} rad" if low == high else f", theta between {low} and {high} rad"
     return text + (f"; {noise} more below the rounding floor" if noise else "")

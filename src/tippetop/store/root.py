@@ -14,11 +14,11 @@ from ..errors import StoreError
 from . import checkpoint, files, seal, skeleton
 
 
-RUNS = "runs"  # the group of a sweep whose members are stores of runs
-
-
 if TYPE_CHECKING:
     import xarray as xr
+
+
+RUNS = "runs"  # the group of a sweep whose members are stores of runs
 
 
 def finite(value: Any) -> Any:

@@ -17,7 +17,7 @@ from .given import encoded
 from .samples import needed, plain, samples, without
 
 
-MOST = 200_000  # samples of a page: 20 MB; with more it would not open within two seconds
+MOST = 200_000  # samples of a page: 20 MB
 MOST_EVENTS = 20_000
 DEGREE = np.pi / 180
 TOO_FAR = 0.2 * DEGREE  # between rows: a page that shows less says so

@@ -30,7 +30,7 @@ from .transitions import BACK, Change, Transitions
 
 MOST_CHANGES = 10_000  # of phase in a run
 PER_SLICE = 64  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
-DRILLS = 1  # so many where friction drills: an impact of a patch that hardly turns takes seconds
+DRILLS = 1  # so many where friction drills: an impact of a patch that hardly turns may take seconds
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Formulas of a phase are asked of states of another, such as the region of a patch that drills; what is no number in

@@ -11,7 +11,7 @@ from tippetop_kernels.jit import entry
 from ...mechanics.contact import ball as balls_
 from ...mechanics.contact.ball import Ball
 from ...mechanics.contact.impact import Struck, after_impact, arrival
-from ...mechanics.contact.patch_impact import follow, new_room, patch_struck
+from ...mechanics.contact.patch_impact import MOST_COMPILED, follow, new_room, patch_struck
 from ...mechanics.contact.phases.drilling import LOST
 from ...mechanics.contact.phases.legs import Body
 from ...mechanics.contact.phases.row import Row
@@ -64,7 +64,7 @@ class Strike:
 @entry
 def follow_patch(room):
     """`follow` in doubles."""
-    return follow(room, 2.0**-52)
+    return follow(room, 2.0**-52, MOST_COMPILED)
 
 
 class Impacts:

@@ -93,7 +93,7 @@ def patch_struck(
         raise ValueError(f"no impact: v_n = {v[2]}, e_n = {e_n}, mu = {ball.mu}, restitution = {restitution!r}")
     none, eps = 0 * v[2], rounding(v[2])
     room = new_room(np.array([v[2]]).dtype) if room is None else room
-    followed = followed or partial(follow, room, eps)
+    followed = followed or partial(follow, room, eps, MOST_STEPS)
     room.y[:] = [v[0], v[1], Omega_z, *(none,) * 6]
     room.given[:] = [*K, *spin, ball.mu, patch]
     room.at[:] = [v[2], none, 0]
@@ -102,7 +102,7 @@ def patch_struck(
     def to(v_n: Any) -> None:
         room.at[UNTIL] = v_n
         if not followed():
-            raise ArithmeticError(f"the impact of a patch did not end in {MOST_STEPS} steps")
+            raise ArithmeticError("the impact of a patch did not end: one that hardly turns takes too many steps")
 
     to(none)
     compression, pressed = room.y[WORK_N], room.y[P_Z]
@@ -134,7 +134,7 @@ def patch_struck(
 
 P_Z, WORK_N, WORK_T = 3, 7, 8
 V_N, UNTIL, STUCK = range(3)
-MOST_STEPS = 1_000_000
+MOST_STEPS, MOST_COMPILED = 20_000, 1_000_000
 """A patch that hardly drills is stiff: thousands of steps, of 2 ms each in Python and 5 us compiled."""
 
 
@@ -266,11 +266,12 @@ def _excess(room, p, still, step, eps):
 
 
 @formula
-def follow(room, eps):
-    """Takes an impact to v_n = room.at[UNTIL], forwards or by roundings backwards. Gives whether it came there."""
+def follow(room, eps, most):
+    """Takes an impact to v_n = room.at[UNTIL], forwards or by roundings backwards. Gives whether it came there in at
+    most so many steps."""
     at, y, p, size = room.at, room.y, _patch(room), room.size[0]
     step = at[UNTIL] - at[V_N]
-    for _ in range(MOST_STEPS):
+    for _ in range(most):
         if at[V_N] == at[UNTIL]:
             return 1
         still = _speed(y, p.radius)
