@@ -65,8 +65,8 @@ def stopped(u, L, V, ball):
 
 @formula
 def holding(u, L, rolling, ball):
-    """What keeps a disc at rest, of a body whose v_A and Omega_z are zero; `rolling`, (3,) [m], is the torque of rolling
-    resistance per normal force."""
+    """What keeps a disc at rest, of a body whose v_A and Omega_z are zero; `rolling`, (3,) [m], is the torque of
+    rolling resistance per normal force."""
     by, excess = turning(u, ball), (1 / ball.I3 - 1 / ball.I1) * dot(L, u)
     free = excess * axis_rate(u, L, ball).z  # Omega_z' without them
     loaded = dot(by.turn, rolling)
