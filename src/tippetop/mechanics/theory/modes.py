@@ -24,8 +24,8 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     Returns
     -------
     ndarray
-        Complex rates [1/s], (3,), fastest growth first, then fastest turning: unstable iff the first has a positive real part;
-        NaN where a number of the linear motion exceeds the doubles.
+        Complex rates [1/s], (3,), fastest growth first, then fastest turning: the state is unstable iff the first has
+        a positive real part; NaN where a number of the linear motion exceeds the doubles.
     """
     up = -1 if inverted else 1
     with np.errstate(all="ignore"):
