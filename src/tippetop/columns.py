@@ -40,6 +40,14 @@ def column(values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",)
     return Column(dims, np.asarray(values, dtype=np.float64), {"units": unit.symbol, "long_name": long_name, **extra})
 
 
+def on_sphere(trajectory: Any) -> np.ndarray:
+    """Whether the sphere touches the plane, at each row of a run: not while it stands on its stem, or flies."""
+    away = np.zeros(len(trajectory["time"].values), bool)
+    for name, words in (("ball", "stem"), ("phase", "flight")):
+        away |= flagged(trajectory[name], words) if name in trajectory else away
+    return ~away
+
+
 def flagged(flags: Any, name: str) -> np.ndarray:
     """Where a column of flags, with its `flag_meanings`, has the value of this name; (n,) of bool."""
     meanings = flags.attrs["flag_meanings"].split()
