@@ -14,13 +14,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-GREEK = {"lambda_s": "λₛ", "omega_3": "ω₃", "gamma": "γ", "lambda": "λ", "sigma": "σ", "theta": "θ"}
+GREEK = {
+    "mu": "μ",
+    "eps": "ε",
+    "pi": "π",
+    "lambda_s": "λₛ",
+    "omega_3": "ω₃",
+    "gamma": "γ",
+    "lambda": "λ",
+    "sigma": "σ",
+    "theta": "θ",
+}
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def greek(text: str) -> str:
-    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃."""
-    return re.sub("|".join(GREEK), lambda word: GREEK[word[0]], text)
+    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃. Short names are whole words."""
+    names = "|".join(rf"\b{name}\b" if len(name) < 4 else name for name in GREEK)
+    return re.sub(names, lambda word: GREEK[word[0]], text)
 
 
 def units_text(units: str) -> str:
