@@ -63,7 +63,7 @@ def quantity(value: float, unit: str, digits: int = 6) -> str:
 
 
 def end_of(values: Any) -> str:
-    """What the last known value of a curve along a run is, which goes on as NaN when the stem takes over."""
+    """What the last known value of a curve along a run is, which is NaN from where the stem takes over."""
     return "its end" if np.isfinite(values[-1]) else "last on its sphere"
 
 

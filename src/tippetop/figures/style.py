@@ -115,16 +115,16 @@ def fitted(whole: Any, place: str, options: dict[str, Any]) -> None:
     """A legend outside of the panels that is no wider than the figure: in fewer columns, then in broken lines."""
     room = 0.98 * whole.bbox.width
     for columns in range(options.get("ncols", 1), 0, -1):
-        made = whole.legend(loc=f"outside {place}", **(options | {"ncols": columns}))
-        if made.get_window_extent().width <= room:
+        key = whole.legend(loc=f"outside {place}", **(options | {"ncols": columns}))
+        if key.get_window_extent().width <= room:
             return
         if columns > 1:
-            made.remove()
-    for text in made.get_texts():
+            key.remove()
+    widths = [text.get_window_extent().width for text in key.get_texts()]
+    free = room - (key.get_window_extent().width - max(widths))
+    for text, width in zip(key.get_texts(), widths, strict=True):
         words = text.get_text()
-        width = text.get_window_extent().width
-        besides = made.get_window_extent().width - max(each.get_window_extent().width for each in made.get_texts())
-        text.set_text(broken(words, max(12, int(len(words) * (room - besides) / max(width, 1.0)))))
+        text.set_text(broken(words, max(12, int(len(words) * free / max(width, 1.0)))))
 
 
 def broken(words: str, letters: int) -> str:

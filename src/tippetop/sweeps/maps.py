@@ -94,10 +94,10 @@ def make_map(path: Path, kind: str) -> Map:
     fields = {}
     for name in wanted:
         values = table[name].values / _weight(plan, numbers) if kind == "normal-force" else table[name].values
-        values = told_apart(table) if name == "class" else values
+        values = shown_classes(table) if name == "class" else values
         fields[name] = _gathered(name, cells, values[chosen], math.prod(shape)).reshape(shape)
     if kind == "inversion" and "class" in table:
-        ends = _gathered("class", cells, told_apart(table)[chosen], math.prod(shape)).reshape(shape)
+        ends = _gathered("class", cells, shown_classes(table)[chosen], math.prod(shape)).reshape(shape)
         fields[ENDS] = np.where(np.isnan(fields[wanted[0]]), ends, np.nan)
     if len(cells) and np.bincount(cells).max() > 1:
         how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
@@ -108,7 +108,7 @@ def make_map(path: Path, kind: str) -> Map:
     return Map(kind, title, axes, fields, _borders(plan, axes, varying[2:]), notes)
 
 
-def told_apart(table: Any) -> np.ndarray:
+def shown_classes(table: Any) -> np.ndarray:
     """The class of each top, as a number of SHOWN; without theta at the end, as it is stored."""
     classes = np.asarray(table["class"].values, dtype=int)
     if "theta_end" not in table:

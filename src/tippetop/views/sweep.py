@@ -111,8 +111,8 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
 
 
 def _values(path: Path, table: Any, name: str) -> np.ndarray:
-    """A column of all tops; their classes told apart as on a map."""
-    return maps.told_apart(table) if name == "class" else column(path, table, name)
+    """A column of all tops; their classes as a map shows them."""
+    return maps.shown_classes(table) if name == "class" else column(path, table, name)
 
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
