@@ -141,11 +141,11 @@ def _software() -> tuple[str, ...]:
 
 def _installed() -> list[str]:
     """Names and versions of numba and of what teaches it more (`importlib.metadata` takes ten times as long)."""
-    there = []
+    there: set[str] = set()  # an environment may have what the one below it has
     for place in sys.path:
         with contextlib.suppress(OSError):
             names = [name for name in os.listdir(place or ".") if name.endswith((".dist-info", ".egg-info"))]
-            there += [name for name in names if name.startswith("numba-") or _teaches(os.path.join(place, name))]
+            there |= {name for name in names if name.startswith("numba-") or _teaches(os.path.join(place, name))}
     return sorted(there)
 
 

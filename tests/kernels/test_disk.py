@@ -133,6 +133,14 @@ def outside(x):
     return 2.0 * x + 1
 
 
+def test_an_environment_upon_another_finds_its_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before, a package that both of them have was another software than one that only one has."""
+    alone = origin._installed()
+    monkeypatch.setattr(sys, "path", [*sys.path, *sys.path])
+    assert origin._installed() == alone
+    assert any(name.startswith("numba-") for name in alone)
+
+
 def test_formulas_and_records_from_elsewhere_are_never_kept(cache: Path, toy: Path) -> None:
     """A formula of another package, a closure, a record, a name bound to a function from elsewhere."""
     loops, rules = importlib.import_module("toy.loops"), importlib.import_module("toy.rules")

@@ -72,6 +72,20 @@ def test_an_export_of_events_names_their_kinds(store: Path, tmp_path: Path) -> N
     assert set(pd.read_csv(out)["kind"]) == {"turning", "equator", "inverted"}
 
 
+def test_a_group_that_is_named_is_exported_alone(store: Path, tmp_path: Path) -> None:
+    out = tmp_path / "events.nc"
+    assert outcome(["export", str(store), "--to", "netcdf", "--group", "events", "--out", str(out)]) == 0
+    with xr.open_datatree(out, engine="h5netcdf") as tree:
+        assert [group.name for group in tree.leaves] == ["events"]
+
+
+def test_a_scenario_has_no_group_to_be_exported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "top.xml"
+    assert outcome(["export", "inverting", "--to", "mjcf", "--group", "events", "--out", str(out)]) == 2
+    assert "--group must be left out with --to mjcf" in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_a_bad_export_is_said(store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "a"
     assert outcome(["export", str(store), "--to", "pdf", "--out", str(out)]) == 2

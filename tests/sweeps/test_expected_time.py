@@ -97,6 +97,17 @@ def test_the_contact_of_a_sweep_is_told() -> None:
     told = dict(lines(facts))
     assert told["contact"] == "restitution = energetic, e_n = 0.5"
     assert told["stem"] == "r = 0.005, h = 0.013"
+    assert "drift" not in told
+
+
+def test_a_sweep_without_an_ended_top_has_no_drift() -> None:
+    """Before, its line was `: relative, worst of all tops`."""
+    facts: dict[str, Any] = {
+        **{"status": "running", "tops": 1, "tops_done": 0, "chunks": {"todo": 1}, "dimensions": ["a"], "shape": [1]},
+        **{"counts": {}, "runs": [], "faults": [], "failed": {}, "versions": {}},
+        **{"plan": {"axis": [], "scenario": {}}, "drift": {"drift_energy": None}},
+    }
+    assert "drift" not in dict(lines(facts))
 
 
 def test_a_top_that_its_contact_ended_has_a_word() -> None:

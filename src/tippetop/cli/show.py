@@ -169,16 +169,19 @@ def export(
     out
         The file to write; must not exist yet (or say --overwrite).
     group
-        `trajectory` (default) or `events` of a run, `phases` or `impacts` of one whose contact changes its phase, for
-        CSV and Parquet; netCDF holds all.
+        `trajectory` or `events` of a run, `phases` or `impacts` of one whose contact changes its phase. Without it CSV
+        and Parquet hold the first, netCDF holds all.
     overwrite
         Replace an existing file.
     """
+    from ..errors import InputError
     from ..store.export import export as write
 
     if to in ("mjcf", "urdf"):
         from . import exchange
 
+        if group is not None:
+            raise InputError([f"--group must be left out with --to {to}: a scenario has no tables, but is `{group}`."])
         return exchange.describe(str(store), to, out, overwrite=overwrite)
     write(store, to, out, group, overwrite=overwrite)
     return 0

@@ -19,13 +19,13 @@ DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "im
 
 
 def export(store: Path, to: str, out: Path, group: str | None = None, *, overwrite: bool = False) -> None:
-    """Writes a store as one file. netCDF takes all groups; CSV and Parquet take the one that is named, or the first.
+    """Writes a store as one file. The group that is named; without one netCDF takes all, CSV and Parquet the first.
     What is there already is replaced if it may be overwritten.
 
     Raises InputError for an unknown format, StoreError for what cannot be read, written, or lacks its library.
     """
     if to not in FORMATS:
-        raise InputError([f"--to must be one of {', '.join(FORMATS)}, but is `{to}`."])
+        raise InputError([f"--to must be one of {', '.join(FORMATS)}, or for a body mjcf, urdf, but is `{to}`."])
     attrs = root.attributes(store)
     root.refuse_other_rows(store, attrs)
     groups = [name for name in skeleton.groups_of(attrs) if name != "keyframes"]
@@ -43,7 +43,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
     try:
         with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
             writer = _netcdf_apart if to == "netcdf" else FORMATS[to]
-            writer(store, groups if to == "netcdf" else [group or groups[0]], attrs, scratch)
+            writer(store, groups if group is None and to == "netcdf" else [group or groups[0]], attrs, scratch)
     except ImportError as error:
         raise StoreError(
             f"the export to {to} must find its library, but: {error} (install tippetop[export])."

@@ -89,7 +89,7 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
         ("axes", " x ".join(f"{sampled if name == 'sample' else name} ({n})" for name, n in sizes.items())),
     ]
     result += [(name, _text(counts)) for name, counts in facts["counts"].items()]
-    if facts["drift"]:
+    if any(facts["drift"].values()):  # of a top that has ended
         worst = (f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})" for k, v in facts["drift"].items() if v)
         result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
     if facts["runs"]:

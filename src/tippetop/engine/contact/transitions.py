@@ -9,7 +9,14 @@ from ...mechanics.contact import ball as balls_
 from ...mechanics.contact import coulomb
 from ...mechanics.contact.first_slip import FirstSlip
 from ...mechanics.contact.phases.both import BOTH_FOLLOWS, STAYS
-from ...mechanics.contact.phases.drilling import DRILLING_KINDS, FOLLOWS, REGIONS, region_kind
+from ...mechanics.contact.phases.drilling import (
+    DRILLING_KINDS,
+    FOLLOWS,
+    REGIONS,
+    RESTS,
+    region_kind,
+    stays_at_rest,
+)
 from ...mechanics.contact.phases.dry import STOPS_AT
 from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import PLANAR
@@ -25,6 +32,7 @@ LEAVES_FOR = 1e-3  # internal time: the gap of a ball that leaves as its force v
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 BOTH = "the body stands on its sphere and its stem at once, which is not followed under Coulomb's law itself"
+AT_REST = "the contact's disc has come to rest, it neither slides nor turns; rolling without turning is not followed"
 MOST_STRIKES = 16  # of impacts at one instant
 
 
@@ -107,7 +115,8 @@ class Transitions(Sliding, Standing):
         Parameters
         ----------
         end
-            The event that ended it: stick, slip, liftoff, touch, landing, one of STAYS; clear: the other ball has gone.
+            The event that ended it: stick, slip, rests, liftoff, touch, landing, one of STAYS; clear: the other ball
+            has gone.
         kind, ball
             The phase that ended.
         moment
@@ -117,6 +126,8 @@ class Transitions(Sliding, Standing):
         """
         if (kind, end) in ALIKE:  # the same phase in other words
             return Change(ALIKE[kind, end], ball, moment, "", signs=signs, passed=BACK.get(end, ""))
+        if end == RESTS.name:
+            return self._held(Change(kind, ball, moment, "", signs=signs, passed=RESTS.name))
         if end == "clear":
             return Change(kind, ball, moment, "", signs=signs)
         if end in STAYS:
@@ -157,6 +168,14 @@ class Transitions(Sliding, Standing):
         rests = change.kind == "roll"
         change.events, change.signs = ("stick" if rests else "reversal",), signs
         change.when, change.lag = lag, change.lag + lag
+        return change
+
+    def _held(self, change: Change) -> Change:
+        """A phase whose disc comes to rest, and the run with it; unless friction cannot hold it, for then it passes its
+        rest and turns on."""
+        moment = change.moment
+        if stays_at_rest(moment.u, moment.L, moment.velocity, self.balls[change.ball]):
+            change.ends, change.sentence = Status.ENDED, AT_REST
         return change
 
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
@@ -206,7 +225,8 @@ class Transitions(Sliding, Standing):
                 kind = region_kind(moment.u, moment.L, moment.velocity, self.balls[ball])
             functions = self.functions(kind, ball, moment)
             if functions["liftoff"] > 0:
-                return Change(kind, ball, moment, reason, functions=functions, takes=takes)
+                change = Change(kind, ball, moment, reason, functions=functions, takes=takes)
+                return self._held(change) if functions.get(RESTS.name, 1) < 0 else change
             return self._flight(ball, moment, "opens-at-once", 2)
         none = 0 * b.m
         moment = moment._replace(velocity=balls_.centre_velocity(moment.u, moment.L, Vector(none, none, none), b))
