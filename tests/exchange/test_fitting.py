@@ -94,7 +94,8 @@ def test_a_fit_is_a_scenario_that_runs(fit: tt.Fitted, tmp_path: Path) -> None:
     path.write_text(fit.to_toml(), encoding="utf-8")
     assert tomllib.loads(fit.to_toml())["friction"]["mu"] == fit.estimates["friction.mu"].value
     assert tt.load(path).initial == fit.problem.initial
-    assert fit.plot(tmp_path / "fit.png").axes
+    dots, curve = fit.plot(tmp_path / "fit.png").axes[0].lines[:2]
+    assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # the motion, not a line from dot to dot
 
 
 @pytest.mark.parametrize("kind", ["theta", "axis", "orientation", "place", "marker"])

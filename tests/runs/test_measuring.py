@@ -26,7 +26,7 @@ class Computer:
         end = min(problem.until, self.ends_at)
         self.longest = max(self.longest, end)
         for part in range(11):
-            watch(SimpleNamespace(t_end=end * part / 10))
+            watch(SimpleNamespace(t_end=end * part / 10, monitor=SimpleNamespace(steps=10 * end * part)))
             self.now += 10 * end * 1e-3 if part < 10 else 0
             if end * part / 10 >= self.meets:  # what is compiled only there
                 self.now, self.meets = self.now + 4.0, 1e9
@@ -47,6 +47,16 @@ def test_seconds_are_those_of_the_whole_run(monkeypatch: pytest.MonkeyPatch, unt
     if "steps" in expected:
         assert expected["steps"] == pytest.approx(100 * until, rel=0.01)
     assert computer.now < 10 or guess == 1.0
+
+
+def test_steps_that_grow_in_number_are_those_foretold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Friction that drills: the beginning, of 100 steps a second, says what one takes."""
+    computer = Computer()
+    monkeypatch.setattr(measuring, "solve", computer.solve)
+    monkeypatch.setattr(measuring, "driver_of", lambda problem: SimpleNamespace(prepare=lambda: None))
+    expected = measuring.measured(build.load("leine-glocker-drilling", until=100.0), 5e4, computer.clock)
+    assert expected["steps"] == 50000
+    assert expected["seconds"] == pytest.approx(50, rel=0.05)
 
 
 def test_a_run_that_ends_early_is_not_taken_for_longer(monkeypatch: pytest.MonkeyPatch) -> None:

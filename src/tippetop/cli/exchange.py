@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
+
+from .whole import Whole
 
 
 Json = Annotated[bool, Parameter(name="--json", negative=())]
@@ -35,7 +38,8 @@ def compare(
     quaternion
         The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
     up
-        The letter of the vertical in the other's frames, and of the body's axis of symmetry: z or y.
+        The letter of the vertical in the other's frames, and of the body's axis of symmetry: z or y. With y their z, x,
+        y are our x, y, z.
     figure
         Draw both motions, the differences and the drifts to this PNG, SVG or PDF.
     overwrite
@@ -91,7 +95,7 @@ def fit(
     free: str,
     set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
     loss: str = "linear",
-    starts: int = 12,
+    starts: Whole = 12,
     marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quaternion: str | None = None,
     up: str = "z",
@@ -123,7 +127,7 @@ def fit(
     quaternion
         The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
     up
-        The letter of the vertical, and of the body's axis of symmetry: z or y.
+        The letter of the vertical, and of the body's axis of symmetry: z or y. With y their z, x, y are our x, y, z.
     figure
         Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or say --overwrite).
     out
@@ -143,6 +147,8 @@ def fit(
 
     if figure is not None:
         check_picture(figure, "--figure", overwrite)
+    if out is not None:
+        _check_out(out, overwrite, {"the measurements": data, "the figure": figure})
     problem = _problem(scenario, set_)
     place = fit_text.marker_of(marker)
     observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place)
@@ -155,10 +161,23 @@ def fit(
     if figure is not None:
         from ..figures import drawing
 
-        picture = drawing.fit(result.t, observation.groups, result.curves, result.residuals, text)
+        picture = drawing.fit(
+            result.t, observation.groups, measured.curves(observation, result), result.residuals, text
+        )
         drawing.write(picture, figure, overwrite=overwrite)
     print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else "\n".join(text))
     return 0
+
+
+def _check_out(out: Path, overwrite: bool, others: dict[str, str | Path | None]) -> None:
+    """Raises InputError or StoreError now rather than after the fit: what is written must be a file of its own."""
+    from ..errors import InputError, StoreError
+
+    for what, other in others.items():
+        if other is not None and os.path.realpath(out) == os.path.realpath(other):
+            raise InputError([f"--out must be another file than {what}, but is `{out}`."])
+    if not overwrite and os.path.lexists(out):
+        raise StoreError(f"`{out}` exists: name another file, or say --overwrite.")
 
 
 def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int:

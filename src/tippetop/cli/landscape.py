@@ -12,6 +12,7 @@ from cyclopts import Parameter
 
 from ..figures import drawing
 from ..figures.catalogue import PLAIN, Look
+from .whole import Whole
 
 
 Axis = Annotated[str | None, Parameter()]
@@ -131,7 +132,7 @@ def potential(
     *,
     D: Annotated[float, Parameter(name="--D", allow_leading_hyphen=True)],
     lambda_: Annotated[float, Parameter(name="--lambda", allow_leading_hyphen=True)],
-    n: int = 1001,
+    n: Whole = 1001,
     out: Path | None = None,
     figure: Path | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,

@@ -11,12 +11,14 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from .whole import Whole
+
 
 def sweep(
     plan: Path,
     *,
     out: Path,
-    workers: int | None = None,
+    workers: Whole | None = None,
     scheduler: str | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,

@@ -202,10 +202,12 @@ def _start_faults(numbers: dict[str, Any], curves: dict[str, np.ndarray], conven
     """A sentence where the first row is not the reference's start: a convention may be wrong."""
     for name in ("attitude", "axis", "theta"):
         if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:
-            other = "y" if convention.up == "z" else "z"
+            known = "z up"
+            if convention.up == "y":
+                known = "--up y: their z, x, y are our x, y, z"
             return (
                 f"the first row must be the start of the reference, but its {name} differs by {curves[name][0]:.3g} "
-                f"rad: is the start another, the vertical {other} (--up {other}), or the order of the quaternion?"
+                f"rad: is the start another, are the frames others ({known}), or is the order of the quaternion?"
             )
     return ""
 

@@ -1,11 +1,12 @@
 """What a fit says: as plain data, as text, and as a scenario that runs."""
 
+import math
 from typing import Any
 
 from ..errors import InputError
 from ..problem import Problem
 from ..scenario import build
-from .fitting import Fit
+from .fitting import Estimate, Fit
 from .observation import TIMES, Observation
 
 
@@ -31,11 +32,19 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
     rows = []
     for name, e in fit.estimates.items():
         unit = observation.rule(name).unit.symbol
-        text = f"{name:{width}}  {e.value:.8g} +- {e.sigma:.2g}{'' if unit == '1' else ' ' + unit}"
-        rows.append(f"{text}   (95 %: {e.low:.8g} to {e.high:.8g})")
+        digits = _digits(e)
+        text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{'' if unit == '1' else ' ' + unit}"
+        rows.append(f"{text}   (95 %: {e.low:.{digits}g} to {e.high:.{digits}g})")
     units = {"place": "m", "marker": "m", "omega3": "rad/s"}
     noise = ", ".join(f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items())
     return [*rows, f"what is left: {noise} (root mean square)", *fit.reason]
+
+
+def _digits(estimate: Estimate) -> int:
+    """How many digits of a value its standard error leaves, and two more."""
+    if not (estimate.value and math.isfinite(estimate.sigma) and estimate.sigma > 0):
+        return 8
+    return min(max(round(math.log10(abs(estimate.value) / estimate.sigma)) + 3, 2), 12)
 
 
 def fitted_problem(problem: Problem, fit: Fit) -> Problem:
@@ -56,7 +65,7 @@ def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
 def toml(problem: Problem, fit: Fit) -> str:
     """A scenario that runs, as TOML, with the standard errors as comments."""
     changed = tables(problem, fit)
-    text = ["# Fitted by tippetop. " + " ".join(fit.reason)]
+    text = ["# Fitted by tippetop: " + " ".join(fit.reason)]
     text += [f"{key} = {_value(value)}" for key, value in changed.items() if not isinstance(value, dict)]
     for name, table in changed.items():
         if not isinstance(table, dict):

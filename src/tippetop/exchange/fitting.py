@@ -7,17 +7,18 @@ import numpy as np
 
 from ..errors import InputError
 from .misfit import Misfit
-from .observation import Observation
-from .scales import Space, scale_of
-from .search import End, finished, followed, others
+from .observation import CLOCK, OFFSET, Observation
+from .periods import walked
+from .scales import Scale, Space, scale_of
+from .search import RIVAL, End, finished, followed, others
 
 
 STARTS = 12  # that are followed at most, until one leaves nothing but noise
-RIVAL = 25.0  # variances of the noise by which the cost of another fit exceeds that of the best at most
 NOISY = 5.0  # standard deviations of the sum of squared autocorrelations that noise does not reach
 LAGS = 12  # of that sum
 ALIKE, ROUGH = 0.99, 0.05  # correlation, and one standard error, of numbers that cannot be distinguished
 QUANTILE = 0.975
+IDLE = 1e-12  # of what is seen: what changes no more by the whole of a number is rounding
 
 
 class Estimate(NamedTuple):
@@ -44,8 +45,6 @@ class Fit(NamedTuple):
         A sentence for each thing that must be known; the first says how it ended.
     residuals
         Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis two parts, across it.
-    curves
-        Name -> what is predicted, as it was measured, (rows, parts).
     noise
         Name -> its standard deviation.
     t
@@ -59,7 +58,6 @@ class Fit(NamedTuple):
     converged: bool
     reason: list[str]
     residuals: dict[str, np.ndarray]
-    curves: dict[str, np.ndarray]
     noise: dict[str, float]
     t: np.ndarray
     evaluations: int
@@ -106,6 +104,8 @@ def fit(observation: Observation, loss: str = "linear", starts: int = STARTS, se
     if len(observation.groups) > 1:
         misfit.weigh(end.point)
         end = finished(misfit, end.point)
+    if OFFSET in space.names:
+        end = walked(misfit, end, space.names.index(OFFSET))
     return judged(misfit, end)
 
 
@@ -124,11 +124,15 @@ def _refuse(misfit: Misfit) -> None:
             [f"more measurements than free numbers must be there, but are {count} for {len(space.names)}."]
         )
     predictions = observation.predicted(space.values(space.start))
+    if space.values(space.start).get(CLOCK, 1.0) * observation.t[0] + space.values(space.start).get(OFFSET, 0.0) < 0:
+        first = f"but begin at {observation.t[0]:.6g} s: shift them, or let `{OFFSET}` be free"
+        raise InputError([f"times must begin at 0, the start of the motion, or later, {first}."])
     if not any(np.isfinite(off).any() for off, _ in predictions.values()):
         raise InputError(["the scenario must move over the time of the table, but cannot."])
     moves = np.concatenate([moves.reshape(-1, len(space.names)) for _, moves in predictions.values()])
     sizes = np.sqrt(np.nansum((moves * space.slopes(space.start)) ** 2, axis=0))
-    idle = [name for name, size in zip(space.names, sizes, strict=True) if size <= 1e-12 * max(sizes.max(), 1e-300)]
+    seen = np.sqrt(sum(np.nansum(rows**2) for rows in observation.groups.values()))
+    idle = [name for name, size in zip(space.names, sizes, strict=True) if size <= IDLE * max(sizes.max(), seen)]
     if idle:
         raise InputError([f"`{name}` must change what was measured, but does nothing to it." for name in idle])
 
@@ -166,7 +170,7 @@ def judged(misfit: Misfit, end: End) -> Fit:
     estimates = {}
     for name, scale, u, s in zip(space.names, space.scales, point, sigma, strict=True):
         value = scale.outside(u)
-        low, high = (scale.outside(u + sign * quantile * s) for sign in (-1, 1))
+        low, high = (scale.outside(_within(scale, u + sign * quantile * s)) for sign in (-1, 1))
         estimates[name] = Estimate(value, float(s * scale.slope(value)), low, high)
     values = space.values(point)
     parts = {group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()}
@@ -180,8 +184,13 @@ def judged(misfit: Misfit, end: End) -> Fit:
         )
     converged = not reasons
     reasons.insert(0, "the numbers fit: what is left is noise." if converged else "the fit must be read with care:")
-    return Fit(estimates, correlations, converged, reasons, parts, observation.curves(values), noise, observation.t,
+    return Fit(estimates, correlations, converged, reasons, parts, noise, observation.t,
                misfit.evaluations)  # fmt: skip
+
+
+def _within(scale: Scale, u: float) -> float:
+    """A coordinate, but no further than the interval of its number; that of a logarithm is all that is positive."""
+    return u if scale.logarithmic else min(max(u, scale.low), scale.high)
 
 
 def _undecided(space: Space, point: np.ndarray, sigma: np.ndarray, correlations: np.ndarray) -> list[str]:
@@ -203,12 +212,13 @@ def _undecided(space: Space, point: np.ndarray, sigma: np.ndarray, correlations:
 
 def _rivals(space: Space, end: End, jacobian: np.ndarray) -> list[str]:
     """A sentence where other numbers fit nearly as well."""
+    near = []
     for point, cost in end.rivals:
         apart = jacobian @ (point - end.point)
         if cost - end.cost < RIVAL * end.variance and apart @ apart > end.variance:
-            values = ", ".join(f"{name} = {value:.6g}" for name, value in space.values(point).items())
-            return [f"other numbers fit nearly as well: {values}."]
-    return []
+            near.append(", ".join(f"{name} = {value:.6g}" for name, value in space.values(point).items()))
+    more = f" (and {len(near) - 1} more such sets)" if len(near) > 1 else ""
+    return [f"other numbers fit nearly as well: {near[0]}{more}; errors are those of one set."] if near else []
 
 
 def names_of(text: str | Sequence[str]) -> tuple[str, ...]:

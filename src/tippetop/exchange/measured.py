@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arguments import dotted_keys
 from ..errors import InputError
 from ..problem import Problem
 from .fitting import Fit, fit
@@ -14,6 +15,7 @@ from .table import Table, read
 
 
 MOST_ROWS = 100_000  # that a fit takes
+DRAWN = 4001  # times of a curve: fifteen in a period of the canonical top filmed for ten seconds
 
 
 def observation_of(
@@ -33,7 +35,8 @@ def observation_of(
     table = read(data, wrapped=bool(problem.system.vectors))
     if len(table.t) > MOST_ROWS:
         raise InputError([f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."])
-    return Observation(problem, free, motion(table, convention), *_marker(table, convention, marker))
+    names = dotted_keys(free, problem.rules)
+    return Observation(problem, names, motion(table, convention), *_marker(table, convention, marker))
 
 
 def _marker(
@@ -56,3 +59,9 @@ def _marker(
 def fitted(observation: Observation, loss: str, starts: int) -> Fit:
     """The fit of an observation. Raises InputError."""
     return fit(observation, loss, starts)
+
+
+def curves(observation: Observation, result: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """What is predicted by a fit, between the measurements too: times [s], (n,), and curves by kind, (n, parts)."""
+    times = np.linspace(observation.t[0], observation.t[-1], DRAWN)
+    return times, observation.curves({name: e.value for name, e in result.estimates.items()}, times)

@@ -23,7 +23,8 @@ class Convention(NamedTuple):
     quaternion
         The order of columns q_0 ... q_3: "wxyz" or "xyzw"; None where they are named by letters.
     up
-        The letter of the vertical, and of the body's axis of symmetry: "z" or "y".
+        The letter of the vertical, and of the body's axis of symmetry: "z" or "y". With "y" their z, x, y are our
+        x, y, z.
     """
 
     quaternion: str | None = None
@@ -63,6 +64,8 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     """The motion of a table. Raises InputError where its conventions are not named, or what it has is no rotation."""
     if convention.up not in UPS:
         raise InputError([f"the vertical must be z or y, but is {convention.up!r:.20} (--up)."])
+    if convention.quaternion not in (None, *ORDERS):
+        raise InputError([f"the order of a quaternion must be wxyz or xyzw, but is {convention.quaternion!r:.20}."])
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
     axis = _axis(table, turn)
@@ -107,6 +110,8 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
         if convention.quaternion is not None:
             raise InputError(["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."])
         q = table.stacked(*lettered)
+    elif convention.quaternion is not None:
+        raise InputError([f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."])
     else:
         return None
     q = np.concatenate([q[:, :1], q[:, 1:][:, turn]], axis=1)

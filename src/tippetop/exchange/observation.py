@@ -109,7 +109,8 @@ class Observation:
 
     def start(self) -> dict[str, float]:
         """The values of the free numbers in the scenario."""
-        return {name: {OFFSET: 0.0, CLOCK: 1.0}.get(name, self.numbers.values.get(name, 0.0)) for name in self.free}
+        clock = {OFFSET: max(0.0, -float(self.t[0])), CLOCK: 1.0}  # no row is before the start
+        return {name: clock.get(name, self.numbers.values.get(name, 0.0)) for name in self.free}
 
     def predicted(
         self, values: dict[str, float], rows: slice = slice(None)
@@ -133,9 +134,10 @@ class Observation:
             )
         return parts
 
-    def curves(self, values: dict[str, float]) -> dict[str, np.ndarray]:
-        """What is predicted, as it was measured, by group, (rows, parts); of an orientation nothing."""
-        read = self._read([values], self.t, slopes=False)
+    def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
+        """What is predicted at times [s] of the table's clock, as it was measured, by group, (times, parts); of an
+        orientation nothing."""
+        read = self._read([values], t, slopes=False)
         return {group: self._model(group, *read)[0] for group in self.groups if group != "orientation"}
 
     def _read(self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool) -> tuple[Any, Any]:

@@ -29,6 +29,7 @@ STEPS, LAST_STEPS = 6, 30  # at most, of an improvement over a window; over all 
 COARSE_END, LAST_END = 0.05, 1e-7  # variances of the noise by which the last step of these lowers the cost at most
 LONGEST = 0.3  # step
 FAR = 0.4  # how far off other starts are
+RIVAL = 25.0  # variances of the noise by which the cost of another fit exceeds that of the best at most
 SAMPLES = 512  # others, of which the best are followed
 NEAR = 6  # windows: others are judged by so many times the first one
 
@@ -50,15 +51,15 @@ def followed(misfit: Misfit, start: np.ndarray, seed: int = 0, *, to_the_end: bo
     total, free = len(misfit.observation.t), len(start)
     rows, point, least, looking, known = _first(misfit), start, np.inf, True, None
     enough = NEAR * rows
-    rivals: list[_State] = []
+    rivals: list[State] = []
     while True:
         window, last = min(rows, total), rows >= total
-        state = _improved(misfit, point, start, window, last=last, known=known)
+        state = improved(misfit, point, start, window, last=last, known=known)
         looking = looking or state.variance > SURPRISE * least
         points = _about(misfit, state, window, random) if looking else [rival.point for rival in rivals]
-        states = [state, *(_improved(misfit, p, start, window, last=last) for p in points)]
+        states = [state, *(improved(misfit, p, start, window, last=last) for p in points)]
         best, *rivals = sorted(states, key=lambda s: s.cost + s.variance / PRIOR**2 * _square(s.point - start))
-        rivals = [r for r in rivals if r.cost - best.cost < UNLIKELY * best.variance and not _met(best, r)]
+        rivals = [r for r in rivals if r.cost - best.cost < UNLIKELY * best.variance and not met(best, r)]
         looking = looking and bool(rivals) and (window < enough or state.cost - best.cost > best.variance)
         state, point = best, best.point
         if state.variance > WRONG * least and rows > SOME * free and not to_the_end:
@@ -77,7 +78,7 @@ def followed(misfit: Misfit, start: np.ndarray, seed: int = 0, *, to_the_end: bo
         known = residual[row < rows], jacobian[row < rows]
 
 
-def _about(misfit: Misfit, state: "_State", rows: int, random: np.random.Generator) -> list[np.ndarray]:
+def _about(misfit: Misfit, state: "State", rows: int, random: np.random.Generator) -> list[np.ndarray]:
     """The best few of many points about one that lie in other valleys: as far as its slow changes leave open where it
     lies. Differences over a coarse step know nothing of fast oscillations, whose derivatives are large."""
     one = np.eye(len(state.point))
@@ -102,7 +103,7 @@ def _about(misfit: Misfit, state: "_State", rows: int, random: np.random.Generat
     return known[1:]
 
 
-def _met(one: "_State", other: "_State") -> bool:
+def met(one: "State", other: "State") -> bool:
     """Whether two points are one, as far as the data can tell."""
     return _square(one.jacobian @ (one.point - other.point)) < one.variance
 
@@ -113,7 +114,7 @@ def _square(x: np.ndarray) -> float:
 
 def finished(misfit: Misfit, point: np.ndarray) -> End:
     """The best point near one that fits all of the data already."""
-    state = _improved(misfit, point, point, len(misfit.observation.t), last=True)
+    state = improved(misfit, point, point, len(misfit.observation.t), last=True)
     return End(state.point, state.cost, state.variance)
 
 
@@ -136,7 +137,7 @@ def _first(misfit: Misfit) -> int:
     return min(total, int(np.ceil(FEWEST * len(misfit.space.names) * total / count)))
 
 
-class _State(NamedTuple):
+class State(NamedTuple):
     """A point with its residuals and their Jacobian; its cost without the prior, and the variance of the residuals."""
 
     point: np.ndarray
@@ -146,9 +147,9 @@ class _State(NamedTuple):
     variance: float
 
 
-def _improved(
+def improved(
     misfit: Misfit, point: np.ndarray, start: np.ndarray, rows: int, *, last: bool, known: Any = None
-) -> _State:
+) -> State:
     """A point after steps of Levenberg and Marquardt over the first rows; before the last window near the start.
 
     `known`: residuals and Jacobian of the point over these rows, if they are. A step that promises next to nothing is
@@ -173,7 +174,7 @@ def _improved(
             damping = max(damping, 1e-8) * 10
         plain = cost - keep * _square(point - start)
         variance = plain / max(len(residual) - free, 1)
-    return _State(point, residual, jacobian, plain, variance)
+    return State(point, residual, jacobian, plain, variance)
 
 
 def _step(

@@ -17,7 +17,7 @@ from ..problem import Problem
 
 FORMATS = ("mjcf", "urdf")
 TIP = 1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
-RESULT = "tippetop compare OTHER.csv"
+RESULT = "tippetop compare OTHER.csv SCENARIO"
 
 
 class Start(NamedTuple):

@@ -110,7 +110,10 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool) -> list[str]:
             and (np.nanmin(values) < -1e-9 or np.nanmax(values) > UNSIGNED[name] * (1 + 1e-9))
         ):
             worst = values[np.nanargmax(np.abs(values - UNSIGNED[name] / 2))]
-            faults.append(f"`{name}` must lie in 0 to pi, but is {worst:.6g} rad somewhere: is it in degrees?")
+            hint = ": is it in degrees?" if worst > 2 * UNSIGNED[name] else "."
+            faults.append(
+                f"`{name}` must lie in 0 to pi, but is {worst:.6g} rad ({np.rad2deg(worst):.6g} deg) somewhere{hint}"
+            )
         elif name.startswith("axis_") and np.nanmax(np.abs(values)) > 1.01:
             faults.append(
                 f"`{name}` is a component of a unit vector, but is {np.nanmax(np.abs(values)):.4g} somewhere."
@@ -134,6 +137,10 @@ def _csv(path: Path) -> tuple[Sequence[str], np.ndarray]:
                 raise InputError(
                     [f"`{path}` must begin with a header such as `t [s], theta [deg]`, but begins with numbers."]
                 )
+            if len(header) == 1 and ";" in header[0]:
+                raise InputError([f"`{path}` must have commas between columns (and points in its numbers), not `;`."])
+            if len(header) == 1 and "\t" in header[0]:
+                raise InputError([f"`{path}` must have commas between columns, not tabs."])
             read = _heading(path, header)
             width, places = len(header), read.places
             values = np.array([_numbers(path, k, row, width, places) for k, row in enumerate(rows, 1)])

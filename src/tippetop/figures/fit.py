@@ -16,7 +16,7 @@ PARTS = "xyz"
 def fit(
     t: np.ndarray,
     measured: dict[str, np.ndarray],
-    curves: dict[str, np.ndarray],
+    predicted: tuple[np.ndarray, dict[str, np.ndarray]],
     residuals: dict[str, np.ndarray],
     text: list[str],
 ) -> Figure:
@@ -28,11 +28,12 @@ def fit(
         (rows,) [s].
     measured, residuals
         Name -> (rows, parts); NaN in gaps.
-    curves
-        Name -> what is predicted, as it was measured; of an orientation there is none.
+    predicted
+        Times [s], (n,), and name -> what is predicted then, as it was measured, (n, parts); of an orientation none.
     text
         Lines that stand below: the numbers.
     """
+    times, curves = predicted
     fig = figure(9.5, 1.3 + 3.6 * len(measured) + 0.2 * len(text))
     boxes: Any = fig.subplots(
         2 * len(measured), 2, width_ratios=[4, 1], height_ratios=[2, 1] * len(measured), squeeze=False
@@ -42,9 +43,9 @@ def fit(
         off = residuals[name]
         colors = (RUN, UPPER, "#6d28d9", "#0f766e")
         for i, curve in enumerate(curves[name].T if name in curves else ()):
-            above.plot(t, seen[:, i], ".", ms=3, color=QUIET, label="measured" if not i else None)
+            above.plot(t, seen[:, i], ".", ms=3, color=QUIET, zorder=3, label="measured" if not i else None)
             label = f"fit {PARTS[i]}" if seen.shape[1] > 1 else "fit"
-            above.plot(t, curve, color=colors[i % len(colors)], lw=1.2, label=label)
+            above.plot(times, curve, color=colors[i % len(colors)], lw=0.8, label=label)
         for i in range(off.shape[1]):
             color = colors[i % len(colors)]
             below.plot(t, off[:, i], ".", ms=2.5, color=color)

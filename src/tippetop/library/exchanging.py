@@ -59,7 +59,8 @@ def compare(
     quaternion : str, optional
         The order of columns q_0 ... q_3: "wxyz" or "xyzw".
     up : str
-        The letter of the vertical in the other's frames, and of the body's axis of symmetry: "z" or "y".
+        The letter of the vertical in the other's frames, and of the body's axis of symmetry: "z" or "y". With "y" their
+        z, x, y are our x, y, z.
 
     Returns
     -------
@@ -126,7 +127,11 @@ class Fitted:
         from ..figures import catalogue, drawing
 
         figure = drawing.fit(
-            self._fit.t, self._observation.groups, self._fit.curves, self.residuals, str(self).split("\n")
+            self._fit.t,
+            self._observation.groups,
+            measured.curves(self._observation, self._fit),
+            self.residuals,
+            str(self).split("\n"),
         )
         if path is not None:
             catalogue.check_format(path_of("path", path))

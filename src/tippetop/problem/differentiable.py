@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .one import Problem
 
 
+NO_NUMBERS = ("run.", "contact.", "stem.")  # tables whose numbers a motion has no derivatives by
 MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 
 
@@ -35,11 +36,11 @@ def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
     """What is wrong with names that derivatives are asked by, in sentences."""
     faults = []
     for name in wrt:
-        if name.startswith(("run.", "contact.", "stem.")):
+        if name.startswith(NO_NUMBERS):
             faults.append(f"`{name}` must be a number of the body, the friction law or the start, but is none.")
     twice = dict.fromkeys(name for name in wrt if list(wrt).count(name) > 1)
     faults += [f"`{name}` must be named once, but is named twice." for name in twice]
-    faults += key_faults(problem, [name for name in wrt if not name.startswith(("run.", "contact.", "stem."))])
+    faults += key_faults(problem, [name for name in wrt if not name.startswith(NO_NUMBERS)], without=NO_NUMBERS)
     initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
     given = [name for name, value in problem.initial.items() if value is not False]
     return faults or problem.system.clashes([*given, *initial])

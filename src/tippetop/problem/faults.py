@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 _CONTROLS = "but it is so large that it would decide how long the steps are"
 
 
-def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -> list[str]:
+def key_faults(
+    base: "Problem", keys: Iterable[str], also: Iterable[str] = (), without: tuple[str, ...] = ()
+) -> list[str]:
     """What is wrong with varying these keys of a problem, in sentences; `also` are further names that may vary.
 
     Parameters
@@ -30,13 +32,15 @@ def key_faults(base: "Problem", keys: Iterable[str], also: Iterable[str] = ()) -
         Dotted keys like `friction.mu`.
     also
         Names that may vary beside those of the problem.
+    without
+        Tables whose names may not.
 
     Returns
     -------
     list of str
         Empty if all may vary together.
     """
-    keys, known = list(keys), [*also, *base.rules]
+    keys, known = list(keys), [*also, *(key for key in base.rules if not key.startswith(without))]
     faults = [
         f"`{key}` must be one of {', '.join(known)}, but is not.{suggestion(key.rpartition('.')[2], _short(known))}"
         for key in keys

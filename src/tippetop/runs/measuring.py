@@ -7,6 +7,7 @@ from typing import Any
 
 from ..engine.status import Status
 from ..engine.taylor import driver_of
+from ..mechanics.friction import Contensou
 from ..problem import Problem
 from ..sampling import EvenTimes, ListedTimes
 from .integration import Integration
@@ -37,7 +38,8 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     problem
         The run.
     steps
-        How many it may make; an order of magnitude.
+        How many it may make; an order of magnitude. Where friction drills its beginning says what a step takes, but not
+        how many there are: these count.
     clock
         Seconds.
 
@@ -52,19 +54,19 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
         began = clock()
         if problem.contact is not None:  # later phases would be compiled on the way
             driver_of(problem).prepare()
-        _piece(problem, shortest / FIRST_STEPS, clock)
+        _piece(problem, shortest / FIRST_STEPS, steps, clock)
         middle = clock()
-        _piece(problem, shortest / FIRST_STEPS, clock)
+        _piece(problem, shortest / FIRST_STEPS, steps, clock)
         fixed = clock() - middle
         compiling = middle - began - fixed
         until = shortest
         while True:
             try:
                 began = clock()
-                solution = _piece(problem, until, clock)
+                solution = _piece(problem, until, steps, clock)
             except _TooLong:  # it may have compiled what it met on its way: the second time counts
                 began = clock()
-                solution = _piece(problem, until, clock)
+                solution = _piece(problem, until, steps, clock)
             took = max(clock() - began - fixed, 0.0)
             ended = solution.status is not Status.FINISHED
             if ended or until >= problem.until or took >= WORTH:
@@ -73,6 +75,8 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     except _TooLong as reached:
         return {"seconds": round(reached.seconds, 4)}
     whole, count = 1.0 if ended else problem.until / until, solution.report["steps"]
+    if isinstance(problem.friction, Contensou) and whole > 1:
+        whole = max(1.0, steps / max(count, 1))
     steps_of_all = {"steps": round(count * whole)} if count >= FEWEST or whole == 1.0 else {}
     return {
         **steps_of_all,
@@ -81,22 +85,24 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     }
 
 
-def _piece(problem: Problem, until: float, clock: Callable[[], float]) -> Solution:
+def _piece(problem: Problem, until: float, steps: float, clock: Callable[[], float]) -> Solution:
     """The run up to some time, with its rows as columns. Raises _TooLong."""
     times: Any = problem.times
     if isinstance(times, EvenTimes):
         times = replace(times, until=until)
     else:
         times = ListedTimes(times.times[times.times <= until])
-    first: list[tuple[float, float]] = []  # clock and time after the first slice, which comes after compiling
+    first: list[tuple[float, float]] = []  # clock and share after the first slice, which comes after compiling
+    uneven = isinstance(problem.friction, Contensou)
 
     def watch(integration: Integration) -> None:
-        now, t = clock(), integration.t_end
+        now = clock()
+        share = integration.monitor.steps / max(steps, 1) if uneven else integration.t_end / problem.until
         if not first:
-            first.append((now, t))
-        seconds, advance = now - first[0][0], t - first[0][1]
+            first.append((now, share))
+        seconds, advance = now - first[0][0], share - first[0][1]
         if seconds > MOST:
-            raise _TooLong(seconds * problem.until / max(advance, 1e-300))
+            raise _TooLong(seconds / max(advance, 1e-300))
 
     solution = solve(replace(problem, until=until, times=times), watch)
     solution.columns()

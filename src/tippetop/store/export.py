@@ -25,7 +25,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
     Raises InputError for an unknown format, StoreError for what cannot be read, written, or lacks its library.
     """
     if to not in FORMATS:
-        raise InputError([f"--to must be one of {', '.join(FORMATS)}, but is `{to}`."])
+        raise InputError([f"--to must be one of {', '.join(FORMATS)}, or for a body mjcf, urdf, but is `{to}`."])
     attrs = root.attributes(store)
     root.refuse_other_rows(store, attrs)
     groups = [name for name in skeleton.groups_of(attrs) if name != "keyframes"]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...mechanics.contact.ball import jellett
+from ...mechanics.contact.phases.drilling import RESTS
 from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
 from ...mechanics.events import ON_ZERO
@@ -211,6 +212,8 @@ class ContactDriver:
                     sign, zero = sign if event.direction == 0 else 1.0, False
                 elif name in BACK:  # by the region that was chosen: as small as U, they are not zero
                     sign, zero = -float(event.direction), name == change.passed
+                elif name == RESTS.name:  # as small as U too
+                    sign, zero = (-1.0, True) if name == change.passed else (sign, False)
                 elif name == "touch" and zero:
                     sign = 1.0
             at.append(sign)

@@ -137,9 +137,15 @@ def mobility_times(u, x, ball):
 @formula
 def mobility_inverse_times(u, x, ball):
     """K^-1 x, (3,): the force or impulse for x at the contact; K = kappa - a a/I1 + excess k k, k = zhat x 3hat."""
+    return other_mobility_inverse_times(u, x, ball.radius**2 * (1 / ball.I3 - 1 / ball.I1), ball)
+
+
+@formula
+def other_mobility_inverse_times(u, x, excess, ball):
+    """The same of another excess, which is what a torque about the vertical changes of K."""
     a = arm(u, ball)
     a2 = ball.offset**2 + ball.radius**2 - 2 * (ball.offset * ball.radius * u.z)
-    kappa, excess = 1 / ball.m + a2 / ball.I1, ball.radius**2 * (1 / ball.I3 - 1 / ball.I1)
+    kappa = 1 / ball.m + a2 / ball.I1
     across = u.x * x.y - u.y * x.x  # k.x
     along_k = -(excess * across) / (kappa + excess * (u.x * u.x + u.y * u.y))
     along_a = ball.m * dot(a, x) / ball.I1

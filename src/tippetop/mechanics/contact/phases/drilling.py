@@ -1,4 +1,8 @@
-"""Sliding under friction that drills: it never stops, and takes energy and Jellett's integral by its torque."""
+"""Sliding under friction that drills, which takes energy and Jellett's integral by its torque.
+
+It stops only where turning does, both at once; before that the equations are as stiff as 1/Omega_z. What follows, a
+disc that sticks, has no equations here.
+"""
 
 from collections import namedtuple
 from collections.abc import Callable
@@ -20,6 +24,7 @@ from ..ball import (
     torque_acceleration,
 )
 from ..coulomb import loaded_normal_force
+from ..disc_at_rest import holding, holds, stopped
 from ..drilling import OUTSIDE_FROM, between, drilling_force, drilling_torque, inside, outside, rolling_torque
 from ..gliding import catalogue as gliding
 from ..integrals import integral
@@ -30,6 +35,11 @@ from .legs import ball
 
 STILL = 1e-6
 """Angular velocity, internal units, below which the sign of Omega_z, and the direction of rolling, are smooth."""
+
+
+RESTS_BELOW = 1e-4
+"""Angular velocity, internal units, below which a disc comes to rest, if friction can hold it: what is left of its
+turning lasts some hundredths of internal time, and what is made smooth does not yet show."""
 
 
 class State(NamedTuple):
@@ -176,7 +186,14 @@ def normal_force(s, b):
     return s.force
 
 
-COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH)
+@formula
+def restless(s, b):
+    """w^2 + U^2 beyond that of a disc that comes to rest."""
+    return s.v2 + s.U2 - (b.friction.patch * RESTS_BELOW) ** 2
+
+
+RESTS = Event("rests", "the contact's disc neither slides nor turns", restless, -1, "rests")
+COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH, RESTS)
 REGIONS = {"inside": inside, "between": between, "outside": outside}
 EDGE = 1 + 1e-6
 """x = w/U from which `between` holds: its slope has a root at 1, and `inside` is still right there to 1e-15."""
@@ -203,6 +220,14 @@ def _kind(name: str) -> legs.Kind:
 DRILLING_KINDS = {f"drill-{name}": _kind(name) for name in REGIONS} | {"flight": legs.KINDS["flight"]}
 FOLLOWS = {(f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.items() for word, _, _, to in borders}
 """The kind that follows a kind and the event that ended it."""
+
+
+def stays_at_rest(u: Vector, L: Vector, velocity: Vector, b: Any) -> bool:
+    """Whether friction can hold the disc of a body, once it is at rest."""
+    touching = ball(b)
+    L, _ = stopped(u, L, velocity, touching)
+    rolling = rolling_torque(1, angular_velocity(u, L, touching), b.friction.mu_r, STILL)
+    return holds(holding(u, L, rolling, touching), b.friction.mu, b.friction.patch)
 
 
 def region(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:

@@ -1,0 +1,97 @@
+"""What a fit refuses before it computes, and what its words leave: no measurement is lost, no number is a pretence."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop import cli
+from tippetop.errors import InputError
+from tippetop.exchange import measured
+from tippetop.exchange.fit_text import lines
+from tippetop.exchange.fitting import Estimate, Fit, _within
+from tippetop.exchange.scales import scale_of
+from tippetop.mechanics.parameter import Parameter
+from tippetop.mechanics.units import ONE
+
+
+@pytest.fixture
+def film(tmp_path: Path) -> Path:
+    path = tmp_path / "film.csv"
+    path.write_text("t [s],theta [deg]\n0,5.7\n0.1,5.6\n0.2,5.8\n0.3,5.6\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("more", "code", "words"),
+    [
+        (["--out", "film.csv", "--overwrite"], 2, "--out must be another file than the measurements"),
+        (["--out", "./film.csv"], 2, "--out must be another file than the measurements"),
+        (["--out", "x.png", "--figure", "x.png"], 2, "--out must be another file than the figure"),
+        (["--out", "there.toml"], 5, "`there.toml` exists"),
+        (["--starts", "1.5"], 2, "--starts must be a whole number, but is `1.5`"),
+        (["--quaternion", "zyxw"], 2, "must be wxyz or xyzw, but is 'zyxw'"),
+        (["--quaternion", "wxyz"], 2, "must have the columns q_0 ... q_3 for --quaternion, but has none"),
+    ],
+)
+def test_wrong_words_are_refused_before_a_fit(
+    film: Path,
+    more: list[str],
+    code: int,
+    words: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+) -> None:
+    before = film.read_bytes()
+    monkeypatch.chdir(film.parent)
+    Path("there.toml").touch()
+    monkeypatch.setattr(measured, "fitted", lambda *_: pytest.fail("it is fitted"))
+    assert cli.outcome(["fit", "film.csv", "inverting", "--free", "friction.mu", *more]) == code
+    assert words in capsys.readouterr().err
+    assert film.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("text", "free", "words"),
+    [
+        ("t [s],theta [deg]\n-1,5\n0,5\n1,5\n", "friction.mu", r"begin at -1 s: shift them, or let `time\.offset`"),
+        ("t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n", "initial.phi", "`initial.phi` must change what was measured"),
+        ("t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n", "run.til", r"parameters\.m, .*initial\.psi, but is not|but is none"),
+    ],
+)
+def test_what_cannot_be_fitted_is_a_sentence(tmp_path: Path, text: str, free: str, words: str) -> None:
+    path = tmp_path / "film.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        tt.fit(path, "inverting", free)
+
+
+def test_names_that_are_offered_may_be_free(film: Path) -> None:
+    with pytest.raises(InputError, match=r"Did you mean `mu`\?") as raised:
+        tt.fit(film, "inverting", "friction.mue")
+    assert "run." not in str(raised.value)
+    observation = measured.observation_of(tt.load("inverting"), str(film), ["mu"], measured.Convention(), None)
+    assert list(observation.start()) == ["friction.mu"]
+
+
+def test_a_clock_that_is_free_starts_where_no_row_is_before_the_motion(tmp_path: Path) -> None:
+    path = tmp_path / "film.csv"
+    path.write_text("t [s],theta [deg]\n-1,5\n0,5\n1,5\n", encoding="utf-8")
+    free = ["time.offset"]
+    assert measured.observation_of(tt.load("inverting"), path, free, measured.Convention(), None).start() == {
+        "time.offset": 1.0
+    }
+
+
+def test_an_interval_ends_where_that_of_its_number_does() -> None:
+    scale = scale_of(Parameter(ONE, "", above=0, below=1), 0.25)
+    assert [scale.outside(_within(scale, u)) for u in (-3.0, 2.0, 9.0)] == [0.0, 0.5, 1.0]
+
+
+@pytest.mark.parametrize(("sigma", "text"), [(1e6, "0.053 +- 1e+06"), (2e-5, "0.0526494 +- 2e-05")])
+def test_a_value_has_the_digits_that_its_error_leaves(film: Path, sigma: float, text: str) -> None:
+    observation = measured.observation_of(tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None)
+    estimates = {"friction.mu": Estimate(0.052649398, sigma, 0.0, 1.0)}
+    fit = Fit(estimates, np.eye(1), True, ["."], {}, {}, np.zeros(2), 1)
+    assert text in lines(fit, observation)[0]

@@ -1,0 +1,61 @@
+"""A clock that is free has a best fit in every period of an oscillation: all that are nearly as good are found."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tippetop.exchange.misfit import Misfit
+from tippetop.exchange.observation import OFFSET
+from tippetop.exchange.periods import walked
+from tippetop.exchange.scales import Scale, Space
+from tippetop.exchange.search import End
+
+
+RATE = 60.0  # of the oscillation
+T = np.linspace(0, 2, 240)
+
+
+def misfit(drift: float) -> Misfit:
+    """An oscillation, and a drift whose start is free as well, of a clock whose true time is 0."""
+    random = np.random.default_rng(3)
+    seen = 0.1 * np.cos(RATE * T) + drift * T**2 + 0.01 * random.standard_normal(len(T))
+
+    def predictions(points: list, rows: slice = slice(None), *, slopes: bool = True) -> dict:
+        t = T[rows]
+        off, moves = [], []
+        for values in points:
+            o, b = values[OFFSET], values["b"]
+            off.append(seen[rows] - (b + 0.1 * np.cos(RATE * (t + o)) + drift * (t + o) ** 2))
+            moves.append(
+                np.stack([-0.1 * RATE * np.sin(RATE * (t + o)) + 2 * drift * (t + o), np.ones(len(t))], axis=1)
+            )
+        return {"theta": (np.array(off)[:, :, None], np.array(moves)[:, :, None, :] if slopes else None)}
+
+    observation = SimpleNamespace(t=T, groups={"theta": seen[:, None]}, parts=lambda _: 1, predictions=predictions)
+    line = Scale(False, 1.0, -np.inf, np.inf)
+    return Misfit(observation, Space({OFFSET: 0.0, "b": 0.0}, [line, line]), "linear")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("begin", [0.0, 2 * np.pi / RATE])
+def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_named(begin: float) -> None:
+    """The drift changes by 2 x 0.01 x 2 in 10 s of an offset: valleys beside are worse by little."""
+    left = misfit(0.01)
+    found = walked(left, End(np.array([begin, 0.0]), np.inf, 1e-4), 0)
+    assert found.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    beside = sorted(point[0] * RATE / (2 * np.pi) for point, _ in found.rivals)
+    assert len(beside) > 2
+    np.testing.assert_allclose(beside, np.round(beside), atol=0.1)
+    assert {-1, 1} <= set(np.round(beside))
+    assert all(cost > found.cost for _, cost in found.rivals)
+
+
+def test_a_drift_that_decides_the_period_leaves_no_other() -> None:
+    assert walked(misfit(0.5), End(np.zeros(2), np.inf, 1e-4), 0).rivals == ()
+
+
+def test_of_periods_that_are_all_alike_the_nearest_is_taken() -> None:
+    """A motion that is periodic: costs differ by rounding."""
+    found = walked(misfit(0.0), End(np.zeros(2), np.inf, 1e-4), 0)
+    assert found.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    assert len(found.rivals) > 20

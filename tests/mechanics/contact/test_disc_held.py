@@ -1,0 +1,92 @@
+"""What holds a contact disc at rest, against the equations of Newton and Euler solved as linear ones."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from tippetop.mechanics.contact import ball as balls
+from tippetop.mechanics.contact.ball import Ball
+from tippetop.mechanics.contact.disc_at_rest import holding, is_within, stopped, stopping
+from tippetop.mechanics.operand import Vector
+
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+def state(seed):
+    """A ball, and its 3hat, L, velocity: numpy vectors, and the tensor of inertia."""
+    rng = np.random.default_rng(seed)
+    I1, I3 = rng.uniform(0.3, 0.6, 2)
+    ball = Ball(rng.uniform(0.5, 2), I1, I3, rng.uniform(0.5, 2), 0.3, rng.uniform(-1.5, 1.5), rng.uniform(0.5, 1.5))
+    u = rng.normal(size=3)
+    u /= np.linalg.norm(u)
+    inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(u, u)
+    return ball, u, inertia, rng.normal(size=3), rng.normal(size=3), ball.offset * u - ball.radius * Z
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_disc_at_rest_neither_slides_nor_turns(seed):
+    """m s'' = F - m g zhat, L' = a x F + tau zhat + N rolling, and v_A' = 0, Omega_z' = 0: eleven equations."""
+    ball, u, inertia, omega, _, a = state(seed)
+    omega[2] = 0.0
+    L, rolling = inertia @ omega, np.array([0.02, -0.03, 0.0])
+    found = holding(Vector(*u), Vector(*L), Vector(*rolling), ball)
+    inverse = np.linalg.inv(inertia)
+
+    def motion(x):
+        """v_A' and Omega_z' by F and tau."""
+        F, tau = x[:3], x[3]
+        turn = inverse @ (np.cross(a, F) + tau * Z + F[2] * rolling - np.cross(omega, L))
+        arm_rate = ball.offset * np.cross(omega, u)
+        v_rate = F / ball.m - ball.g * Z + np.cross(turn, a) + np.cross(omega, arm_rate)
+        return np.append(v_rate, turn[2])
+
+    free = motion(np.zeros(4))
+    matrix = np.array([motion(x) - free for x in np.eye(4)]).T
+    F_x, F_y, F_z, tau = np.linalg.solve(matrix, -free)
+    assert [*found.force, found.torque] == pytest.approx([F_x, F_y, F_z, tau], rel=1e-11)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_impulses_bring_it_to_rest_and_take_energy(seed):
+    ball, u, inertia, omega, V, a = state(seed)
+    L, start = inertia @ omega, (Vector(*u), Vector(*(inertia @ omega)), Vector(*V))
+    held, (L_end, V_end) = stopping(*start, ball), stopped(*start, ball)
+    omega_end = np.linalg.solve(inertia, np.array(L_end))
+    assert np.array(V_end) + np.cross(omega_end, a) == pytest.approx(np.zeros(3), abs=1e-13)
+    assert omega_end[2] == pytest.approx(0.0, abs=1e-13)
+    gained = (np.dot(V_end, V_end) - V @ V) * ball.m / 2 + (omega_end @ np.array(L_end) - omega @ L) / 2
+    v = balls.contact_velocity(*start, ball)
+    assert gained == pytest.approx((np.dot(held.force, v) + held.torque * omega[2]) / 2, rel=1e-12)
+    assert gained < 0
+
+
+def limits(x):
+    """|F|/(mu N) and |tau|/(mu N patch) of a disc under Hertz's pressure that slides with x and turns with 1, by
+    quadrature over its points: the disc's share at a radius r, and the direction of sliding there."""
+
+    def at(of):
+        def ring(r):
+            pressure = 1.5 * np.sqrt(1 - r * r) / np.pi
+            inner = quad(lambda angle: of(r, angle, x), 0, 2 * np.pi, limit=200)[0]
+            return pressure * r * inner
+
+        return quad(ring, 0, 1, limit=200)[0]
+
+    def speed(r, angle):
+        return np.hypot(x - r * np.sin(angle), r * np.cos(angle))
+
+    force = at(lambda r, angle, x: (x - r * np.sin(angle)) / speed(r, angle))
+    torque = at(lambda r, angle, x: r * (r - x * np.sin(angle)) / speed(r, angle))
+    return force, torque
+
+
+@pytest.mark.parametrize("x", [0.3, 1.7])
+def test_friction_of_a_disc_gives_what_is_within_its_limits(x):
+    force, torque = limits(x)
+    for share, inside in ((0.999, True), (1.001, False)):
+        assert is_within(share * force, share * torque) is inside
+    assert is_within(0.0, 0.589)
+    assert not is_within(0.0, 0.5891)  # 3 pi/16
+    assert is_within(0.9999, 0.0)
+    assert not is_within(1.0, 0.0)
