@@ -36,6 +36,8 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("arguments", "sentence"),
     [
         (["check", "inverting", "0.4"], "unexpected argument `0.4` (values are changed with --set table.key=value)"),
+        (["sweep", "x.toml", "--out", "x", "--workers", "1.5"], "--workers must be a whole number, but is `1.5`."),
+        (["potential", "inverting", "--D", "1", "--lambda", "1", "--n", "2.5"], "--n must be a whole number, but is"),
         (["run"], "SCENARIO is missing: write tippetop run SCENARIO;"),
         (["run", "inverting", "--theta", "0.2"], "unknown option --theta: write --set initial.theta=0.2."),
         (["run", "inverting", "--theta=0.2"], "write --set initial.theta=0.2."),
