@@ -142,7 +142,7 @@ def test_of_quaternions_the_inclination_is_drawn_measured_and_predicted() -> Non
     run = tt.run("inverting", until=0.12, output_times=t).trajectory.sel(time=t)
     seen = Motion(t, None, None, run.orientation.values, *(None,) * 4)
     observation = Observation(tt.load("inverting"), ["friction.mu"], seen)
-    for drawn in (observation.shown(), observation.curves(observation.start(), t)):
+    for drawn in (observation.dots(), observation.curves(observation.start(), t)):
         np.testing.assert_allclose(drawn["orientation"], run.theta.values[:, None], rtol=0, atol=1e-8)
 
 

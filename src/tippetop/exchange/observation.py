@@ -134,16 +134,16 @@ class Observation:
             )
         return parts
 
-    def shown(self) -> dict[str, np.ndarray]:
+    def dots(self) -> dict[str, np.ndarray]:
         """What was measured, as a figure shows it, by group, (rows, parts): of an orientation theta."""
-        shown = dict(self.groups)
-        if "orientation" in shown:
-            w, x, y, z = shown["orientation"].T
-            shown["orientation"] = 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))[:, None]
-        return shown
+        rows = dict(self.groups)
+        if "orientation" in rows:
+            w, x, y, z = rows["orientation"].T
+            rows["orientation"] = 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))[:, None]
+        return rows
 
     def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
-        """What is predicted of `shown` at times [s] of the table's clock, by group, (times, parts)."""
+        """What is predicted of `dots` at times [s] of the table's clock, by group, (times, parts)."""
         value, _ = self._read([values], t, slopes=False)
         curves = {group: self._model(group, value, None)[0] for group in self.groups if group != "orientation"}
         if "orientation" in self.groups:
