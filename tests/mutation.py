@@ -286,9 +286,10 @@ def judged_by(module: str) -> str:
 
 
 def fingerprint(module: str) -> str:
-    """What a verdict depends on: the formulas, and the judges."""
+    """What a verdict depends on: the judges, and the formulas that they may read; laws read those of systems only."""
+    read = formula_files() if module in JUDGES else formula_files() & {*order()}
     judge = [TESTS / name for name in [*files_of(module), "helpers/landscape_oracle.py"]] if module in JUDGES else []
-    files = [*judge, TESTS / "helpers" / "laws.py", *(path_of(name) for name in sorted(formula_files()))]
+    files = [*judge, TESTS / "helpers" / "laws.py", *(path_of(name) for name in sorted(read))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
 
 

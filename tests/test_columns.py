@@ -24,6 +24,8 @@ SI |= {"N": (1, 1, -2), "J": (1, 2, -2), "W": (1, 2, -3)}
         ("sigma = m R^2/I3, set by I3 at the same gamma", "σ = m R^2/I3, set by I3 at the same γ"),
         ("theta", "θ"),
         ("normal force", "normal force"),
+        ("viscous friction, mu = 0.3", "viscous friction, μ = 0.3"),
+        ("the spin of a simulation rises through pi", "the spin of a simulation rises through π"),
     ],
 )
 def test_names_of_letters_become_letters(words: str, letters: str) -> None:

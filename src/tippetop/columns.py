@@ -14,13 +14,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-GREEK = {"lambda_s": "λₛ", "omega_3": "ω₃", "gamma": "γ", "lambda": "λ", "sigma": "σ", "theta": "θ"}
+GREEK = {
+    "mu": "μ",
+    "eps": "ε",
+    "pi": "π",
+    "lambda_s": "λₛ",
+    "omega_3": "ω₃",
+    "gamma": "γ",
+    "lambda": "λ",
+    "sigma": "σ",
+    "theta": "θ",
+}
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def greek(text: str) -> str:
-    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃."""
-    return re.sub("|".join(GREEK), lambda word: GREEK[word[0]], text)
+    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃. Short names are whole words."""
+    names = "|".join(rf"\b{name}\b" if len(name) < 4 else name for name in GREEK)
+    return re.sub(names, lambda word: GREEK[word[0]], text)
 
 
 def units_text(units: str) -> str:
@@ -38,6 +49,14 @@ class Column(NamedTuple):
 
 def column(values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",), **extra: str) -> Column:
     return Column(dims, np.asarray(values, dtype=np.float64), {"units": unit.symbol, "long_name": long_name, **extra})
+
+
+def on_sphere(trajectory: Any) -> np.ndarray:
+    """Whether the sphere touches the plane, at each row of a run: not while it stands on its stem, or flies."""
+    away = np.zeros(len(trajectory["time"].values), bool)
+    for name, words in (("ball", "stem"), ("phase", "flight")):
+        away |= flagged(trajectory[name], words) if name in trajectory else away
+    return ~away
 
 
 def flagged(flags: Any, name: str) -> np.ndarray:

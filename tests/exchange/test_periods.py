@@ -52,3 +52,10 @@ def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_n
 
 def test_a_drift_that_decides_the_period_leaves_no_other() -> None:
     assert walked(misfit(0.5), End(np.zeros(2), np.inf, 1e-4), 0).rivals == ()
+
+
+def test_of_periods_that_are_all_alike_the_nearest_is_taken() -> None:
+    """A motion that is periodic: costs differ by rounding."""
+    found = walked(misfit(0.0), End(np.zeros(2), np.inf, 1e-4), 0)
+    assert found.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    assert len(found.rivals) > 20

@@ -94,6 +94,32 @@ def test_a_title_is_text(inverting: tuple) -> None:
         drawing.figure_of("theta", {"trajectory": trajectory, "events": events}, attrs, catalogue.Look("b\udcff"))
 
 
+@pytest.mark.parametrize("title", ["$x_{$ <b>", "50$ and 60$ $$", "first\n$x_{$"])
+def test_a_title_that_is_no_formula_stands_as_it_is(title: str, inverting: tuple) -> None:
+    trajectory, events, attrs = inverting
+    look = catalogue.Look(title)
+    figure = drawing.figure_of("normal-force", {"trajectory": trajectory, "events": events}, attrs, look)
+    figure.canvas.draw()
+    assert figure.axes[0].get_title(loc="left").replace(r"\$", "$") == title
+
+
+def test_of_a_top_on_its_stem_nothing_is_said_that_is_of_its_sphere(inverting: tuple) -> None:
+    """Its modified energy there is no energy, and its end on the sphere is not that of the run."""
+    trajectory, events, attrs = inverting
+    ball = xr.DataArray((trajectory["time"] > 6.0).astype(np.int8), attrs={"flag_meanings": "body stem"})
+    groups = {"trajectory": trajectory.assign(ball=ball), "events": events}
+    shown = lines(drawing.figure_of("energy", groups, attrs))["modified energy Ẽ; none on the stem, in the air"]
+    assert np.asarray(shown.get_xdata())[np.isfinite(shown.get_ydata())].max() == 6.0
+    for kind in ("states", "surface"):
+        assert "last on its sphere" in lines(drawing.figure_of(kind, groups, attrs))
+    wells = drawing.figure_of("potential", groups, attrs).axes
+    assert len(wells) == 6
+    assert all(float(axes.get_title(loc="left").split()[2]) <= 6.0 for axes in wells)
+    on_stem = groups | {"trajectory": groups["trajectory"].isel(time=slice(6100, None))}
+    with pytest.raises(InputError, match="on its stem or in the air"):
+        drawing.figure_of("potential", on_stem, attrs)
+
+
 def test_a_title_has_the_letters_of_the_axes_and_units(inverting: tuple) -> None:
     title = drawn("theta", inverting).axes[0].get_title(loc="left")
     assert (

@@ -109,6 +109,32 @@ def test_the_scale_of_the_potential_is_that_of_times_on_the_ball(tab: Any) -> No
     assert 0 < sizes[1] < 0.5 * sizes[0]
 
 
+def test_the_ball_in_the_well_is_on_the_curve_and_the_scale_is_readable(tab: Any) -> None:
+    """At a turning angle it is at the level of the energy, not above it."""
+    off, labels = tab.evaluate("""() => {
+        const { well, shown } = tippetop.stage;
+        const pose = shown.motion.pose(tippetop.time);
+        const dots = [], labels = [];
+        const { chart, height } = well;
+        const names = ["line", "paper", "alarm", "run", "upper", "fill", "quiet", "ink"];
+        const colours = Object.fromEntries(names.map((name) => [name, "#888"]));
+        chart.dot = (x, y) => dots.push(y);
+        chart.axes = (_, xs, ys) => labels.push(...ys.map(([, text]) => text));
+        well.draw(pose, colours, false, true);
+        const on = chart.y(well.at(pose.theta, pose.well[0], pose.well[1]));
+        for (const size of [1e-12, 3e-8, 5e-3, 40]) {
+            well.height = size;
+            well.draw(pose, colours, false, true);
+        }
+        well.height = height;
+        delete chart.dot;
+        delete chart.axes;
+        return [dots[0] - on, labels];
+    }""")
+    assert abs(off) < 0.01
+    assert max(map(len, labels)) <= 4
+
+
 @pytest.mark.slow
 def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     """What the button records has the pictures that were drawn meanwhile: a file that a player opens."""

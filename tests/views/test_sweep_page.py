@@ -1,5 +1,8 @@
 """The page of a sweep: its map, the line of a top, and its motion, integrated in the page."""
 
+import base64
+import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +11,7 @@ import pytest
 
 import tippetop as tt
 from tippetop.cli import outcome
+from tippetop.sweeps import maps
 from tippetop.sweeps.plan import Plan
 from tippetop.views.sweep import changes, is_movable, page_of_sweep
 
@@ -60,11 +64,31 @@ def test_a_sweep_becomes_one_file(store: Path, tmp_path: Path) -> None:
     assert (tmp_path / "S.html").read_text(encoding="utf-8") == page_of_sweep(store)
 
 
+def test_a_page_tells_the_classes_apart_as_the_figure_does(
+    store: Path, tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A top that has not left the upright yet is no top that is turning over."""
+    monkeypatch.setattr(maps, "NEAR", 1.0)
+    data = re.search(r'id="data">(.*?)</script>', page_of_sweep(store), re.DOTALL)
+    assert data is not None
+    (column,) = (c for c in json.loads(data[1])["columns"] if c["name"] == "class")
+    values = np.frombuffer(base64.b64decode(column["values"]), "<f4")
+    shown = {column["names"][int(value)] for value in values}
+    assert shown == {maps.SHOWN[i] for i in maps.shown_classes(tt.open(store))}
+    assert "near-upright" in shown
+    labels = [axis["label"] for axis in json.loads(data[1])["axes"]]
+    assert "friction coefficient μ" in labels[1]
+    assert outcome(["view", str(store), "--from", "0.1", "--out", str(tmp_path / "S.html")]) == 2
+    assert "is a sweep" in capsys.readouterr().err
+
+
 def test_a_cell_has_its_line_and_its_motion(store: Path, open_page: Any) -> None:
     """Whose inclination at the end is that of the sweep."""
     table = tt.open(store)
     tab = open_page(page_of_sweep(store))
-    assert tab.locator("[data-part=legend]").inner_text().count("(") == len(set(table["class"].values[1::2]))
+    legend = tab.locator("[data-part=legend]").inner_text()
+    assert legend.count("(") == len(set(maps.shown_classes(table)[1::2]))
+    assert "-" not in legend
     for top in (1, 9, 17):
         tab.evaluate("top => tippetop.sweep.choose(top, true)", top)
         assert f"Top {top}:" in tab.locator("[data-part=top]").inner_text()

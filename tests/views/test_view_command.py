@@ -1,5 +1,6 @@
 """`tippetop view`: one file without links, or one sentence and an exit code."""
 
+import json
 import re
 import threading
 from pathlib import Path
@@ -46,6 +47,9 @@ def test_a_run_in_memory_and_its_store_have_the_same_page(store: Path) -> None:
         (["{out}"], 5, "must not exist yet"),
         (["{folder}"], 5, "is a folder"),
         (["new.html", "--from", "3"], 2, "rows between 3 and inf s"),
+        (["new.html", "--from", "0.2", "--until", "0.1"], 2, "`--from` must be less than `--until`"),
+        (["new.html", "--from", "nan"], 2, "`--from` must be less than `--until`"),
+        (["new.pdf"], 2, "--out must end with .html"),
     ],
 )
 def test_what_is_wrong_is_a_sentence(
@@ -63,7 +67,21 @@ def test_what_is_wrong_is_a_sentence(
     assert outcome(["view", str(store), "--out", *given]) == code
     assert sentence in capsys.readouterr().err
     assert (tmp_path / "there.html").read_text(encoding="utf-8") == "precious"
-    assert not (tmp_path / "new.html").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["there.html"]
+
+
+def test_a_page_says_its_law_by_letters(store: Path) -> None:
+    stored = tt.open(store)
+    assert isinstance(stored, tt.StoredRun)
+    data = re.search(r'id="data">(.*?)</script>', stored.view().text, re.DOTALL)
+    assert data is not None
+    assert json.loads(data[1])["about"] == "vector form · double · viscous friction, μ = 0.3 s m⁻¹"
+
+
+def test_a_part_of_what_has_no_time_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    assert outcome(["view", "--playground", "--until", "3", "--out", str(tmp_path / "P.html")]) == 2
+    assert "--from and --until are for runs" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

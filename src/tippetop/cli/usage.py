@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 from cyclopts import CoercionError, CycloptsError, MissingArgumentError, UnknownOptionError, UnusedCliTokensError
 from cyclopts.exceptions import UnknownCommandError
@@ -32,7 +32,9 @@ def sentence(error: CycloptsError, commands: list[str]) -> str:
         return _missing(error, command, help_)
     if isinstance(error, CoercionError) and error.token is not None:
         name = error.token.keyword or _name_of(error.argument)
-        return f"{name} must be {NUMBERS.get(error.target_type or str, 'valid')}, but is `{error.token.value}`."
+        kinds = {error.target_type, *get_args(error.target_type)}  # of `int | None` it is a number all the same
+        words = next((words for kind, words in NUMBERS.items() if kind in kinds), "valid")
+        return f"{name} must be {words}, but is `{error.token.value}`."
     return f"{error}; {help_}."
 
 

@@ -40,6 +40,10 @@ def view(
 
     if (store is None) != playground:
         raise InputError(["one thing must be shown: give a store, or --playground."])
+    if out is not None and not out.is_dir() and out.suffix.lower() not in (".html", ".htm"):
+        raise InputError([f"--out must end with .html, but is `{out}`."])
+    if playground and (from_, until) != (None, None):
+        raise InputError(["--from and --until are for runs, but the playground has none."])
     place = out if out is not None else Path(f"{store.resolve().stem if store else 'playground'}.html")
     pages.check(place, overwrite=overwrite)
     text = awaited(lambda: _text(store, from_, until), "the page is being made")
@@ -63,6 +67,8 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
     if attrs.get("content") == "sweep":
         from ..views.sweep import page_of_sweep
 
+        if (start, until) != (None, None):
+            raise InputError([f"--from and --until are for runs, but `{store}` is a sweep."])
         return page_of_sweep(store)
     if "content" in attrs:
         raise InputError([f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}."])

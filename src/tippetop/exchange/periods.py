@@ -14,6 +14,9 @@ from .search import RIVAL, End, State, improved, met
 
 REACH, POINTS = 1 / 8, 128  # of the duration, in which the next valley is looked for, and in how many points
 MOST = 12  # valleys on either side
+SAME = (
+    1e-3  # variances of the noise: valleys of a periodic motion are one as deep as the other, and the nearest is taken
+)
 
 
 def walked(misfit: Misfit, end: End, clock: int) -> End:
@@ -38,8 +41,10 @@ def walked(misfit: Misfit, end: End, clock: int) -> End:
             known.append(here)
             ahead = misfit.space.clipped(2 * here.point - before.point)
             before, here = here, _settled(misfit, ahead)
-    best, *rest = sorted(known, key=lambda state: state.cost)
-    others = [(s.point, s.cost) for s in rest if not met(best, s)]
+    least = min(state.cost for state in known)
+    alike = [s for s in known if s.cost < least + SAME * first.variance]
+    best = min(alike, key=lambda state: abs(state.point[clock] - end.point[clock]))
+    others = [(s.point, s.cost) for s in sorted(known, key=lambda state: state.cost) if not met(best, s)]
     old = [(point, cost) for point, cost in end.rivals if cost >= best.cost]
     return End(best.point, best.cost, best.variance, (*others, *old))
 

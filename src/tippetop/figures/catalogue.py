@@ -77,7 +77,7 @@ FIGURES: dict[str, RunFigure] = {
     "energy": RunFigure(
         "energy, modified energy, energy taken by friction",
         "figures.energetics:energy",
-        uses=("energy", "modified_energy", "work", "phase"),
+        uses=("energy", "modified_energy", "work", "phase", "ball"),
         over_time=True,
         compares=True,
     ),

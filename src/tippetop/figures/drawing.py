@@ -75,7 +75,7 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
         from ..landscape import along_run
 
         given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
-    with styled(dark=look.dark):
+    with styled(dark=look.dark, size=look.size):
         axes = _function(chosen.draw)(*given, ax=ax)
         if chosen.over_time and "phases" in groups:
             panels = [axes] if ax is not None else list(axes.get_figure(root=True).axes)
@@ -108,7 +108,7 @@ def several(
     they are called where nothing else tells them apart. Raises InputError."""
     from ..errors import InputError, a_system
     from .overlay import overlay
-    from .style import styled
+    from .style import literal, styled
 
     kind = kind_of(kind)
     if not FIGURES[kind].compares:
@@ -121,8 +121,8 @@ def several(
             raise InputError([f"`{kind}` is drawn for {words} only; one of these is {a_system(attrs['system'])}."])
         if not len(trajectory["time"].values):
             raise InputError([f"`{kind}` is drawn of rows, and one of these runs keeps none: replay a part of it."])
-    with styled(dark=look.dark):
-        axes = overlay(kind, [(trajectory, with_units(attrs)) for trajectory, attrs in runs], names, ax)
+    with styled(dark=look.dark, size=look.size):
+        axes = overlay(kind, [(run, with_units(attrs)) for run, attrs in runs], [*map(literal, names)], ax)
         _finish(axes, look, own=ax is None)
         return axes
 
@@ -131,9 +131,12 @@ def states_of(system: str, parameters: dict[str, float], lam: float, look: Look 
     """The diagram of the asymptotic states of a body with the |lambda| of its start [kg m^3/s]. Raises
     InputError for a system that has none."""
     from ..landscape import along_run
+    from .style import literal
 
     branches, marks = along_run.diagram(system, parameters, lam)
-    return composed("figures.stability:states", (branches, marks | {"|λ| of the start": abs(lam)}, title), look)
+    return composed(
+        "figures.stability:states", (branches, marks | {"|λ| of the start": abs(lam)}, literal(title)), look
+    )
 
 
 def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
@@ -148,19 +151,18 @@ def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def _finish(axes: Any, look: Look, *, own: bool) -> None:
-    """Gives a figure its title and size; a panel of somebody else's figure its title."""
+    """Gives a figure its title; a panel of somebody else's figure too."""
     from ..errors import InputError
+    from .style import as_given
 
     figure = axes.get_figure(root=True)
     if look.title is not None:
         if any("\ud800" <= letter <= "\udfff" for letter in look.title):  # bytes of a command line that are no text
             raise InputError([f"the title must be text in UTF-8, but is {look.title!r}."])
         if own and figure.get_suptitle():
-            figure.suptitle(look.title, x=0.01, ha="left", fontsize=11)
+            figure.suptitle(as_given(look.title), x=0.01, ha="left", fontsize=11)
         else:
-            axes.set_title(look.title)
-    if own and look.size is not None:
-        figure.set_size_inches(*look.size)
+            axes.set_title(as_given(look.title))
 
 
 def write(figure: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = False) -> None:
@@ -200,7 +202,7 @@ def composed(draw: str, given: tuple[Any, ...], look: Look = PLAIN) -> Any:
     """The figure that module:function draws of what it is given."""
     from .style import styled
 
-    with styled(dark=look.dark):
+    with styled(dark=look.dark, size=look.size):
         axes = _function(draw)(*given)
         _finish(axes, look, own=True)
     return axes.get_figure(root=True)

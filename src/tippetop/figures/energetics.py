@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..columns import on_sphere
 from .labels import number, title
 from .style import ink, legend, panel
 from .thinning import span, thinned
@@ -70,6 +71,12 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         ("work", taken, colours.lower, 0.9),
     )
     curves = {name: trajectory[name].values for name, *_ in names if name in trajectory}
+    lost = ""
+    if "modified_energy" in curves and not (touches := on_sphere(trajectory)).all():
+        lost = "; none on the stem, in the air"
+        curves["modified_energy"] = np.where(touches, curves["modified_energy"], np.nan)
+        if not touches.any():
+            del curves["modified_energy"]
     level = max(float(np.nanmax(np.abs(values))) for values in curves.values()) or 1.0
     changes = {name: float(np.ptp(values[np.isfinite(values)])) for name, values in curves.items()}
     if all(change <= CONSTANT * level for change in changes.values()):
@@ -81,6 +88,7 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         if name in curves:
             shift = origin if slight and name != "work" else 0.0
             label = f"{words}{' − E(0)' if shift else ''}{', constant' if changes[name] <= CONSTANT * level else ''}"
+            label += lost if name == "modified_energy" else ""
             ax.plot(*thinned(t, (curves[name] - shift) / size), color=color, lw=width, label=label)
     at = in_joules(level)
     note = f"change of energy ({unit}), E(0) = {number(origin / at[0], 5)} {at[1]}" if slight else f"energy ({unit})"

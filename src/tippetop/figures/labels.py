@@ -3,7 +3,10 @@
 import textwrap
 from typing import Any
 
+import numpy as np
+
 from ..columns import SUPERSCRIPTS, units_text
+from .style import broken, letters
 
 
 SYMBOLS = {
@@ -59,6 +62,11 @@ def quantity(value: float, unit: str, digits: int = 6) -> str:
     return number(value, digits) if unit in ("", "1") else f"{number(value, digits)} {units_text(unit)}"
 
 
+def end_of(values: Any) -> str:
+    """What the last known value of a curve along a run is, which is NaN from where the stem takes over."""
+    return "its end" if np.isfinite(values[-1]) else "last on its sphere"
+
+
 def entries(table: dict[str, Any], units: dict[str, str], at_start: bool = False) -> list[str]:
     """The entries of a table of a scenario, each as symbol = value unit."""
     words = []
@@ -90,13 +98,14 @@ def title(attrs: dict[str, Any]) -> str:
     if law := friction(attrs.get("friction", {}), units):
         details.append(law)
     head = attrs["title"][:1].upper() + attrs["title"][1:]
-    return "\n".join([head, *_lines(details)])
+    most = letters(WIDTH)
+    return "\n".join([broken(head, most), *_lines(details, most)])
 
 
-def _lines(words: list[str]) -> list[str]:
+def _lines(words: list[str], letters: int = WIDTH) -> list[str]:
     """The words, with commas between them, on lines that are not broken within one."""
     kept = ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in words)
-    lines = textwrap.wrap(kept, WIDTH, break_long_words=False, break_on_hyphens=False)
+    lines = textwrap.wrap(kept, letters, break_long_words=False, break_on_hyphens=False)
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..columns import SUPERSCRIPTS, units_text
+from .labels import end_of
 from .style import figure, ink, legend, panel
 from .theta import WIDE
 
@@ -41,7 +42,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         known = np.flatnonzero(np.isfinite(z))
         for i, style, words, face in (
             (known[:1], "o", "its start", colours.mark),
-            (known[-1:], "D", "its end", colours.paper),
+            (known[-1:], "D", end_of(z), colours.paper),
         ):
             axes.plot(x[i], y[i], z[i], style, color=colours.mark, mfc=face, ms=6, label=words, zorder=6)
         high = max(high, float(np.nanmax(z)))

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from .energetics import in_joules
 from .labels import number
-from .style import figure, ink
+from .style import figure, ink, legend
 
 
 REACH = 2.8  # how high a panel without a level is above the least V
@@ -40,7 +40,7 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
     handles = {
         label: handle for axes in fig.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    fig.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5, fontsize=9)
+    legend(panels[0], "lower center", own=True, handles=[*handles.values()], ncols=5)
     fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left", fontsize=11)
     return panels[0]
 
@@ -90,7 +90,7 @@ def _well(axes: Axes, title: str, V: Any, at: Any, unit: tuple[float, str] | Non
                 axes.scatter([np.cos(angle)], [level], s=28, color=color, zorder=3, clip_on=False, label=dot)
             words = f"{_degrees(inner)} ≤ θ ≤ {_degrees(outer)}\nẼ = {number(level, 5)}, F = {number(least, 5)} {name}"
         else:
-            words = f"no band: Ẽ = {number(level, 5)} {name} lies below F\nor the top is not on its sphere"
+            words = f"no band: Ẽ = {number(level, 5)} {name}\nlies below F = {number(least, 5)} {name}"
     axes.set_title(f"{title}\n{words}" if title else words, fontsize=9)
     axes.set(xlim=window, ylim=(least - 0.08 * (high - least), high))
     axes.locator_params(axis="x", nbins=5)

@@ -8,7 +8,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle
 
 from .labels import title
-from .style import figure, ink
+from .style import figure, ink, legend
 from .thinning import MOST_POINTS, span
 
 
@@ -59,7 +59,7 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         axes.set_title(view.words)
     fig.colorbar(lines, ax=list(panels), shrink=0.8, pad=0.01, label="time t (s)", extend=_extend(t, limits))
     fig.suptitle(title(attrs), x=0.01, ha="left", fontsize=11)
-    fig.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9)
+    legend(panels[0], "lower center", own=True, ncols=3)
     return panels[0]
 
 

@@ -1,5 +1,7 @@
 """The common style of the figures: colours on white and on black, empty panels, legends, and how one is saved."""
 
+import re
+import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -11,6 +13,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 
 from ..store.files import replacing, writing
 
@@ -53,6 +56,7 @@ DARK = Ink(
 )  # fmt: skip
 RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
 _ink: ContextVar[Ink] = ContextVar("ink", default=LIGHT)
+_size: ContextVar[tuple[float, float] | None] = ContextVar("size", default=None)
 
 RC: dict[str, Any] = {
     "font.size": 10,
@@ -86,8 +90,8 @@ class ShownFigure(Figure):
 
 
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
-    """An empty figure, inches, with room managed by matplotlib."""
-    fig = ShownFigure(figsize=(width, height), layout="constrained", **options)
+    """An empty figure of the size that was asked for, else this one, inches; with room managed by matplotlib."""
+    fig = ShownFigure(figsize=_size.get() or (width, height), layout="constrained", **options)
     FigureCanvasAgg(fig)
     return fig
 
@@ -102,15 +106,58 @@ def legend(ax: Axes, place: str, *, own: bool, **options: Any) -> None:
     if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
         return
     if own:
-        whole: Any = ax.get_figure(root=True)
-        whole.legend(loc=f"outside {place}", **({"fontsize": 9} | options))
+        fitted(ax.get_figure(root=True), place, {"fontsize": 9} | options)
     else:
         ax.legend(**({"fontsize": 8} | {name: value for name, value in options.items() if name != "ncols"}))
 
 
+def fitted(whole: Any, place: str, options: dict[str, Any]) -> None:
+    """A legend outside of the panels that is no wider than the figure: in fewer columns, then in broken lines."""
+    room = 0.98 * whole.bbox.width
+    for columns in range(options.get("ncols", 1), 0, -1):
+        key = whole.legend(loc=f"outside {place}", **(options | {"ncols": columns}))
+        if key.get_window_extent().width <= room:
+            return
+        if columns > 1:
+            key.remove()
+    widths = [text.get_window_extent().width for text in key.get_texts()]
+    free = room - (key.get_window_extent().width - max(widths))
+    for text, width in zip(key.get_texts(), widths, strict=True):
+        words = text.get_text()
+        text.set_text(broken(words, max(12, int(len(words) * free / max(width, 1.0)))))
+
+
+def broken(words: str, letters: int) -> str:
+    """A label on lines of so many letters at most, broken between words but in no formula and no number's unit."""
+    kept = re.sub(r"\$[^$]*\$| = [^,]*", lambda part: part[0].replace(" ", "\N{NO-BREAK SPACE}"), words)
+    lines = textwrap.wrap(kept, letters, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
+
+
+def letters(most: int) -> int:
+    """How many letters of a title stand beside each other in a figure of the size that was asked for."""
+    size = _size.get()
+    return most if size is None else max(20, min(most, int(9.0 * size[0])))
+
+
+def literal(text: str) -> str:
+    """Text in which a dollar is a dollar, no formula of matplotlib's."""
+    return text.replace("$", r"\$")
+
+
+def as_given(text: str) -> str:
+    """Text of a user, with the formulas in it as matplotlib sets them; letter by letter where they are none."""
+    try:
+        for line in text.splitlines():
+            MathTextParser("path").parse(line)
+    except ValueError:
+        return literal(text)
+    return text
+
+
 @contextmanager
-def styled(*, dark: bool = False) -> Iterator[None]:
-    """A block in which figures are made in our style, whatever the user's own settings are."""
+def styled(*, dark: bool = False, size: tuple[float, float] | None = None) -> Iterator[None]:
+    """A block in which figures are made in our style, whatever the user's own settings are; of this size, inches."""
     colours = DARK if dark else LIGHT
     own = {"grid.color": colours.grid}
     if dark:
@@ -118,12 +165,13 @@ def styled(*, dark: bool = False) -> Iterator[None]:
         own |= dict.fromkeys(lines, "#d5dae0") | dict.fromkeys(
             ("figure.facecolor", "axes.facecolor", "savefig.facecolor"), colours.paper
         )
-    token = _ink.set(colours)
+    token, sized = _ink.set(colours), _size.set(size)
     try:
         with mpl.rc_context(dict(mpl.rcParamsDefault) | RC | own):  # type: ignore[arg-type]
             yield
     finally:
         _ink.reset(token)
+        _size.reset(sized)
 
 
 def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) -> None:

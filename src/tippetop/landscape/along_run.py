@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..columns import flagged
+from ..columns import flagged, on_sphere
 from ..errors import InputError, a_system
 from ..mechanics.friction import Frictionless
 from ..mechanics.system import Landscape
@@ -72,7 +72,10 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     """V(z), E~ and the turning angles at several times, and a title: evenly spread in theta, hence all through an
     inversion; at one time, where D, lambda and E~ stay as they are."""
     parameters, system, landscape = _body(attrs)
+    trajectory = trajectory.isel(time=on_sphere(trajectory))
     theta = trajectory["theta"].values
+    if not theta.size:
+        raise InputError(["the potential is that of a top on its sphere, and this one is on its stem or in the air."])
     reached = np.maximum.accumulate(theta)
     picks = np.unique(np.searchsorted(reached, np.linspace(theta[0], reached[-1], TIMES)))
     if picks.size < TIMES:  # theta does not rise: evenly spread in time

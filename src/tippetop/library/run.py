@@ -272,7 +272,8 @@ class Run:
         Parameters
         ----------
         window : float, optional
-            Compare the first so many seconds only; "1 ms" is fine.
+            Compare the first so many seconds only; "1 ms" is fine. Of a stored run that is not finished at most what
+            is stored of it is compared.
 
         Returns
         -------
@@ -283,10 +284,18 @@ class Run:
         seconds = None if window is None else measured("window", window, SECOND)
         if seconds is not None and seconds <= 0:
             raise InputError([f"`window` must be greater than 0, but is {window!r:.60}."])
+        stored = self._so_far()
+        if stored is not None:
+            seconds = stored if seconds is None else min(seconds, stored)
         result = root.finite(certificate(self.problem, seconds))
         self.attributes["certificate"] = result
         self.__dict__.pop("summary", None)
         return Record(result)
+
+    def _so_far(self) -> float | None:
+        """How far a run that is not finished has come [s]; None where it has come to its end. Raises InputError where
+        it has not begun."""
+        return None
 
     def __repr__(self) -> str:
         attrs = self.attributes

@@ -129,7 +129,8 @@ def run(
     progress : bool
         Whether a bar is drawn in a terminal.
     stop : threading.Event, optional
-        With `out`: set it, in a signal handler or another thread, and the run stops so that `resume` continues it.
+        With `out`: set it, in a signal handler or another thread, and the run stops so that `resume` continues it;
+        before its first step, if it is set already.
 
     Returns
     -------

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import finite, path_of
+from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.systems import find
 from ..problem import Problem
@@ -91,6 +92,14 @@ class StoredRun(Run):
         times = [finite(name, value) for name, value in (("start", start), ("until", until), ("step", step))]
         columns = replay.columns(self.path, *times, accept_other_version=accept_other_version, known=self._own)
         return attributes.dataset(columns, {k: v for k, v in self.attributes.items() if k != SEAL})
+
+    def _so_far(self) -> float | None:
+        attrs = self.attributes
+        if attrs["status"] != Status.RUNNING.value:
+            return None
+        if not attrs["report"]["t_end"] > 0:
+            raise InputError([f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s."])
+        return attrs["report"]["t_end"]
 
     def _problem(self) -> Problem | None:
         return None

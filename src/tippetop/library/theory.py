@@ -108,8 +108,8 @@ def linear_modes(
     Returns
     -------
     ndarray of complex
-        Rates [1/s], fastest growth first, of equal growth (to rounding) the fastest turning: three of a gliding top, two
-        of one whose contact is at rest.
+        Rates [1/s], fastest growth first, of equal growth (to rounding) the fastest turning: three of a gliding top,
+        two of one whose contact is at rest.
 
     Raises
     ------

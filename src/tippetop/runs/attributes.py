@@ -7,6 +7,7 @@ from ..mechanics.friction import CONTENSOU
 from ..mechanics.systems import find
 from ..problem import ROUNDING, Problem
 from ..scenario.build import resolved, tables_of
+from ..scenario.own_records import OWN, own_of
 from ..store.provenance import provenance
 from . import phases
 from .events import event_columns
@@ -49,6 +50,7 @@ def attributes(problem: Problem, status: "Status", reason: str, final: Any, repo
         "reason": reason,
         **resolved(problem),
         **({"start": problem.origin} if problem.origin else {}),
+        **({OWN: own} if (own := own_of(problem)) else {}),
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
         "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},

@@ -51,7 +51,8 @@ def remedy(attrs: dict[str, Any]) -> str:
 
 def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]:
     """Repeats the run from its start over `window` seconds (all of it if None) in this precision and in the next wider
-    one, and compares them: largest error of theta and of the state, and of the times of the turnings they share."""
+    one, and compares them: largest error of theta and of the state, and of the times of the turnings they share. The
+    window ends where the run does, if that is before."""
     if problem.precision not in WIDER:
         return {"against": None, "reason": "no wider precision than quad"}
     until = min(problem.until, window or problem.until)
@@ -64,7 +65,7 @@ def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]
     theta = _difference(mine, witness, "theta", rows)
     result: dict[str, Any] = {
         "against": wide.precision,
-        "window": [0.0, until],
+        "window": [0.0, min(until, mine.report["t_end"])],
         "theta": float(theta.max(initial=0.0)),
         "theta_end": float(theta[-1]) if rows else 0.0,
         "same_end": mine.status is witness.status,

@@ -159,7 +159,7 @@ def _converged(half: float | None, whole: float | None) -> str:
 
 
 MORE_STEPS = 1.4  # where friction drills: its force bends at w = U, and a stem brings impacts
-DEARER = 50.0  # a step of these equations, which are not optimised, than one of others; measured: 90 to 190 us
+DEARER = 15.0  # a step of these equations, which are not optimised, than one of others; measured: 23 to 35 us, idle
 SPAN = 9.0  # of a step in the time of friction's slowest decay; measured: 8 to 11
 SHARE = 0.5  # of the time to rest that drilling alone would take: sliding takes of the spin too; measured: 0.4 to 2
 

@@ -197,8 +197,9 @@ def record(
     progress
         Called after every slice.
     stop
-        Set it, from a signal handler or another thread, and the run stops at a commit within a slice. An exception
-        such as KeyboardInterrupt leaves the store as it was at the last commit. Either way it can be resumed.
+        Set it, from a signal handler or another thread, and the run stops at a commit within a slice; before its first
+        step, if it is set already. An exception such as KeyboardInterrupt leaves the store as it was at the last
+        commit. Either way it can be resumed.
 
     Returns
     -------
@@ -262,6 +263,8 @@ def run_into(
         with Recorder(integration, appenders, lock, stop) as recorder:
             if begin is not None:
                 begin(recorder)
+            if stop is not None and stop.is_set():
+                raise Interrupted
             integration.run(recorder, progress)
             recorder.derivatives()
             return integration, recorder.finish()

@@ -13,6 +13,7 @@ from ..errors import InputError, StoreError
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
+from ..scenario.own_records import OWN
 from ..store import checkpoint, root, skeleton
 from ..store.checkpoint import DIGEST, END
 
@@ -102,7 +103,7 @@ def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -
 def _without_own(attrs: dict[str, Any]) -> dict[str, Any]:
     """The root attributes of a run without its events, and its columns that another run need not know."""
     run = {key: value for key, value in attrs["run"].items() if key != "columns"}
-    return attrs | {"run": run | {"events": []}}
+    return {key: value for key, value in attrs.items() if key != OWN} | {"run": run | {"events": []}}
 
 
 def _another(name: str, path: Path) -> str:

@@ -33,6 +33,7 @@ from ..problem import (
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
 from .numbers import plain
+from .own_records import other_records
 from .quantities import worked_out
 from .reading import override, read
 from .schema import RunTable, scenario_model
@@ -181,16 +182,20 @@ def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def stored(attrs: dict[str, Any], until: float | None = None, known: System | None = None) -> Problem:
-    """The Problem of a store's root attributes, or one with another end. Raises InputError.
+    """The Problem of a store's root attributes, or one with another end. Raises InputError; so it does where an event
+    or a column is not the one that the run was made with.
 
     `known` is the record of its system where that has events and columns of the user's own."""
     tables = tables_of(attrs)
     try:
-        return problem(tables if until is None else ending(tables, until), known, origin=attrs.get("start"))
+        result = problem(tables if until is None else ending(tables, until), known, origin=attrs.get("start"))
     except InputError:
         if own := own_names(attrs, known):
             raise InputError([_give(own, attrs["system"])]) from None
         raise
+    if faults := other_records(attrs, result, known):
+        raise InputError(faults)
+    return result
 
 
 def own_names(attrs: dict[str, Any], known: System | None = None) -> list[str]:

@@ -55,6 +55,7 @@ OPTIONAL: dict[str, Any] = {
     "stem?": {str: NUMBER},
     "replay?": {str: (str, *NUMBER)},
     "start?": {str: (str, dict, *NUMBER)},
+    "own?": {str: {str: str}},
 }
 RUN: dict[str, Any] = {
     "until": NUMBER,

@@ -85,7 +85,8 @@ def make_map(path: Path, kind: str) -> Map:
         raise InputError([f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."])
     axes = tuple(_map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
     numbers = plan.design.numbers(np.arange(plan.n))
-    chosen, notes = _slice(plan, varying[2:], numbers)
+    units = {axis.key: table[axis.key].attrs["units"] for axis in varying[2:]}
+    chosen, notes = _slice(plan, varying[2:], numbers, units)
     chosen &= table["status"].values != Status.TODO.code
     for axis in axes:
         chosen &= np.isfinite(numbers[axis.key])
@@ -93,10 +94,10 @@ def make_map(path: Path, kind: str) -> Map:
     fields = {}
     for name in wanted:
         values = table[name].values / _weight(plan, numbers) if kind == "normal-force" else table[name].values
-        values = _told_apart(table) if name == "class" else values
+        values = shown_classes(table) if name == "class" else values
         fields[name] = _gathered(name, cells, values[chosen], math.prod(shape)).reshape(shape)
     if kind == "inversion" and "class" in table:
-        ends = _gathered("class", cells, _told_apart(table)[chosen], math.prod(shape)).reshape(shape)
+        ends = _gathered("class", cells, shown_classes(table)[chosen], math.prod(shape)).reshape(shape)
         fields[ENDS] = np.where(np.isnan(fields[wanted[0]]), ends, np.nan)
     if len(cells) and np.bincount(cells).max() > 1:
         how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
@@ -107,7 +108,7 @@ def make_map(path: Path, kind: str) -> Map:
     return Map(kind, title, axes, fields, _borders(plan, axes, varying[2:]), notes)
 
 
-def _told_apart(table: Any) -> np.ndarray:
+def shown_classes(table: Any) -> np.ndarray:
     """The class of each top, as a number of SHOWN; without theta at the end, as it is stored."""
     classes = np.asarray(table["class"].values, dtype=int)
     if "theta_end" not in table:
@@ -118,7 +119,7 @@ def _told_apart(table: Any) -> np.ndarray:
 
 def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
-    label = _labelled(axis.key, greek(attrs["long_name"])) + (
+    label = labelled(axis.key, greek(attrs["long_name"])) + (
         f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else ""
     )
     values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
@@ -134,7 +135,7 @@ def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     return MapAxis(axis.key, label, np.exp(edges) if log else edges, log)
 
 
-def _labelled(key: str, words: str) -> str:
+def labelled(key: str, words: str) -> str:
     """Name and symbol of an axis."""
     symbol = LETTERS.get(key.rpartition(".")[2], "")
     if symbol and words.endswith(f" {key.rpartition('.')[2]}"):
@@ -163,16 +164,21 @@ def _cells(axes: tuple[MapAxis, ...], numbers: dict[str, np.ndarray]) -> np.ndar
     return cells
 
 
-def _slice(plan: Plan, others: list[Axis], numbers: dict[str, np.ndarray]) -> tuple[np.ndarray, list[str]]:
+def _slice(
+    plan: Plan, others: list[Axis], numbers: dict[str, np.ndarray], units: dict[str, str]
+) -> tuple[np.ndarray, list[str]]:
     """Which tops are mapped, and what that means: of further axes of the grid the middle number."""
     chosen, notes = np.ones(plan.n, bool), []
     for axis in others:
+        table, _, name = axis.key.rpartition(".")
+        symbol = f"{LETTERS[name]}{'(0)' if table == 'initial' else ''}" if name in LETTERS else axis.key
         if axis.sampled:
-            notes.append(f"all {axis.key}")
+            notes.append(f"all {symbol}")
             continue
         middle = axis.values[len(axis.values) // 2]
         chosen &= numbers[axis.key] == middle
-        notes.append(f"{axis.key} = {middle:.4g} (one of {len(axis.values)})")
+        unit = "" if units[axis.key] == "1" else f" {units_text(units[axis.key])}"
+        notes.append(f"{symbol} = {middle:.4g}{unit} (one of {len(axis.values)})")
     return chosen, notes
 
 

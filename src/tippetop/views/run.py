@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import flagged
+from ..columns import flagged, greek, units_text
 from ..errors import InputError, StoreError
 from ..runs.attributes import headline_of
 from ..runs.shape import body_of, is_planar, shape
@@ -39,6 +39,8 @@ def refuse(attrs: dict[str, Any], what: str) -> None:
     if attrs["status"] == "running":
         raise StoreError(f"`{what}` must be finished to be viewed, but is not: tippetop resume {what}.")
     body_of(attrs)
+    if "columns" in attrs["run"] and "orientation" not in attrs["run"]["columns"]:
+        raise InputError(["a page needs the column `orientation`, which is not among the run.columns of this run."])
     if not attrs["run"].get("orientation", False):
         raise InputError(
             ["a page needs the column `orientation`, which this run has not kept: say run.orientation = true."]
@@ -84,7 +86,7 @@ def page(
     data = {
         "name": attrs["system"],
         "title": attrs["title"][0].upper() + attrs["title"][1:],
-        "about": headline_of(attrs).partition(" · ")[2],
+        "about": units_text(greek(headline_of(attrs).partition(" · ")[2])),
         "notes": notes,
         "body": shape(attrs),
         "wound": is_planar(attrs),
@@ -103,6 +105,8 @@ def gathered(
     """Times and samples that a page keeps, by how much the attitude may be missed between rows [rad], and sentences on
     what is left out. Raises InputError where no row is within."""
     begin, end, notes = start or 0.0, np.inf if until is None else until, []
+    if not begin < end:
+        raise InputError([f"`--from` must be less than `--until`, but they are {begin:g} and {end:g}."])
     times, kept, rough, total, last = [], [], 0.0, 0, None
     for piece in pieces:
         within = (piece["time"] >= begin) & (piece["time"] <= end)

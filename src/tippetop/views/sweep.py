@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..problem import Problem
 from ..runs.shape import shape
 from ..scenario import build
+from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
 from ..sweeps.summary import column, open_sweep
@@ -48,7 +49,7 @@ def page_of_sweep(path: Path) -> str:
         "given": _base(plan.base) if movable else None,
         "body": shape(build.resolved(plan.base)),
         "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
-        "columns": [_column(name, column(path, table, name), table[name].attrs) for name in names],
+        "columns": [_column(name, _values(path, table, name), table[name].attrs) for name in names],
         "changes": {key: encoded(values, "<f8") for key, values in changes(plan, tops).items()},
         "notes": notes,
     }
@@ -96,7 +97,9 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
     """An axis as the page takes it."""
-    label = greek(attrs["long_name"]) + (f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else "")
+    label = maps.labelled(axis.key, greek(attrs["long_name"])) + (
+        f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else ""
+    )
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
@@ -107,9 +110,14 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
     }
 
 
+def _values(path: Path, table: Any, name: str) -> np.ndarray:
+    """A column of all tops; their classes as a map shows them."""
+    return maps.shown_classes(table) if name == "class" else column(path, table, name)
+
+
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
     """A column as the page takes it."""
-    flags = attrs.get("flag_meanings", "").split()
+    flags = list(maps.SHOWN) if name == "class" else attrs.get("flag_meanings", "").split()
     words = "class" if name == "class" else greek(attrs["long_name"]).partition(";")[0]
     unit = "" if attrs["units"] == "1" else units_text(attrs["units"])
     return {

@@ -71,3 +71,14 @@ def test_a_disc_whose_turning_is_reversed_passes_its_rest():
     turn = columns["omega3"] * np.cos(columns["theta"]) + columns["phi_dot"] * np.sin(columns["theta"]) ** 2
     assert np.all(np.diff(turn) > 0)
     assert turn[0] < 0 < turn[-1]
+
+
+def test_a_disc_that_turns_back_after_its_rest_is_asked_again():
+    """It passes, is turned so little that no speed rises beyond the bound, and comes back: it crawled from there on."""
+    body = {"m": 0.006, "R": 0.015, "alpha": 0.17728, "I1": 7.16595e-7, "I3": 4.23674e-7, "g": 9.81}
+    start = {"theta": 2.8308, "omega3": -63.34065, "phi_dot": 0.0041548, "theta_dot": -1.12325}
+    disc = LAW | {"mu": 0.431, "patch": 2.8332e-3}
+    done = run(until=1.0, friction=disc, parameters=body, initial=start)
+    assert done.status is Status.ENDED
+    assert done.report["steps"] < 10_000
+    assert max(done.report["drift"].values()) < 1e-13

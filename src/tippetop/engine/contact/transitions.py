@@ -33,6 +33,7 @@ NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 BOTH = "the body stands on its sphere and its stem at once, which is not followed under Coulomb's law itself"
 AT_REST = "the contact's disc has come to rest, it neither slides nor turns; rolling without turning is not followed"
+ASKED_AFTER = 3e-3  # internal time: whether friction holds a disc that passes its rest; some thousand steps
 MOST_STRIKES = 16  # of impacts at one instant
 
 
@@ -56,7 +57,7 @@ class Change:
     functions: dict[str, float] | None = None  # the event functions where it begins, if they are known
     when: Any = 0  # internal time from the end of the phase before to these events
     lag: Any = 0  # and to the beginning of this one
-    landing: Any = None  # internal time to the landing of a flight
+    landing: Any = None  # internal time to the landing of a flight, or to the end of any other phase
     waits: float = 0.0  # internal time in which the other ball, that has just left, cannot touch
     between: FirstSlip | None = None  # what passes in the time `lag`
     takes: bool = False  # whether another ball is in contact from now on
@@ -125,11 +126,10 @@ class Transitions(Sliding, Standing):
             Of the functions of the axis.
         """
         if (kind, end) in ALIKE:  # the same phase in other words
-            return Change(ALIKE[kind, end], ball, moment, "", signs=signs, passed=BACK.get(end, ""))
-        if end == RESTS.name:
-            return self._held(Change(kind, ball, moment, "", signs=signs, passed=RESTS.name))
-        if end == "clear":
-            return Change(kind, ball, moment, "", signs=signs)
+            return self._on_disc(Change(ALIKE[kind, end], ball, moment, "", signs=signs, passed=BACK.get(end, "")))
+        if end in ("clear", RESTS.name) or (end == "landing" and kind != "flight"):  # the latter: to be asked again
+            passed = end if end == RESTS.name else ""
+            return self._on_disc(Change(kind, ball, moment, "", signs=signs, passed=passed))
         if end in STAYS:
             change = self._on_plane(STAYS[end], moment, "other-leaves", takes=True)
             change.waits = LEAVES_FOR
@@ -170,12 +170,18 @@ class Transitions(Sliding, Standing):
         change.when, change.lag = lag, change.lag + lag
         return change
 
-    def _held(self, change: Change) -> Change:
-        """A phase whose disc comes to rest, and the run with it; unless friction cannot hold it, for then it passes its
-        rest and turns on."""
-        moment = change.moment
-        if stays_at_rest(moment.u, moment.L, moment.velocity, self.balls[change.ball]):
-            change.ends, change.sentence = Status.ENDED, AT_REST
+    def _on_disc(self, change: Change) -> Change:
+        """A phase under way. Where sliding and turning stop at once the run ends, unless friction cannot hold the disc:
+        then it passes its rest and turns on, and may turn back before anybody sees it."""
+        if change.kind not in DRILLING_KINDS or change.kind == "flight":
+            return change
+        kind, ball, moment = change.kind, change.ball, change.moment
+        change.functions = change.functions or self.functions(kind, ball, moment)
+        if change.passed == RESTS.name or change.functions[RESTS.name] < 0:
+            if stays_at_rest(moment.u, moment.L, moment.velocity, self.balls[ball]):
+                change.ends, change.sentence = Status.ENDED, AT_REST
+            else:
+                change.landing = ASKED_AFTER
         return change
 
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
@@ -225,8 +231,7 @@ class Transitions(Sliding, Standing):
                 kind = region_kind(moment.u, moment.L, moment.velocity, self.balls[ball])
             functions = self.functions(kind, ball, moment)
             if functions["liftoff"] > 0:
-                change = Change(kind, ball, moment, reason, functions=functions, takes=takes)
-                return self._held(change) if functions.get(RESTS.name, 1) < 0 else change
+                return self._on_disc(Change(kind, ball, moment, reason, functions=functions, takes=takes))
             return self._flight(ball, moment, "opens-at-once", 2)
         none = 0 * b.m
         moment = moment._replace(velocity=balls_.centre_velocity(moment.u, moment.L, Vector(none, none, none), b))

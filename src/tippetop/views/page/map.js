@@ -26,6 +26,15 @@ export const CLASSES = /** @type {Record<string, string>} */ ({
   bouncing: "#0ea5e9",
   nutating: "#d9c7a3",
 });
+
+/**
+ * A class in words.
+ * @type {(name: string) => string}
+ */
+export function said(name) {
+  return name === "near-upright" ? "still near upright" : name.replaceAll("-", " ");
+}
+
 const VIRIDIS = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725"];
 
 /**

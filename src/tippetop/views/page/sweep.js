@@ -1,5 +1,5 @@
 /** The page of a sweep: its map, the line of a top, and the motion of the top that is chosen, integrated in the page. */
-import { CLASSES, SweepMap } from "./map.js";
+import { CLASSES, SweepMap, said } from "./map.js";
 import { palette } from "./palette.js";
 import { numbers } from "./run.js";
 import { sampling, simulated } from "./simulation.js";
@@ -126,7 +126,7 @@ export class SweepPage {
     const rows = this.columns.map(({ words, unit, names, values }) => {
       const value = values[top];
       const text = names
-        ? (names[value] ?? "–")
+        ? said(names[value] ?? "–")
         : isFinite(value)
           ? `${Number(value.toPrecision(5))} ${unit}`
           : "never";
@@ -174,7 +174,7 @@ export class SweepPage {
       const items = [...seen].filter(([, count]) => count);
       legend.replaceChildren(
         ...items.map(([name, count]) => {
-          const item = Object.assign(document.createElement("span"), { textContent: `${name} (${count})` });
+          const item = Object.assign(document.createElement("span"), { textContent: `${said(name)} (${count})` });
           item.style.setProperty("--colour", CLASSES[name] ?? "#888");
           return item;
         }),

@@ -8,6 +8,21 @@ import { ANGLES } from "./panels.js";
 /** @typedef {[number, number]} Span */
 
 const PI = Math.PI;
+const UNITS = /** @type {[number, string][]} */ ([
+  [1, "J"],
+  [1e3, "mJ"],
+  [1e6, "µJ"],
+  [1e9, "nJ"],
+  [1e12, "pJ"],
+]);
+
+/**
+ * In which unit the height of a well is read best: how many of it a joule is, and its name.
+ * @type {(height: number) => [number, string]}
+ */
+export function unitOf(height) {
+  return UNITS.find(([size]) => size * height >= 0.2) ?? UNITS[UNITS.length - 1];
+}
 
 /** The potential V(theta; momenta), its level, and the ball that rolls in it. */
 export class WellPanel {
@@ -70,12 +85,12 @@ export class WellPanel {
     const values = this.values(first, second, count);
     const bottom = Math.min(...values.filter(isFinite));
     const low = bottom - 0.12 * this.height;
-    chart.title = `Potential V(θ) − min V, ${this.height < 2e-4 ? "µJ" : "mJ"}`;
+    const [unit, name] = unitOf(this.height);
+    chart.title = `Potential V(θ) − min V, ${name}`;
     /** @type {Span} */
     const range = wound ? [-PI, PI] : [0, PI];
     const caption = valid ? `Ẽ = ${tidy(parseFloat((1e3 * level).toPrecision(4)))} mJ` : "";
     chart.begin(range, [low, low + 1.12 * this.height], colours, caption);
-    const unit = this.height < 2e-4 ? 1e6 : 1e3;
     const ys = ticks(0, unit * 1.0 * this.height, 3);
     /** @type {[number, string][]} */
     const xs = wound
@@ -131,7 +146,7 @@ export class WellPanel {
       context.setLineDash([]);
       const theta = wound ? pose.theta - 2 * PI * Math.round(pose.theta / (2 * PI)) : pose.theta;
       const place = chart.y(this.at(theta, first, second));
-      chart.dot(chart.x(theta), Math.max(place - 6, chart.top), colours.alarm, colours.paper, 6);
+      chart.dot(chart.x(theta), Math.max(place, chart.top), colours.alarm, colours.paper, 6);
     });
   }
 }

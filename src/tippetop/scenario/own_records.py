@@ -1,0 +1,116 @@
+"""Events and columns of one's own, as a store remembers them: a digest of what each says, to know it again by."""
+
+import hashlib
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ..mechanics.events import Event
+from ..mechanics.operand import leaves, refill
+from ..mechanics.system import Form, Quantity, System
+from ..mechanics.systems import find
+from ..mechanics.writing import JAVASCRIPT, function
+from ..problem import Problem
+
+
+OWN = "own"  # the root attribute
+STATES = 3  # at which a formula that cannot be written down is compared
+
+
+def own_of(problem: Problem) -> dict[str, dict[str, str]]:
+    """Digests of the events and columns whose formulas are not of this package, by name; empty where there is none."""
+    return _own(problem.system, problem.form.name, problem.friction.__class__)
+
+
+def other_records(attrs: dict[str, Any], problem: Problem, known: System | None) -> list[str]:
+    """Sentences on events and columns of a problem that are not those with which a store says that it was made. What an
+    earlier release wrote says nothing of their formulas.
+
+    Parameters
+    ----------
+    attrs
+        The root attributes of the store.
+    problem
+        What was made of them.
+    known
+        The system with events and columns of one's own that was given for it.
+    """
+    faults = []
+    for kind, now in own_of(problem).items() if OWN in attrs else ():
+        before = attrs[OWN].get(kind, {})
+        faults += [
+            f"the {kind} `{name}` must be the record that the run was made with, but is another: its formula, its "
+            "words or what it keeps differ."
+            for name, digest in now.items()
+            if before.get(name, digest) != digest
+        ]
+    return faults + _more(attrs, known)
+
+
+def _more(attrs: dict[str, Any], known: System | None) -> list[str]:
+    """Sentences on events and columns that were given, and the run has not."""
+    registered = None if known is None else find(known.name)
+    if known is None or registered is None:
+        return []
+    has = {"event": attrs["run"]["events"], "column": attrs["run"].get("columns", ())}
+    given = {
+        "event": {event.name for event in known.events} - {event.name for event in registered.events},
+        "column": {q.name for q in known.quantities} - {q.name for q in registered.quantities},
+    }
+    return [
+        f"the {kind} `{name}` must be one that the run was made with, but the run has none of this name."
+        for kind, names in given.items()
+        for name in sorted(names)
+        if name not in has[kind]
+    ]
+
+
+@lru_cache(maxsize=64)
+def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, str]]:
+    registered, form = find(system.name), system.forms[form_name]
+    known: list[Any] = [] if registered is None else [*registered.events, *registered.quantities]
+    ours = {record.name for record in known}
+    of: dict[str, Sequence[Any]] = {"event": system.events, "column": system.quantities}
+    digests = {
+        kind: {r.name: _digest(r, system, form, friction) for r in records if r.name not in ours or _outside(r.formula)}
+        for kind, records in of.items()
+    }
+    return {kind: names for kind, names in digests.items() if names}
+
+
+def _outside(formula: Callable) -> bool:
+    """Whether a formula is not one of this package."""
+    return not str(getattr(formula, "__module__", "")).startswith(f"{__name__.partition('.')[0]}.")
+
+
+def _digest(record: Event | Quantity, system: System, form: Form, friction: Any) -> str:
+    """A digest of all that a record says, its formula written down."""
+    words = [repr(value) for name, value in sorted(vars(record).items()) if name != "formula"]
+    text = "\n".join([*words, *_written(record.formula, system, form, friction)])
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _written(formula: Callable, system: System, form: Form, friction: Any) -> list[str]:
+    """A formula of the scalars and the body as lines; its values in some states where it cannot be written down."""
+    random = np.random.default_rng(1)
+
+    def numbers(record: Any) -> Any:
+        return refill(record, iter(random.uniform(0.5, 1.0, len(leaves(record)))))
+
+    body = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    with np.errstate(all="ignore"):
+        states = [(form.scalars(numbers(form.units), b), b) for b in (numbers(body) for _ in range(STATES))]
+        scalars, body = states[0]
+        names = [f"x{i}" for i in range(len(leaves(scalars)) + len(leaves(body)))]
+
+        def of_symbols(symbols: list[Any]) -> list[Any]:
+            given = iter(symbols)
+            return [formula(refill(scalars, given), refill(body, given))]
+
+        try:
+            lines, results = function(JAVASCRIPT, names, of_symbols)
+            return [*lines, *results]
+        except Exception:  # the formula of a user may do with what it is fed what no program can
+            return [f"{float(formula(*state)):.12e}" for state in states]

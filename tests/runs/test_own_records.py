@@ -1,0 +1,110 @@
+"""A store knows the events and columns of one's own again: with others it is not continued, replayed or certified."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import pytest
+
+import tippetop as tt
+from tippetop.mechanics.operand import formula
+from tippetop.mechanics.units import ONE
+
+
+@formula
+def leaves(s, b):
+    """theta exceeds 0.1 rad."""
+    return s.z - 0.99501
+
+
+@formula
+def leaves_later(s, b):
+    """theta exceeds a little more."""
+    return s.z - 0.9951
+
+
+@formula
+def height(s, b):
+    """cos(theta)."""
+    return s.z
+
+
+@formula
+def seven(s, b):
+    """7 cos(theta)."""
+    return 7 * s.z
+
+
+def unwritten(s, b):
+    """What no program is written of."""
+    return s.z**-2
+
+
+def unwritten_otherwise(s, b):
+    """Another of this sort."""
+    return s.z**-4
+
+
+GONE = tt.Event("gone", "it has gone", leaves, ends="gone", kept=(tt.Kept("left", "first", "when it went"),))
+HEIGHT = tt.Quantity("height", "h", ONE, "the height", height)
+MINE = {"events": [GONE], "columns": [HEIGHT]}
+OTHERS = [
+    {**MINE, "columns": [dataclasses.replace(HEIGHT, formula=seven)]},
+    {**MINE, "columns": [dataclasses.replace(HEIGHT, long_name="x")]},
+    {**MINE, "events": [dataclasses.replace(GONE, formula=leaves_later)]},
+    {**MINE, "events": [dataclasses.replace(GONE, direction=-1)]},
+    {**MINE, "events": [dataclasses.replace(GONE, ends=None)]},
+    {**MINE, "events": [dataclasses.replace(GONE, kept=())]},
+    {**MINE, "events": [GONE, dataclasses.replace(GONE, name="more", kept=())]},
+]
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that an event of one's own has ended."""
+    place = tmp_path_factory.mktemp("own") / "run.zarr"
+    tt.run("inverting", until=0.1, out=place, **MINE)
+    return place
+
+
+@pytest.mark.parametrize("others", OTHERS)
+def test_other_records_under_the_same_names_are_refused(store: Path, others: dict) -> None:
+    """Continued with them, one column was of two formulas, and a certificate was of another run."""
+    with pytest.raises(tt.InputError, match=r"must be (the record|one) that the run was made with"):
+        tt.open(store, **others).certify()
+    with pytest.raises(tt.InputError, match=r"must be (the record|one) that the run was made with"):
+        tt.open(store, **others).replay(0.0, 1e-3, 1e-3)
+
+
+def test_a_run_is_continued_with_its_own_records_only(tmp_path: Path) -> None:
+    place = tmp_path / "run.zarr"
+    columns = [HEIGHT, tt.Quantity("odd", "o", ONE, "no program", unwritten)]
+    tt.run("rolling", until=0.1, columns=columns, output_step=0.05, out=place)
+    before = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+    for other in (
+        [dataclasses.replace(HEIGHT, formula=seven), columns[1]],
+        [HEIGHT, dataclasses.replace(columns[1], formula=unwritten_otherwise)],
+    ):
+        with pytest.raises(tt.InputError, match="must be the record that the run was made with"):
+            tt.resume(place, until=0.2, columns=other)
+    assert before == {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+    assert tt.resume(place, until=0.2, columns=columns).trajectory.height.size == 5
+
+
+def test_a_store_of_an_earlier_release_does_not_say_which_formulas(store: Path, tmp_path: Path) -> None:
+    """It is continued with what is given, as then."""
+    attrs = tt.open(store, **MINE).attributes
+    assert sorted(attrs["own"]) == ["column", "event"]
+    assert "own" not in tt.run("inverting", until=1e-3).attributes
+    json.dumps(attrs["own"])
+    older = tt.open(store, **OTHERS[0])
+    older.attributes.pop("own")
+    assert older.problem.until == 0.1
+
+
+def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> None:
+    run = tt.open(store, **MINE)
+    assert 0 < run.summary.t_end < 0.01
+    result = run.certify()
+    assert result.window == [0.0, run.summary.t_end]
+    assert result.same_end
