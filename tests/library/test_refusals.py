@@ -55,7 +55,7 @@ def law(name: str, coefficient: Callable) -> Any:
         (lambda v2, z, law: law.mu * z, r"at least 0, .* but is -0.3 s/m at \|v_A\| = 0 m/s, cos\(theta\) = -1"),
         (lambda v2, z, law: law.mu * float("nan"), "k of the friction law `mine` must be finite, but is nan"),
         (lambda v2, z, law: law.mu / sqrt(v2), r"must be finite, but is inf s/m at \|v_A\| = 0 m/s"),
-        (lambda v2, z, law: None, "the formula of the friction law `mine` must return a number, but returns None"),
+        (lambda v2, z, law: None, "the formula of the friction law `mine` must return one number, but returns None"),
     ],
 )
 def test_a_law_that_feeds_energy_or_is_no_number_is_refused(coefficient: Callable, sentence: str) -> None:
@@ -82,8 +82,12 @@ def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
     [
         (lambda s, b: s.z * float("nan"), "the formula of the {} must be finite at the start, but is nan"),
         (lambda s, b: 1 / (s.z - s.z), "the formula of the {} must be finite at the start, but is inf"),
-        (lambda s, b: None, "the formula of the {} must return a number, but returns None"),
+        (lambda s, b: None, "the formula of the {} must return one number, but returns None"),
         (lambda s, b: s.nothing, "the formula of the {} fails: AttributeError"),
+        (lambda s, b: (s.z, s.z), r"the formula of the {} must return one number, but returns \("),
+        (lambda s, b: np.array([s.z]), r"the formula of the {} must return one number, but returns array\("),
+        (lambda s, b: "x", "the formula of the {} must return one number, but returns 'x'"),
+        (lambda s, b: 1j, "the formula of the {} must return one number, but returns 1j"),
     ],
 )
 def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) -> None:
@@ -105,6 +109,18 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
         ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
         ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
         ({"body": lambda parameters, law: 1.0}, "fail: |must give NamedTuples"),
+        ({"scales": lambda b: (1.0,)}, r"`scales` of `mine` must give a mass and a length, .* but gives \(1.0,\)"),
+        ({"scales": lambda b: (1.0, 0.0)}, "finite and greater than 0, but gives"),
+        ({"checks": lambda p: None}, "`checks` of `mine` must give a list of sentences, but gives None"),
+        ({"checks": lambda p: 1 / 0}, "`checks` of `mine` must give .*, but fails: ZeroDivisionError"),
+        ({"start": lambda *a: None}, "`start` of `mine` must give a record as `angles` is, but gives None"),
+        ({"events": (3,)}, "`events` of phase `slip` of `mine` must be Event records, but has 3"),
+        ({"events": "turning"}, "must be Event records, but has 'turning'"),
+        ({"quantities": (3,)}, "must be Quantity records, but has 3"),
+        ({"outlook": 3}, "`outlook` of `mine` must be a function or None, but is 3"),
+        ({"landscape": 3}, "`landscape` of `mine` must be a Landscape or None, but is 3"),
+        ({"title": None}, "`title` of `mine` must be a text, but is None"),
+        ({"phases": {}}, "`phases` of `mine` must have a Phase, but has none"),
     ],
 )
 def test_a_system_that_has_no_body_is_refused(changes: dict[str, Any], sentence: str) -> None:
@@ -151,6 +167,18 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
         (lambda: tt.minimal_surface("inverting", D=[], lam=4e-6), "`D` must be a number or"),
         (lambda: tt.marked_lines("inverting", []), "`lambda` must be a number or"),
         (lambda: tt.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
+        (lambda: tt.Unit("a", 2, -2, "J"), "powers of a Unit must be whole numbers, but are 'a', 2, -2"),  # type: ignore[arg-type]
+        (lambda: tt.Unit(1, 2, -2, 3), "`symbol` of a Unit must be a text, but is 3"),  # type: ignore[arg-type]
+        (lambda: tt.Unit(1, 2, -2, "m"), r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2\)'),
+        (lambda: tt.Unit(1, 2, -2, "kg m2 s-1"), r"must be \(1, 2, -1\), but are"),
+        (
+            lambda: tt.run("inverting", until=0.1, columns=[tt.Quantity("q", 3, ONE, None, lambda s, b: s.z)]),  # type: ignore[arg-type]
+            "`symbol` of the column `q` must be a text, but is 3.\n`long_name` of the column `q` must be a text",
+        ),
+        (
+            lambda: tt.run("inverting", until=0.1, events=[tt.Event("e", 3, lambda s, b: s.z)]),  # type: ignore[arg-type]
+            "`long_name` of the event `e` must be a text, but is 3",
+        ),
         (lambda: tt.linear_modes("cohen-coulomb", omega3=100), "must be finite as v_A goes to 0, .* give Coulomb"),
         (lambda: tt.linear_modes(tt.TippeTop(**BODY), tt.Coulomb(0.3), omega3=1), "must be finite as v_A goes to 0"),
         (lambda: tt.linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300 rad/s does"),

@@ -16,6 +16,7 @@ from ...errors import InputError
 from .. import friction
 from ..consistency import inconsistencies
 from ..system import System
+from .answers import wrong_answers
 from .cylinder import GLIDING_CYLINDER
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
@@ -50,26 +51,8 @@ def add(system: System, *, here: bool = False) -> None:
 
 def check(system: System) -> None:
     """Raises InputError for a system whose records contradict one another, or that has no body."""
-    if faults := inconsistencies(system) or _body_faults(system):
+    if faults := inconsistencies(system) or wrong_answers(system):
         raise InputError(faults)
-
-
-def _body_faults(system: System) -> list[str]:
-    """What is wrong with the functions that make the body, in sentences: they are called with numbers and with units,
-    as the engine calls them."""
-    law = next(iter(system.laws.values()), friction.LAWS["none"])
-    try:
-        body = system.body_of(dict.fromkeys(system.parameters, 1.0), law.record(*(1.0 for _ in law.parameters)))
-        units = system.body_units(law.units())
-        system.scales(body)
-    except Exception as error:
-        names, fault = ", ".join(system.parameters) or "none", f"{type(error).__name__}: {error}"
-        return [
-            f"`body`, `body_units`, `scales` of `{system.name}` must take its parameters ({names}), but fail: {fault}."
-        ]
-    if not hasattr(body, "_fields") or type(units) is not type(body):
-        return [f"`body` and `body_units` of `{system.name}` must give NamedTuples of one type, but do not."]
-    return []
 
 
 def add_law(name: str, law: friction.Law, *, here: bool = False) -> None:
