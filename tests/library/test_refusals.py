@@ -17,6 +17,7 @@ from tippetop.mechanics import friction, systems
 from tippetop.mechanics.operand import formula, sqrt
 from tippetop.mechanics.system import Parameter
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
+from tippetop.scenario import reference
 from tippetop.scenario.numbers import plain
 
 
@@ -334,3 +335,52 @@ def test_a_record_is_read_only() -> None:
     with pytest.raises(AttributeError, match="`b` cannot be set"):
         record.a.b = 2
     assert record.to_dict() == {"a": {"b": 1}}
+
+
+class Entry(NamedTuple):
+    """An entry point of a package."""
+
+    group: str
+    name: str
+    record: Any
+
+    def load(self) -> Any:
+        return self.record
+
+
+def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A name that is taken, another name than that of the record, and what is no record: a sentence each."""
+    mine = tt.Law(NamedTuple("Mine", [("mu", float)]), {"mu": Parameter(ONE, "mu")}, "k", lambda v2, z, law: law.mu)
+    top = tt.SYSTEMS["tippe-top"].replace(name="my-top")
+    entries = [
+        Entry("tippetop.friction", "viscous", mine),
+        Entry("tippetop.friction", "wrong", 3),
+        Entry("tippetop.systems", "other-name", top),
+        Entry("tippetop.systems", "wrong", 3),
+    ]
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [e for e in entries if e.group == group])
+    with pytest.warns(UserWarning, match="of tippetop") as warned:
+        systems.load_entry_points.__wrapped__()
+    assert [str(each.message) for each in warned] == [
+        "`viscous` of tippetop.friction is left out: the name of a law must be new, but `viscous` is that of Viscous.",
+        "`wrong` of tippetop.friction is left out: it must be a Law, but is 3.",
+        "`other-name` of tippetop.systems is known as `my-top`, the name of its System, and by no other.",
+        "`wrong` of tippetop.systems is left out: it must be a System, but is 3.",
+    ]
+    assert "my-top" in tt.SYSTEMS
+
+
+def test_every_list_of_laws_is_the_same() -> None:
+    """What a run takes, tt.LAWS, the manual and a sentence; each says of which systems a law is."""
+    named = {section.title: section.text for section in reference.friction()}
+    del named["coulomb (without eps)"]
+    assert named.keys() == tt.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
+    assert named["contensou"].endswith("Of tippe-top.")
+    assert named["modified"].endswith("Of gliding-cylinder.")
+    assert len(tt.LAWS) == len(repr(tt.LAWS).splitlines())
+    for name, absent in (("tippe-top", "modified"), ("gliding-cylinder", "contensou")):
+        laws = [law for law in named if law != absent]
+        with pytest.raises(tt.InputError) as refused:
+            tt.run("inverting", system=name, friction={"law": "nosuch"})
+        sentence = next(s for s in refused.value.sentences if "`friction.law`" in s)
+        assert sorted(sentence.partition(" one of ")[2].partition(", but")[0].split(", ")) == sorted(laws)
