@@ -26,17 +26,17 @@ def wrong_answers(system: System) -> list[str]:
     numbers = {name: allowed(rule) for name, rule in system.parameters.items()}
     names = ", ".join(system.parameters) or "none"
     took = f"`body`, `body_units`, `scales` of `{system.name}` must take its parameters ({names})"
-    made: dict[str, Any] = {}
+    results: dict[str, Any] = {}
 
     def bodies() -> None:
-        made["body"] = system.body_of(numbers, law.record(**{n: allowed(rule) for n, rule in law.parameters.items()}))
-        made["units"] = system.body_units(law.units())
-        made["scales"] = system.scales(made["body"])
+        results["body"] = system.body_of(numbers, law.record(**{n: allowed(rule) for n, rule in law.parameters.items()}))
+        results["units"] = system.body_units(law.units())
+        results["scales"] = system.scales(results["body"])
 
     if fault := _failure(bodies):
         return [f"{took}, but fail: {fault}."]
-    body, scales = made["body"], made["scales"]
-    if not hasattr(body, "_fields") or type(made["units"]) is not type(body):
+    body, scales = results["body"], results["scales"]
+    if not hasattr(body, "_fields") or type(results["units"]) is not type(body):
         return [f"`body` and `body_units` of `{system.name}` must give NamedTuples of one type, but do not."]
     if not isinstance(scales, tuple) or len(scales) != 2 or not all(_positive(scale) for scale in scales):
         return [
