@@ -70,7 +70,8 @@ def _more(attrs: dict[str, Any], known: System | None) -> list[str]:
 @lru_cache(maxsize=64)
 def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, str]]:
     registered, form = find(system.name), system.forms[form_name]
-    ours = {r.name for r in (*registered.events, *registered.quantities)} if registered is not None else set()
+    known: Sequence[Any] = (*registered.events, *registered.quantities) if registered is not None else ()
+    ours = {record.name for record in known}
     of: dict[str, Sequence[Any]] = {"event": system.events, "column": system.quantities}
     digests = {
         kind: {r.name: _digest(r, system, form, friction) for r in records if r.name not in ours or _outside(r.formula)}
