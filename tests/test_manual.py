@@ -1,4 +1,4 @@
-"""The manual: every public name, every topic and every page is in it. (That it builds is tried by .ci/run.)"""
+"""The manual: every public name, every topic and every page is in it. (That it builds is tried by docs.yml.)"""
 
 import re
 from pathlib import Path

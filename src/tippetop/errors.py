@@ -54,16 +54,24 @@ def a_system(name: str) -> str:
 
 EXTRAS = {
     "matplotlib": "figures",
-    **dict.fromkeys(("numba", "llvmlite", "scipy"), "grids"),
+    **dict.fromkeys(("numba", "scipy"), "grids"),
     **dict.fromkeys(("distributed", "dask", "cryptography"), "sweep"),
     **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
 }
 """What an import may miss: the extra of this package that brings it."""
 
 
+def refuse_without(name: str) -> None:
+    """Raises ModuleNotFoundError now, rather than after a run, where an extra that is needed is not installed."""
+    from importlib.util import find_spec
+
+    if find_spec(name) is None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
 def missing_extra(error: ImportError) -> str | None:
     """The sentence on an import that failed because an extra is not installed; None where that is not why."""
-    name = (error.name or "").partition(".")[0]
+    name = (error.name or "").partition(".")[0].replace("llvmlite", "numba")  # numba is what brings it
     extra = EXTRAS.get(name)
     return f"this must find {name}, but it is not installed: pip install 'tippetop[{extra}]'." if extra else None
 

@@ -9,6 +9,7 @@ import pytest
 
 from tippetop.cli import outcome
 from tippetop.cli.application import whole
+from tippetop.errors import missing_extra
 from tippetop.figures import catalogue, drawing
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs.summary import lines
@@ -220,3 +221,26 @@ def test_warnings_are_lines_of_ours_on_stderr() -> None:
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == ""
     assert found.stderr == "tippetop: warning: two lines\n"
+
+
+@pytest.mark.parametrize(
+    ("missing", "words", "extra"),
+    [
+        ("matplotlib", ["run", "inverting", "--until", "0.1", "--out", "{}/r.zarr", "--figure", "{}/f.png"], "figures"),
+        ("pyarrow", ["export", "{stores}/tippe.zarr", "--to", "parquet", "--out", "{}/r.pq"], "export"),
+        ("h5netcdf", ["export", "{stores}/tippe.zarr", "--to", "netcdf", "--out", "{}/r.nc"], "export"),
+    ],
+)
+def test_what_an_extra_brings_is_missed_before_anything_is_made(
+    missing: str, words: list[str], extra: str, stores: Path, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.setitem(sys.modules, missing, None)
+    _, said = printed(capsys, *(word.format(tmp_path, stores=stores) for word in words), code=2)
+    assert said == f"tippetop: this must find {missing}, but it is not installed: pip install 'tippetop[{extra}]'.\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_numba_is_what_brings_llvmlite() -> None:
+    said = missing_extra(ModuleNotFoundError("No module named 'llvmlite'", name="llvmlite"))
+    assert said == "this must find numba, but it is not installed: pip install 'tippetop[grids]'."

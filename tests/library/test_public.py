@@ -361,6 +361,9 @@ def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
     with pytest.warns(UserWarning, match="is not to be relied on"):
         found = tt.reconstruct(run)
     assert found.attrs["mismatch"] > 1e-6
+    given = np.isfinite(found["theta"].values)
+    assert given[: given.sum()].all(), "it ends where its pieces do not meet"
+    assert given.sum() < 0.5 * given.size
 
 
 def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:

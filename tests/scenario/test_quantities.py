@@ -41,8 +41,15 @@ def test_parameters_are_products_of_others() -> None:
         Fraction(235, 625) * Fraction("0.02") * Fraction("0.02") ** 2
     )
     assert number_of("2*b", "parameters.k", ONE, names) == 0.0008
-    with pytest.raises(InputError, match="must not depend on itself"):
+    with pytest.raises(InputError, match="a` must not depend on itself"):
         number_of("a", "parameters.k", ONE, {"a": ("b", ONE), "b": ("a", ONE)})
+
+
+def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
+    with pytest.raises(InputError, match="I1` must not depend on itself, but does"):
+        build.load("inverting", ["parameters.I1=2*I3", "parameters.I3=I1"])
+    with pytest.raises(InputError, match="I1` must not depend on itself, but does, by"):
+        build.load("inverting", ["parameters.I1=2*I1"])
 
 
 @pytest.mark.parametrize(
@@ -87,6 +94,37 @@ def test_parameters_that_lead_to_one_another_are_worked_out_once() -> None:
 def test_hertz_could_be_turns_or_radians() -> None:
     with pytest.raises(InputError, match="could be turns or radians"):
         number_of("25 Hz", "initial.omega3", RADIAN_PER_SECOND)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("5 deg 30 arcmin", RADIAN),  # was their product: 2.6e-56
+        ("1 deg^2", RADIAN),
+        ("1 sr", RADIAN),
+        ("10 %", RADIAN),
+        ("20 deg", ONE),
+        ("0.3 rad m", METRE),
+        ("155 Bq", RADIAN_PER_SECOND),
+        ("155 rad^2/s", RADIAN_PER_SECOND),
+        ("155 counts/s", RADIAN_PER_SECOND),
+    ],
+)
+def test_an_angle_is_no_pure_number(text: str, unit: Unit) -> None:
+    with pytest.raises(InputError, match=r"must (be in|have no unit)"):
+        number_of(text, "initial.k", unit)
+
+
+def test_angles_per_second_may_leave_out_the_radian() -> None:
+    assert number_of("100 s^-1", "initial.omega3", RADIAN_PER_SECOND) == 100.0
+    assert number_of("100 rad/s", "initial.omega3", RADIAN_PER_SECOND) == 100.0
+    assert number_of("7 rad/s^2", "parameters.k", Unit(0, 0, -2, "rad s-2")) == 7.0
+
+
+def test_a_sum_before_a_unit_is_in_brackets() -> None:
+    assert number_of("(1 + 1) cm", "parameters.R", METRE) == 0.02
+    with pytest.raises(InputError, match="sum in brackets"):
+        number_of("1 + 1 cm", "parameters.R", METRE)
 
 
 def test_a_scenario_and_its_assignments_take_them() -> None:

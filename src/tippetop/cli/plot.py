@@ -129,9 +129,10 @@ def _size(text: str | None) -> tuple[float, float] | None:
 
 
 def check_picture(path: Path, option: str, overwrite: bool = False) -> None:
-    """Raises InputError or StoreError now rather than after the run. `option`: what the file was given by."""
-    from ..errors import InputError, StoreError
+    """Raises what there is to say of a picture now rather than after the run. `option`: what the file was given by."""
+    from ..errors import InputError, StoreError, refuse_without
 
+    refuse_without("matplotlib")
     if path.suffix.lower() not in catalogue.ENDINGS:
         raise InputError([f"{option} must end with .png, .svg or .pdf, but is `{path}`."])
     if not path.parent.is_dir():

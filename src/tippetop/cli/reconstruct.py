@@ -34,6 +34,7 @@ def reconstruct(
     """
     import numpy as np
 
+    from ..awaiting import awaited
     from ..errors import InputError
     from ..landscape.reconstruction import reconstruction
     from ..scenario import build
@@ -46,8 +47,10 @@ def reconstruct(
         raise InputError([f"--period must be positive and finite, but is {period}."])
     root.refuse_other_rows(store, attrs)
     rows = root.loaded(root.open_group(store, "trajectory"), store)
-    result = reconstruction(
-        build.stored(attrs), lambda: rows, lambda: root.loaded(root.open_group(store, "events"), store), period
+    events = root.loaded(root.open_group(store, "events"), store)
+    result = awaited(
+        lambda: reconstruction(build.stored(attrs), lambda: rows, lambda: events, period),
+        "solving the main equation, from one turning to the next",
     )
     difference = np.abs(result["theta"].values - rows["theta"].values)
     whole = np.isfinite(difference)

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LEAST_ROWS = 4  # of a swing, from one turning to the next: with fewer the curves through D and E~ mean nothing
-LARGEST_MISMATCH = 1e-6  # of cos(theta) where pieces of a reconstruction meet; a good one has 1e-9 and less
 
 
 def reconstruction(
@@ -70,10 +69,11 @@ def reconstruction(
         math.cos(float(rows["theta"][0])),
         guess / second,
     )
-    if not solution.mismatch <= LARGEST_MISMATCH:
+    if not solution.mismatch <= main_equation.APART:
+        end = float(times[np.isfinite(solution.z)].max())
         warnings.warn(
-            f"the pieces of the reconstruction disagree by {solution.mismatch:.1e} in cos(theta): "
-            "theta is not to be relied on.",
+            f"the pieces of the reconstruction disagree by {solution.mismatch:.1e} in cos(theta) after "
+            f"t = {end:.4g} s: theta is not to be relied on, and not given, beyond.",
             stacklevel=3,
         )
     theta = {"units": "rad", "long_name": "theta by the main equation"}

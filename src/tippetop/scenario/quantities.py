@@ -34,7 +34,7 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
 
 
-def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None) -> float:
+def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None, own: str = "") -> float:
     """The number that a text stands for, in SI units.
 
     Parameters
@@ -47,6 +47,8 @@ def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None =
         What the number must measure.
     names
         Numbers by name, or texts that stand for numbers: worked out too. Must not lead back to themselves.
+    own
+        The name among them that the text is the number of, if it is one.
 
     Returns
     -------
@@ -59,7 +61,7 @@ def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None =
         If it is no such text, names what is not there, or has another dimension.
     """
     try:
-        return float(_exact(text, key, unit, dict(names or {}), ()))
+        return float(_exact(text, key, unit, dict(names or {}), (own,) if own else ()))
     except ZeroDivisionError:
         raise InputError([f'`{key}` must be a number, but "{text}" divides by zero.']) from None
     except OverflowError:
@@ -73,6 +75,8 @@ def _exact(text: str, key: str, unit: Unit, names: dict[str, Any], under: tuple[
     if measured and not text.rstrip().endswith(tuple("*/+-(^")) and measured["unit"].strip() != "":
         head = _tree(measured["number"], key, text, quiet=True)
         if head is not None:
+            if isinstance(head, ast.BinOp) and isinstance(head.op, ast.Add | ast.Sub) and head.col_offset == 0:
+                raise InputError([f'`{key}` must have its sum in brackets before a unit, but is "{text}".'])
             return _converted(_value(head, key, text, {}, ()), measured["unit"].strip(), key, text, unit)
     tree = _tree(text, key, text)
     assert tree is not None
@@ -141,7 +145,7 @@ def _named(name: str, key: str, text: str, names: dict[str, Any], under: tuple[s
     if name not in names:
         if name == text.strip():
             raise InputError([f"`{key}` must be a number, but is {text!r}.{suggestion(name, names)}"])
-        known = f"pi and {', '.join(names)}" if names else "pi"
+        known = f"pi and {', '.join(n for n in names if n not in under)}" if names else "pi"
         raise InputError(
             [
                 f'`{key}` must be a number, or arithmetic of numbers, {known}, but "{text}" has {name!r}.'
@@ -149,7 +153,7 @@ def _named(name: str, key: str, text: str, names: dict[str, Any], under: tuple[s
             ]
         )
     if name in under:
-        raise InputError([f'`{key}` must not depend on itself, but "{text}" does, by {name!r}.'])
+        raise InputError([f'`parameters.{name}` must not depend on itself, but does, by "{text}".'])
     value = names[name]
     if isinstance(value, tuple):  # a text, and what it measures
         value = names[name] = _exact(value[0], f"parameters.{name}", value[1], names, (*under, name))
@@ -189,13 +193,19 @@ def _converted(value: Fraction, given: str, key: str, text: str, unit: Unit) -> 
     registry = _registry()
     try:
         measured = registry.Quantity(value, given)
-        return Fraction(measured.to(wanted or "dimensionless").magnitude)
+        number = Fraction(measured.to(wanted or "dimensionless").magnitude)
+        parts, asked = (dict(registry.Quantity(1, u).to_root_units().unit_items()) for u in (given, wanted))
     except pint.DimensionalityError:
         raise InputError([f'`{key}` must {_must(unit)}, but is "{text}".']) from None
     except pint.UndefinedUnitError:
         raise InputError([f'`{key}` must {_must(unit)}, but "{words}" is no unit.']) from None
     except (pint.PintError, ValueError, TypeError, AttributeError, SyntaxError, AssertionError, RecursionError):
         raise InputError([_wrong(key, text)]) from None
+    # pint takes angles and their powers for pure numbers; who writes s-1 for rad s-1 is understood
+    turned = parts.get("radian", 0)
+    if "count" in parts or (turned != asked.get("radian", 0) and (turned or not parts)):
+        raise InputError([f'`{key}` must {_must(unit)}, but is "{text}".'])
+    return number
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
@@ -232,9 +242,9 @@ def worked_out(tables: Mapping[str, Any], units: Mapping[str, Mapping[str, Unit]
         result[table] = dict(values)
         for name, unit in its.items():
             if isinstance(values.get(name), str):
-                others = {k: v for k, v in names.items() if table != "parameters" or k != name}
+                own = name if table == "parameters" else ""
                 try:
-                    result[table][name] = number_of(values[name], f"{table}.{name}", unit, others)
+                    result[table][name] = number_of(values[name], f"{table}.{name}", unit, names, own)
                 except InputError as error:
                     faults += error.sentences
     if faults:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, StoreError
+from ..errors import InputError, StoreError, missing_extra
 from . import chunks, files, root, skeleton, tables
 
 
@@ -45,9 +45,9 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
             writer = _netcdf_apart if to == "netcdf" else FORMATS[to]
             writer(store, groups if group is None and to == "netcdf" else [group or groups[0]], attrs, scratch)
     except ImportError as error:
-        raise StoreError(
-            f"the export to {to} must find its library, but: {error} (install tippetop[export])."
-        ) from None
+        if (sentence := missing_extra(error)) is None:
+            raise
+        raise InputError([sentence]) from None
 
 
 def _has_rows(store: Path) -> bool:

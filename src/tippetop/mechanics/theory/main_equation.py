@@ -15,16 +15,18 @@ from ..system import System
 
 
 COMPLEX_STEP = 1e-30
+WAYS = np.array([1j * COMPLEX_STEP, 0.0])  # of z, and of t
 ORDER = 10  # of the power series at a turning
 REACH = 0.06  # of the time between turnings, where the series hands over
+APART = 1e-6  # of z where two pieces meet: nothing beyond is to be relied on; a good one has 1e-9 and less
 MEET = 0.5  # of the largest z'^2 of a swing: where the piece from the next turning takes over
 CONSTANT = 1e-11  # relative: momenta and energy that vary less than this are constants of the motion
 QUARTER = np.pi / 4  # the phase that is left there, where z'' = z' in units of the frequency
 
 
 class Reconstruction(NamedTuple):
-    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning), times of the turnings,
-    and the worst mismatch of z where pieces meet."""
+    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning, or before the first two
+    pieces that do not meet), times of the turnings, and the worst mismatch of z where pieces meet."""
 
     z: np.ndarray
     turnings: np.ndarray
@@ -78,6 +80,9 @@ def reconstruct(
             return Reconstruction(out, np.array(turnings), mismatch)
         backward, _, _ = equation.outward(there, -1.0, meet)
         mismatch = max(mismatch, abs(float(backward(meet)[0] - last[0])))
+        if not mismatch <= APART:
+            out[times > here.t] = np.nan
+            return Reconstruction(out, np.array(turnings), mismatch)
         _fill(out, times, meet, there.t - reach, lambda t, f=backward: f(t)[0])
         known, here = there.t - reach, there
         turnings.append(there.t)
@@ -99,7 +104,9 @@ class _Equation:
 
     def square(self, z: Any, t: Any, step: Any = 0.0) -> Any:
         """Q(z, t) = z'^2; `step` is a complex step of time."""
-        given = (self.values(t) + step * self.rates(t)).T
+        return self._square(z, (self.values(t) + step * self.rates(t) if step else self.values(t)).T)
+
+    def _square(self, z: Any, given: Any) -> Any:
         return (1 - z) * (1 + z) * (given[0] - self.potential(z, *given[1:], self.b)) / self.inertia(z, self.b)
 
     def along_z(self, z: Any, t: Any) -> Any:
@@ -132,7 +139,11 @@ class _Equation:
 
     def motion(self, t: float, y: np.ndarray) -> np.ndarray:
         """The rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
-        return np.array([y[1], self.along_z(y[0], t) / 2 + self.along_t(y[0], t) / (2 * y[1])])
+        # both slopes of Q from one evaluation: here the time of a reconstruction goes
+        momenta, rates = self.values(t), self.rates(t)
+        given = np.array([momenta, momenta + 1j * COMPLEX_STEP * rates]).T
+        along_z, along_t = self._square(y[0] + WAYS, given).imag / COMPLEX_STEP
+        return np.array([y[1], along_z / 2 + along_t / (2 * y[1])])
 
     def outward(self, start: "_Series", way: float, until: float) -> Any:
         """From the edge of a series, forward or backward, past the fastest point of the swing: the dense output, and
@@ -184,6 +195,8 @@ def _series(equation: _Equation, t: float, z: float, reach: float, *, fixed: boo
         )
         step = np.linalg.solve(jacobian, [square(z, t), along_t(z, t)])
         z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
+        if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(abs(t) + reach):
+            break
     x = np.cos(np.linspace(0, np.pi, 4 * ORDER)) if not fixed else (1 - np.cos(np.linspace(0, np.pi, 4 * ORDER))) / 2
     powers = np.vander(x, ORDER + 1, increasing=True)
     slopes = np.arange(ORDER + 1) * np.vander(x, ORDER + 1, increasing=True)[:, [0, *range(ORDER)]] / reach
