@@ -38,6 +38,14 @@ class ListedTimes:
 
     times: np.ndarray
 
+    def __post_init__(self) -> None:
+        times = self.times.view()
+        times.flags.writeable = False
+        object.__setattr__(self, "times", times)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ListedTimes, (self.times,)
+
     def __len__(self) -> int:
         return len(self.times)
 

@@ -136,6 +136,16 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)
 
 
+def test_of_quaternions_the_inclination_is_drawn_measured_and_predicted() -> None:
+    """A figure of a fit whose upper panel was empty."""
+    t = np.array([0.02, 0.05, 0.11])
+    run = tt.run("inverting", until=0.12, output_times=t).trajectory.sel(time=t)
+    seen = Motion(t, None, None, run.orientation.values, *(None,) * 4)
+    observation = Observation(tt.load("inverting"), ["friction.mu"], seen)
+    for drawn in (observation.dots(), observation.curves(observation.start(), t)):
+        np.testing.assert_allclose(drawn["orientation"], run.theta.values[:, None], rtol=0, atol=1e-8)
+
+
 def test_all_windows_of_long_data_take_the_equations_that_the_last_one_is_worth(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -78,6 +78,15 @@ def test_rows_become_poses_at_their_times(monkeypatch: pytest.MonkeyPatch) -> No
     assert angles[-1] > 150
 
 
+def test_poses_of_a_cylinder_are_those_before_it_has_come_to_rest() -> None:
+    t = np.linspace(0, 20, 2001)
+    rows = film._rows(xr.Dataset({"theta": ("time", np.exp(-2 * t) * np.cos(9 * t))}, {"time": t}))
+    assert len(rows) == film.POSES
+    assert 1.5 < t[rows[-1]] < 2.5
+    still = film._rows(xr.Dataset({"theta": ("time", 0 * t)}, {"time": t}))
+    assert t[still].tolist() == pytest.approx(np.linspace(0, 20, film.POSES).tolist(), abs=0.02)
+
+
 def test_a_body_on_its_stem_stands_higher() -> None:
     """R = 1, the stem's ball of radius 0.2 with its middle 1.2 above that of the sphere."""
     stem = BALL | {"balls": [*BALL["balls"], {"offset": 0.03, "radius": 0.004}]}

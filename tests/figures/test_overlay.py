@@ -1,6 +1,7 @@
 """Several runs in one panel, named by what is different in them; parts of runs; pictures that are there stay."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,29 @@ def test_no_legend_is_wider_than_its_figure() -> None:
     assert max(map(len, whole_title.splitlines())) <= 40
     same = drawing.several("theta", [a_run(), a_run()], ["$a_{$b", "c$d$$"]).get_figure(root=True)
     same.canvas.draw()  # a dollar in the name of a file begins no formula
+
+
+def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
+    """Units in round brackets, the legend beside the curves, a dollar of a file no formula, exact zeros not drawn."""
+    t = np.linspace(0, 1, 50)
+    motions = [
+        SimpleNamespace(
+            path=Path(f"dt=${i}.csv"),
+            t=t,
+            theta=t,
+            reference=t,
+            curves={"axis": i * t, "theta": 0 * t, "energy": i * t},
+        )
+        for i in (1, 2)
+    ]
+    fig = drawing.comparison(motions, "tippe top, vector form")
+    fig.canvas.draw()
+    assert [axes.get_ylabel() for axes in fig.axes] == ["inclination θ (rad)", "difference (rad)", "relative change"]
+    assert fig.axes[0].get_title(loc="left") == "Tippe top, vector form"
+    assert fig.axes[1].get_title(loc="left") == "How far it is off: solid axis, dotted θ alone"
+    assert fig.axes[0].get_legend() is None
+    assert [text.get_text() for text in fig.legends[0].get_texts()] == ["reference", r"dt=\$1", r"dt=\$2"]
+    assert all(not np.isfinite(line.get_ydata()).any() for line in fig.axes[1].lines if line.get_linestyle() == ":")
 
 
 def test_the_kinds_that_compare_runs_are_those_that_say_so() -> None:

@@ -100,7 +100,7 @@ def test_registering_refuses_what_would_be_mistaken(own) -> None:
     assert tt.register(mine) is tt.register(mine), "the same again changes nothing"
     for record, name, sentence in (
         (mine, "second", "the record of the law `second` must be its own, but Mine is that of `mine`"),
-        (mine._replace(coefficient=own.quadratic), "mine", "the name of a law must be new, but `mine`"),
+        (dataclasses.replace(mine, coefficient=own.quadratic), "mine", "the name of a law must be new, but `mine`"),
         (law("Other"), "mine", "the name of a law must be new, but `mine` is that of Mine"),
         (law("Other"), "modified", "the name of a law must be new, but `modified` is one of gliding-cylinder"),
         (law("Other"), "none", "the name of a law must be new"),
@@ -109,8 +109,8 @@ def test_registering_refuses_what_would_be_mistaken(own) -> None:
         (law("Other", ("law",)), "other", "must not be named `law`"),
         (law("Other", ("mu",), parameters={"nu": None}), "other", "must be the fields of its record, mu, but are nu"),
         (law("Other", ("mu", "nu"), parameters={"mu": None}), "other", "must be the fields of its record, mu, nu"),
-        (law("Other")._replace(record=dict), None, "must be a NamedTuple"),
-        (law("Other")._replace(record=3), "other", "must be a NamedTuple"),
+        (dataclasses.replace(law("Other"), record=dict), None, "must be a NamedTuple"),
+        (dataclasses.replace(law("Other"), record=3), "other", "must be a NamedTuple"),
         (own.SCALED_TIPPE_TOP.replace(name=""), None, "the name of a system must be letters"),
         (own.SCALED_TIPPE_TOP.replace(name="heavy-top"), None, "the name of a system must be new"),
         (3, None, "`record` must be a System or a Law"),

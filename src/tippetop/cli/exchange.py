@@ -162,7 +162,7 @@ def fit(
         from ..figures import drawing
 
         picture = drawing.fit(
-            result.t, observation.groups, measured.curves(observation, result), result.residuals, text
+            result.t, observation.dots(), measured.curves(observation, result), result.residuals, text
         )
         drawing.write(picture, figure, overwrite=overwrite)
     print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else "\n".join(text))

@@ -134,11 +134,22 @@ class Observation:
             )
         return parts
 
+    def dots(self) -> dict[str, np.ndarray]:
+        """What was measured, as a figure shows it, by group, (rows, parts): of an orientation theta."""
+        rows = dict(self.groups)
+        if "orientation" in rows:
+            w, x, y, z = rows["orientation"].T
+            rows["orientation"] = 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))[:, None]
+        return rows
+
     def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
-        """What is predicted at times [s] of the table's clock, as it was measured, by group, (times, parts); of an
-        orientation nothing."""
-        read = self._read([values], t, slopes=False)
-        return {group: self._model(group, *read)[0] for group in self.groups if group != "orientation"}
+        """What is predicted of `dots` at times [s] of the table's clock, by group, (times, parts)."""
+        value, _ = self._read([values], t, slopes=False)
+        curves = {group: self._model(group, value, None)[0] for group in self.groups if group != "orientation"}
+        if "orientation" in self.groups:
+            x, y, z = (value[f"third_{c}"] for c in "xyz")
+            curves["orientation"] = np.arctan2(np.hypot(x, y), z)[:, None]
+        return curves
 
     def _read(self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool) -> tuple[Any, Any]:
         """What is read of the motions of sets of values: by name (points rows,), and how it moves with each free number

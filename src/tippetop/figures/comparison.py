@@ -6,16 +6,17 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from .style import LOWER, QUIET, RUN, UPPER, figure
+from .style import LOWER, QUIET, RUN, UPPER, figure, legend, literal
 
 
 COLORS = (UPPER, LOWER, "#6d28d9", "#0369a1", "#a16207", "#be185d")
 LEVELS = (1e-3, 1e-2, 1e-1)
 FLOOR = 1e-17  # below it a difference is not drawn
+SHOWN = {"theta": ("θ", "rad"), "place": ("place", "m"), "omega3": ("ω₃", "rad s⁻¹")}  # others: by name, in rad
 
 
 def comparison(motions: Sequence[Any], title: str) -> Figure:
-    """Three panels over time: theta [rad], differences [rad] with their levels, relative drift.
+    """Three panels over time: theta (rad), differences (rad) with their levels, relative drift.
 
     Parameters
     ----------
@@ -31,29 +32,39 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     panels[0].plot(longest.t, longest.reference, color=RUN, lw=2.2, alpha=0.55, label="reference")
     for m, color in zip(motions, _colors(len(motions)), strict=True):
         if np.isfinite(m.theta).any():
-            panels[0].plot(m.t, m.theta, color=color, lw=0.9, label=m.path.stem)
+            panels[0].plot(m.t, m.theta, color=color, lw=0.9, label=literal(m.path.stem))
         name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in m.curves)
-        panels[1].semilogy(m.t, np.maximum(m.curves[name], FLOOR), color=color)
+        _draw(panels[1], m.t, m.curves[name], color=color)
         if name != "theta" and "theta" in m.curves:
-            panels[1].semilogy(m.t, np.maximum(m.curves["theta"], FLOOR), color=color, lw=0.6, ls=":")
+            _draw(panels[1], m.t, m.curves["theta"], color=color, lw=0.6, ls=":")
         for kept, style in (("jellett", "-"), ("energy", "--")):
             if kept in m.curves:
-                drift = np.maximum(np.abs(m.curves[kept]), FLOOR)
-                panels[2].semilogy(m.t, drift, style, color=color)
-    for level in LEVELS:
-        panels[1].axhline(level, color=QUIET, lw=0.7, ls="--")
-    panels[0].set(ylabel="θ [rad]", title=title)
-    panels[1].set(ylabel="difference [rad]", title=f"how far it is off: {name} (dotted: θ alone)")
+                _draw(panels[2], m.t, m.curves[kept], color=color, ls=style)
+    if name != "omega3":
+        panels[1].hlines(
+            LEVELS, 0, 1, transform=panels[1].get_yaxis_transform(), color=QUIET, lw=0.7, ls="--", label="_levels"
+        )
+    panels[0].set(ylabel="inclination θ (rad)", title=literal(title[:1].upper() + title[1:]))
+    dotted = "" if name == "theta" else ", dotted θ alone"
+    words, unit = SHOWN.get(name, (name, "rad"))
+    panels[1].set(ylabel=f"difference ({unit})", title=f"How far it is off: solid {words}{dotted}")
     if drifts:
         panels[2].set(
             ylabel="relative change",
-            title="change of its own Jellett's integral (solid), which nothing may change, and energy (dashed)",
+            title="Its own change: solid Jellett's integral λ, which nothing may change, dashed energy E",
         )
-    panels[-1].set_xlabel("t [s]")
+    panels[-1].set_xlabel("time t (s)")
     for axes in panels[1:]:
         _cut(axes)
-    panels[0].legend(fontsize=8, loc="upper left")
+    legend(panels[0], "upper right", own=True, ncols=4)
     return fig
+
+
+def _draw(axes: Any, t: np.ndarray, values: np.ndarray, **style: Any) -> None:
+    """How large differences are; open where they are 0."""
+    sizes = np.where(np.abs(values) > FLOOR, np.abs(values), np.nan)
+    axes.set_yscale("log")
+    axes.plot(t, sizes, **style)
 
 
 def _cut(axes: Any) -> None:

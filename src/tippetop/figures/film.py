@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from . import raycast
 from .labels import title
-from .sphere import busy
+from .sphere import CALM, busy
 from .style import figure, ink
 from .thinning import span
 
@@ -64,9 +64,18 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
 def _rows(trajectory: Any) -> np.ndarray:
     """The rows that are drawn."""
     t = trajectory["time"].values
-    first, last = busy(trajectory["axis"].values, t) if "axis" in trajectory else span(t)
+    first, last = busy(trajectory["axis"].values, t) if "axis" in trajectory else _moving(trajectory, t)
     wanted = np.linspace(max(first, t[0]), min(last, t[-1]), POSES)
     return np.unique(np.clip(np.searchsorted(t, wanted), 0, len(t) - 1))
+
+
+def _moving(trajectory: Any, t: np.ndarray) -> tuple[float, float]:
+    """The time in which a body that stays upright turns, but for the rest of its way before and after."""
+    way = np.cumsum(np.abs(np.diff(trajectory["theta"].values))) if "theta" in trajectory else np.zeros(0)
+    if not len(way) or not way[-1] > 0:
+        return span(t)
+    first, last = np.searchsorted(way, (CALM * way[-1], (1 - CALM) * way[-1]))
+    return float(t[first]), float(t[last])
 
 
 def _scene(trajectory: Any, shape: dict[str, Any], row: int) -> raycast.Scene:

@@ -9,7 +9,7 @@ from .style import QUIET, RUN, UPPER, figure
 
 
 NAMES = {"theta": "θ [rad]", "phi": "φ [rad]", "omega3": "ω₃ [rad/s]", "place": "place [m]", "marker": "marker [m]",
-         "axis": "axis", "orientation": "turn [rad]"}  # fmt: skip
+         "axis": "axis", "orientation": "θ [rad]"}  # fmt: skip
 PARTS = "xyz"
 
 
@@ -27,9 +27,9 @@ def fit(
     t
         (rows,) [s].
     measured, residuals
-        Name -> (rows, parts); NaN in gaps.
+        Name -> (rows, parts); NaN in gaps. Of an orientation, the inclination of its axis is shown.
     predicted
-        Times [s], (n,), and name -> what is predicted then, as it was measured, (n, parts); of an orientation none.
+        Times [s], (n,), and name -> what is predicted then, as it is shown, (n, parts).
     text
         Lines that stand below: the numbers.
     """
@@ -42,8 +42,8 @@ def fit(
         (above, words), (below, counts) = boxes[2 * k], boxes[2 * k + 1]
         off = residuals[name]
         colors = (RUN, UPPER, "#6d28d9", "#0f766e")
-        for i, curve in enumerate(curves[name].T if name in curves else ()):
-            above.plot(t, seen[:, i], ".", ms=3, color=QUIET, zorder=3, label="measured" if not i else None)
+        for i, curve in enumerate(curves[name].T):
+            above.plot(t, seen[:, i], ".", ms=4, color=QUIET, label="measured" if not i else None)
             label = f"fit {PARTS[i]}" if seen.shape[1] > 1 else "fit"
             above.plot(times, curve, color=colors[i % len(colors)], lw=0.8, label=label)
         for i in range(off.shape[1]):
@@ -55,10 +55,7 @@ def fit(
         below.set(ylabel="left", xlabel="t [s]", ylim=(-4.5 * size, 4.5 * size))
         counts.set(ylim=(-4.5 * size, 4.5 * size), xticks=[], yticklabels=[])
         above.set(ylabel=NAMES.get(name, name), xticklabels=[])
-        if name not in curves:
-            above.set_axis_off()
-        else:
-            above.legend(fontsize=8)
+        above.legend(fontsize=8)
         words.set_axis_off()
         words.text(0, 0.5, f"root mean square\n{size:.3g}\n{np.isfinite(off).sum()} numbers", va="center", fontsize=9)
     fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize=8, family="monospace")

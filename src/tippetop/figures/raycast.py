@@ -36,7 +36,7 @@ class Scene(NamedTuple):
     tip: Array | None = None
 
 
-def picture(scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int, fine: int = 3) -> Array:
+def picture(scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int, fine: int = 2) -> Array:
     """The scene as (height, width, 4): colours and how opaque, from 0 to 1; what is beside the body is transparent.
 
     Parameters

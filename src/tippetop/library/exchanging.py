@@ -128,7 +128,7 @@ class Fitted:
 
         figure = drawing.fit(
             self._fit.t,
-            self._observation.groups,
+            self._observation.dots(),
             measured.curves(self._observation, self._fit),
             self.residuals,
             str(self).split("\n"),

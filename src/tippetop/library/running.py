@@ -23,7 +23,7 @@ from .bodies import Top
 from .extensions import of_stored
 from .laws import Friction
 from .run import Run
-from .scenarios import problem_of
+from .scenarios import checked, problem_of
 from .stored_run import StoredRun
 
 
@@ -205,6 +205,7 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
     Run
     """
     instance("problem", problem, Problem, "a Problem, as `load` gives it")
+    problem = checked(problem)
     if problem.output == "keyframes":
         raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
     with _following(progress) as follow:

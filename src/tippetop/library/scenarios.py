@@ -42,7 +42,7 @@ def problem_of(
         if surplus := [f"`{key}`" for key, value in beside.items() if value is not None]:
             words = ", ".join(surplus)
             raise InputError([f"a Problem must stand alone, but is given beside {words}: change it in `load`."])
-        return source
+        return checked(source)
     named, own = _named(None if events is None else given_events(events), Event)
     named_columns, own_columns = _named(None if columns is None else given_columns(columns), Quantity)
     try:
@@ -75,6 +75,14 @@ def problem_of(
             if more and names is None and key in tables.get("run", {}):
                 tables["run"][key] = [*tables["run"][key], *(record.name for record in more)]
         return starting.problem(tables, starting.folder_of(source), chosen)
+    except InputError as error:
+        raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
+
+
+def checked(problem: Problem) -> Problem:
+    """A problem that was checked, or is now. Raises InputError."""
+    try:
+        return build.checked(problem)
     except InputError as error:
         raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
 

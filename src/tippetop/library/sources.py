@@ -8,7 +8,7 @@ from ..mechanics.systems import SYSTEMS
 from ..problem import Problem
 from .bodies import Cylinder, HeavyTop, TippeTop, Top
 from .run import Run
-from .scenarios import problem_of
+from .scenarios import checked, problem_of
 
 
 KINDS = (TippeTop, HeavyTop, Cylinder)
@@ -23,7 +23,7 @@ def problem_behind(source: Any) -> Problem | None:
     if isinstance(source, Run):
         return source.problem
     if isinstance(source, Problem):
-        return source
+        return checked(source)
     if isinstance(source, str | Mapping) or hasattr(source, "__fspath__"):
         return problem_of(source)
     raise InputError(

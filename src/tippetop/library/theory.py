@@ -108,12 +108,13 @@ def linear_modes(
     Returns
     -------
     ndarray of complex
-        Rates [1/s], fastest growth first: three of a gliding top, two of one whose contact is at rest.
+        Rates [1/s], fastest growth first, of equal growth (to rounding) the fastest turning: three of a gliding top,
+        two of one whose contact is at rest.
 
     Raises
     ------
     InputError
-        If the body spins in no such state, or the law is not known.
+        If the body spins in no such state, the law is not known, or the motion is not linear: dry friction without eps.
 
     Notes
     -----
@@ -121,11 +122,18 @@ def linear_modes(
     """
     body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
-    if law is not None:
-        return modes.linear_modes(spin, body.body(record_of(law, body.system())), inverted=inverted)
-    if problem is not None and problem.system.frictional:
-        return modes.linear_modes(spin, body.body(problem.friction), inverted=inverted)
-    return modes.rolling_modes(spin, body.body(), inverted=inverted)
+    friction = problem.friction if problem is not None and problem.system.frictional else None
+    friction = friction if law is None else record_of(law, body.system())
+    if friction is None:
+        rates = modes.rolling_modes(spin, body.body(), inverted=inverted)
+    else:
+        rates = modes.linear_modes(spin, body.body(friction), inverted=inverted)
+    if np.isfinite(rates).all():
+        return rates
+    if friction is not None and modes.is_nowhere_linear(spin, friction, inverted=inverted):
+        words = "k = |F|/(g_n |v_A|) must be finite as v_A goes to 0, for the motion to be linear there, but is not"
+        raise InputError([f"the friction law's {words}: give Coulomb friction its regularisation speed eps."])
+    raise InputError([f"`omega3` must give rates in the range of a double, but {spin:g} rad/s does not."])
 
 
 def nutation(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .events import Event
+from .readonly import freeze
 from .units import Unit
 
 
@@ -166,3 +167,6 @@ class Phase:
     quantities: Sequence[Quantity]
     events: Sequence[Event]
     exits: tuple[Exit, ...] = ()
+
+    def __post_init__(self) -> None:
+        freeze(self, "forms")

@@ -4,12 +4,14 @@ k may depend on the sliding speed and on z = cos(theta), which says where on the
 """
 
 import re
+from dataclasses import dataclass
 from functools import reduce
 from operator import and_
 from typing import Any, NamedTuple
 
 from ..errors import InputError, names_its_faults
 from .operand import Operand, exp, formula, select, sqrt
+from .readonly import freeze
 from .system import Parameter
 from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
@@ -113,7 +115,8 @@ def frictionless(v2, z, law):
     return 0.0
 
 
-class Law(NamedTuple):
+@dataclass(frozen=True)
+class Law:
     """A friction law F_h = -k g_n v_A: what `[friction] law` names.
 
     Parameters
@@ -134,6 +137,9 @@ class Law(NamedTuple):
     parameters: dict[str, Parameter]
     long_name: str
     coefficient: Any = None
+
+    def __post_init__(self) -> None:
+        freeze(self, "parameters")
 
     def units(self) -> Any:
         """The law's record filled with units."""

@@ -4,12 +4,14 @@ import dataclasses
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from ..errors import unknown_key
 from .events import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
 from .parameter import Alternative, Parameter
+from .readonly import freeze
 from .units import Unit
 
 
@@ -142,6 +144,11 @@ class System:
     contact: tuple[str, bool] | None = None  # kind of friction, whether there is a stem; None: one phase
     on_request: tuple[Quantity, ...] = ()  # quantities that are columns only where a run names them
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
+
+    def __post_init__(self) -> None:
+        freeze(self, "parameters", "initial", "normalised_to", "phases", "long_names", "vectors")
+        if isinstance(self.laws, Mapping) and not isinstance(self.laws, MappingProxyType):  # a view: LAWS may grow
+            object.__setattr__(self, "laws", MappingProxyType(self.laws))
 
     def __repr__(self) -> str:
         return f"<System {self.name}: {self.title}>"
@@ -276,7 +283,8 @@ class System:
         System
             This one, where none is named, or where the contact may change its phase.
         """
-        wanted = tuple(q for q in self.on_request if q.name in columns) if self.contact is None else ()
+        asked = self.contact is None and [q for q in self.on_request if q.name in columns]
+        wanted = tuple(q for q in asked or () if q not in self.quantities)
         return _with_quantities(self, wanted) if wanted else self
 
     def folds(self, form: Form) -> dict[str, float]:

@@ -6,7 +6,7 @@ of a run is computed there, and a single run is the case n = 1.
 
 from .choice import AUTO, Choice, choice
 from .differentiable import MOST_DERIVATIVES, derivative_faults, kept_faults, refuse
-from .faults import key_faults, variation_faults
+from .faults import key_faults, shape_faults, variation_faults
 from .kept import ORIENTATION, PSI, TURN, column_faults, column_names
 from .many import Problems
 from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
@@ -32,5 +32,6 @@ __all__ = [
     "kept_faults",
     "key_faults",
     "refuse",
+    "shape_faults",
     "variation_faults",
 ]

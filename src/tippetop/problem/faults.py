@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import suggestion
-from ..mechanics.friction import SLIP
+from ..mechanics.contact.phases.rules import ContactLaw
+from ..mechanics.friction import LAWS, SLIP
+from ..mechanics.system import Form, System
 from ..mechanics.variables import INTEGRAL_SCALE
+from ..sampling import EvenTimes, ListedTimes
 
 
 if TYPE_CHECKING:
@@ -77,6 +80,30 @@ def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
         sizes = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
         faults.append(f"`variations` must be arrays of one length and dimension, but are {sizes}.")
     return faults
+
+
+def shape_faults(problem: "Problem") -> list[str]:
+    """What of a problem is no record of its kind, in sentences: what cannot even be written as a scenario."""
+    sequence, times = (tuple, list), (EvenTimes, ListedTimes)
+    kinds = (
+        ("system", System, "a System"),
+        ("form", Form, "a Form of its system"),
+        ("parameters", Mapping, "a mapping of names to numbers"),
+        ("initial", Mapping, "a mapping of names to numbers"),
+        ("times", times, "an array of times"),
+        ("events", sequence, "a tuple of names"),
+        ("columns", (*sequence, type(None)), "a tuple of names, or None"),
+        ("sensitivities", sequence, "a tuple of names"),
+        ("contact", (ContactLaw, type(None)), "a ContactLaw, or None"),
+    )
+    wrong = [(name, words) for name, kind, words in kinds if not isinstance(getattr(problem, name), kind)]
+    faults = [f"`{name}` of a Problem must be {words}, but is {getattr(problem, name)!r:.60}." for name, words in wrong]
+    if faults:
+        return faults
+    laws = {**LAWS, **problem.system.laws}.values()
+    if any(type(problem.friction) is law.record for law in laws):
+        return []
+    return [f"`friction` of a Problem must be the record of a known law, but is {problem.friction!r:.60}."]
 
 
 def given_names(initial: Mapping[str, Any]) -> list[str]:

@@ -3,7 +3,7 @@
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import heyoka as hy
 import numpy as np
@@ -12,6 +12,7 @@ from ..errors import unknown_key
 from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactLaw, stem_faults
 from ..mechanics.friction import LAWS, Law
 from ..mechanics.operand import refill
+from ..mechanics.readonly import freeze
 from ..mechanics.system import Form, Parameter, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
@@ -83,10 +84,12 @@ class Problem:
     sensitivities: tuple[str, ...] = ()
     contact: ContactLaw | None = None
     origin: dict[str, Any] | None = None
+    checked: ClassVar[bool] = False  # of one that was: what dataclasses.replace makes of it was not
 
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
             object.__setattr__(self, "times", ListedTimes(self.times))
+        freeze(self, "parameters", "initial", "origin")
 
     def __reduce__(self) -> Any:
         given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "form"}

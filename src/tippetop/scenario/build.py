@@ -28,9 +28,11 @@ from ..problem import (
     column_faults,
     column_names,
     kept_faults,
+    shape_faults,
 )
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
+from .numbers import plain
 from .own_records import other_records
 from .quantities import worked_out
 from .reading import override, read
@@ -107,7 +109,19 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     ] or built.start_faults()
     if faults:
         raise InputError(faults)
+    vars(built)["checked"] = True
     return built
+
+
+def checked(given: Problem) -> Problem:
+    """A problem that was checked as it is; any other, such as dataclasses.replace makes, as its scenario would give it.
+    Raises InputError."""
+    if given.checked:
+        return given
+    if faults := shape_faults(given):
+        raise InputError(faults)
+    known = given.system if given.system.contact is None else None
+    return problem(plain(resolved(given)), known, given.origin)
 
 
 def _columns(asked: list[str] | None, all_columns: tuple[str, ...], known: System | None) -> tuple[str, ...] | None:

@@ -70,7 +70,7 @@ def _more(attrs: dict[str, Any], known: System | None) -> list[str]:
 @lru_cache(maxsize=64)
 def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, str]]:
     registered, form = find(system.name), system.forms[form_name]
-    known: Sequence[Any] = (*registered.events, *registered.quantities) if registered is not None else ()
+    known: list[Any] = [] if registered is None else [*registered.events, *registered.quantities]
     ours = {record.name for record in known}
     of: dict[str, Sequence[Any]] = {"event": system.events, "column": system.quantities}
     digests = {

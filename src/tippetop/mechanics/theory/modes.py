@@ -24,8 +24,8 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     Returns
     -------
     ndarray
-        Complex rates [1/s], (3,), fastest growth first: the state is unstable iff the first has a positive real part;
-        NaN where a number of the linear motion exceeds the doubles.
+        Complex rates [1/s], (3,), fastest growth first, then fastest turning: the state is unstable iff the first has
+        a positive real part; NaN where a number of the linear motion exceeds the doubles.
     """
     up = -1 if inverted else 1
     with np.errstate(all="ignore"):
@@ -33,7 +33,7 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     if not np.isfinite(matrix).all():
         return np.full(3, complex(np.nan, np.nan))
     modes = np.linalg.eigvals(matrix)
-    return modes[np.argsort(-modes.real)]
+    return _fastest_first(modes)
 
 
 def _gliding(omega3: Any, b: Body, up: int, slip: Any) -> np.ndarray:
@@ -54,6 +54,12 @@ def _slip(omega3: Any, up: int, law: Any) -> Any:
         return slip_coefficient(0.0, float(up), law)
     drilling = np.asarray(8 * law.patch * np.abs(omega3))
     return np.where(np.asarray(law.mu) == 0, 0.0, 3 * np.pi * law.mu / drilling)
+
+
+def is_nowhere_linear(omega3: float, law: Any, *, inverted: bool = False) -> bool:
+    """Whether a friction law has no finite slope at rest: Coulomb's law itself, or a disc that does not drill."""
+    with np.errstate(all="ignore"):
+        return not np.isfinite(_slip(omega3, -1 if inverted else 1, law)).all()
 
 
 SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
@@ -119,6 +125,13 @@ def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool =
     return (omega3 * (b.I3 + b.m * h * b.R)) ** 2 < -4 * up * b.m * b.g * b.c * (b.I1 + b.m * h**2)
 
 
+def _fastest_first(p: np.ndarray) -> np.ndarray:
+    """Rates by their growth; those that grow alike, to rounding, by how fast they turn, positive before negative."""
+    unit = ROUNDED * np.abs(p).max() or 1.0
+    growth, turn = np.round(p.real / unit), np.round(np.abs(p.imag) / unit)
+    return p[np.lexsort((-p.imag, -turn, -growth))]
+
+
 def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
     """The two rates p near a spinning state of a body whose contact is at rest: rolling, or a fixed tip.
 
@@ -134,9 +147,9 @@ def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarr
     Returns
     -------
     ndarray
-        Complex rates [1/s], (2,), fastest growth first.
+        Complex rates [1/s], (2,), fastest growth first, then fastest turning.
     """
     up = -1 if inverted else 1
     h = b.R - up * b.c
     p = np.roots([b.I1 + b.m * h**2, -1j * omega3 * up * (b.I3 + b.m * h * b.R), up * b.m * b.g * b.c])
-    return p[np.argsort(-p.real)]
+    return _fastest_first(p)

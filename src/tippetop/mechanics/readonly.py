@@ -1,0 +1,25 @@
+"""Mappings that cannot be changed: what a record holds is checked once, and stays."""
+
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+
+class ReadOnly(dict):
+    """A dict that refuses to be changed; `|` and `copy` give a plain dict."""
+
+    def _refused(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("what a record holds cannot be changed: make another record, as dataclasses.replace does.")
+
+    __setitem__ = __delitem__ = __ior__ = _refused
+    clear = pop = popitem = setdefault = update = _refused
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ReadOnly, (dict(self),)
+
+
+def freeze(record: Any, *names: str) -> None:
+    """Makes mappings among the fields of a frozen record read-only; what is no mapping stays, for a check to name."""
+    for name in names:
+        value = getattr(record, name)
+        if isinstance(value, Mapping) and not isinstance(value, ReadOnly):
+            object.__setattr__(record, name, ReadOnly(value))
