@@ -103,9 +103,32 @@ class Unfinished(Exception):
         self.sentences = sentences
 
 
+def _leaves(record: Any) -> Iterable[Any]:
+    """What of arguments is no record."""
+    for field in record:
+        yield from _leaves(field) if isinstance(field, tuple) else (field,)
+
+
+def _is_one_number(value: Any, arguments: tuple) -> bool:
+    """Whether a value is a number, expression or symbol, or an array of no more dimensions than what it was made of;
+    complex only if that was."""
+    if not (hasattr(value, "__sub__") and hasattr(value, "__mul__")):  # texts, lists, None, functions
+        return False
+    dimensions, is_complex = getattr(value, "ndim", 0), _is_complex(value)
+    if not dimensions and not is_complex:
+        return True
+    leaves = list(_leaves(arguments))
+    right = dimensions <= max((getattr(leaf, "ndim", 0) for leaf in leaves), default=0)
+    return right and (not is_complex or any(map(_is_complex, leaves)))
+
+
+def _is_complex(value: Any) -> bool:
+    return isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c"
+
+
 def names_its_faults(formula: Callable, words: str) -> Callable:
     """A formula of the user, whose exceptions become an InputError that names it, with the exception as its cause; and
-    so does None, what a function without `return` gives. `of` is what it is of.
+    so does what is not one number, such as None of a function without `return`. `of` is what it is of.
 
     Parameters
     ----------
@@ -121,8 +144,8 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
             value = formula(*arguments)
         except Exception as error:
             raise InputError([f"the formula of {words} fails: {type(error).__name__}: {error}"]) from error
-        if value is None:
-            raise InputError([f"the formula of {words} must return a number, but returns None."])
+        if not _is_one_number(value, arguments):
+            raise InputError([f"the formula of {words} must return one number, but returns {value!r:.60}."])
         return value
 
     named.of = words  # type: ignore[attr-defined]

@@ -17,6 +17,7 @@ from tippetop.mechanics import friction, systems
 from tippetop.mechanics.operand import formula, sqrt
 from tippetop.mechanics.system import Parameter
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
+from tippetop.scenario import reference
 from tippetop.scenario.numbers import plain
 
 
@@ -55,7 +56,7 @@ def law(name: str, coefficient: Callable) -> Any:
         (lambda v2, z, law: law.mu * z, r"at least 0, .* but is -0.3 s/m at \|v_A\| = 0 m/s, cos\(theta\) = -1"),
         (lambda v2, z, law: law.mu * float("nan"), "k of the friction law `mine` must be finite, but is nan"),
         (lambda v2, z, law: law.mu / sqrt(v2), r"must be finite, but is inf s/m at \|v_A\| = 0 m/s"),
-        (lambda v2, z, law: None, "the formula of the friction law `mine` must return a number, but returns None"),
+        (lambda v2, z, law: None, "the formula of the friction law `mine` must return one number, but returns None"),
     ],
 )
 def test_a_law_that_feeds_energy_or_is_no_number_is_refused(coefficient: Callable, sentence: str) -> None:
@@ -82,8 +83,12 @@ def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
     [
         (lambda s, b: s.z * float("nan"), "the formula of the {} must be finite at the start, but is nan"),
         (lambda s, b: 1 / (s.z - s.z), "the formula of the {} must be finite at the start, but is inf"),
-        (lambda s, b: None, "the formula of the {} must return a number, but returns None"),
+        (lambda s, b: None, "the formula of the {} must return one number, but returns None"),
         (lambda s, b: s.nothing, "the formula of the {} fails: AttributeError"),
+        (lambda s, b: (s.z, s.z), r"the formula of the {} must return one number, but returns \("),
+        (lambda s, b: np.array([s.z]), r"the formula of the {} must return one number, but returns array\("),
+        (lambda s, b: "x", "the formula of the {} must return one number, but returns 'x'"),
+        (lambda s, b: 1j, "the formula of the {} must return one number, but returns 1j"),
     ],
 )
 def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) -> None:
@@ -105,6 +110,18 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
         ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
         ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
         ({"body": lambda parameters, law: 1.0}, "fail: |must give NamedTuples"),
+        ({"scales": lambda b: (1.0,)}, r"`scales` of `mine` must give a mass and a length, .* but gives \(1.0,\)"),
+        ({"scales": lambda b: (1.0, 0.0)}, "finite and greater than 0, but gives"),
+        ({"checks": lambda p: None}, "`checks` of `mine` must give a list of sentences, but gives None"),
+        ({"checks": lambda p: 1 / 0}, "`checks` of `mine` must give .*, but fails: ZeroDivisionError"),
+        ({"start": lambda *a: None}, "`start` of `mine` must give a record as `angles` is, but gives None"),
+        ({"events": (3,)}, "`events` of phase `slip` of `mine` must be Event records, but has 3"),
+        ({"events": "turning"}, "must be Event records, but has 'turning'"),
+        ({"quantities": (3,)}, "must be Quantity records, but has 3"),
+        ({"outlook": 3}, "`outlook` of `mine` must be a function or None, but is 3"),
+        ({"landscape": 3}, "`landscape` of `mine` must be a Landscape or None, but is 3"),
+        ({"title": None}, "`title` of `mine` must be a text, but is None"),
+        ({"phases": {}}, "`phases` of `mine` must have a Phase, but has none"),
     ],
 )
 def test_a_system_that_has_no_body_is_refused(changes: dict[str, Any], sentence: str) -> None:
@@ -151,6 +168,18 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
         (lambda: tt.minimal_surface("inverting", D=[], lam=4e-6), "`D` must be a number or"),
         (lambda: tt.marked_lines("inverting", []), "`lambda` must be a number or"),
         (lambda: tt.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
+        (lambda: tt.Unit("a", 2, -2, "J"), "powers of a Unit must be whole numbers, but are 'a', 2, -2"),  # type: ignore[arg-type]
+        (lambda: tt.Unit(1, 2, -2, 3), "`symbol` of a Unit must be a text, but is 3"),  # type: ignore[arg-type]
+        (lambda: tt.Unit(1, 2, -2, "m"), r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2\)'),
+        (lambda: tt.Unit(1, 2, -2, "kg m2 s-1"), r"must be \(1, 2, -1\), but are"),
+        (
+            lambda: tt.run("inverting", until=0.1, columns=[tt.Quantity("q", 3, ONE, None, lambda s, b: s.z)]),  # type: ignore[arg-type]
+            "`symbol` of the column `q` must be a text, but is 3.\n`long_name` of the column `q` must be a text",
+        ),
+        (
+            lambda: tt.run("inverting", until=0.1, events=[tt.Event("e", 3, lambda s, b: s.z)]),  # type: ignore[arg-type]
+            "`long_name` of the event `e` must be a text, but is 3",
+        ),
         (lambda: tt.linear_modes("cohen-coulomb", omega3=100), "must be finite as v_A goes to 0, .* give Coulomb"),
         (lambda: tt.linear_modes(tt.TippeTop(**BODY), tt.Coulomb(0.3), omega3=1), "must be finite as v_A goes to 0"),
         (lambda: tt.linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300 rad/s does"),
@@ -306,3 +335,52 @@ def test_a_record_is_read_only() -> None:
     with pytest.raises(AttributeError, match="`b` cannot be set"):
         record.a.b = 2
     assert record.to_dict() == {"a": {"b": 1}}
+
+
+class Entry(NamedTuple):
+    """An entry point of a package."""
+
+    group: str
+    name: str
+    record: Any
+
+    def load(self) -> Any:
+        return self.record
+
+
+def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A name that is taken, another name than that of the record, and what is no record: a sentence each."""
+    mine = tt.Law(NamedTuple("Mine", [("mu", float)]), {"mu": Parameter(ONE, "mu")}, "k", lambda v2, z, law: law.mu)
+    top = tt.SYSTEMS["tippe-top"].replace(name="my-top")
+    entries = [
+        Entry("tippetop.friction", "viscous", mine),
+        Entry("tippetop.friction", "wrong", 3),
+        Entry("tippetop.systems", "other-name", top),
+        Entry("tippetop.systems", "wrong", 3),
+    ]
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [e for e in entries if e.group == group])
+    with pytest.warns(UserWarning, match="of tippetop") as warned:
+        systems.load_entry_points.__wrapped__()
+    assert [str(each.message) for each in warned] == [
+        "`viscous` of tippetop.friction is left out: the name of a law must be new, but `viscous` is that of Viscous.",
+        "`wrong` of tippetop.friction is left out: it must be a Law, but is 3.",
+        "`other-name` of tippetop.systems is known as `my-top`, the name of its System, and by no other.",
+        "`wrong` of tippetop.systems is left out: it must be a System, but is 3.",
+    ]
+    assert "my-top" in tt.SYSTEMS
+
+
+def test_every_list_of_laws_is_the_same() -> None:
+    """What a run takes, tt.LAWS, the manual and a sentence; each says of which systems a law is."""
+    named = {section.title: section.text for section in reference.friction()}
+    del named["coulomb (without eps)"]
+    assert named.keys() == tt.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
+    assert named["contensou"].endswith("Of tippe-top.")
+    assert named["modified"].endswith("Of gliding-cylinder.")
+    assert len(tt.LAWS) == len(repr(tt.LAWS).splitlines())
+    for name, absent in (("tippe-top", "modified"), ("gliding-cylinder", "contensou")):
+        laws = [law for law in named if law != absent]
+        with pytest.raises(tt.InputError) as refused:
+            tt.run("inverting", system=name, friction={"law": "nosuch"})
+        sentence = next(s for s in refused.value.sentences if "`friction.law`" in s)
+        assert sorted(sentence.partition(" one of ")[2].partition(", but")[0].split(", ")) == sorted(laws)

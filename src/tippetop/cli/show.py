@@ -197,7 +197,7 @@ def systems(*, as_json: Json = False) -> int:
     """
     from rich.table import Table
 
-    from ..mechanics.systems import SYSTEMS, load_entry_points
+    from ..mechanics.systems import SYSTEMS, laws_of, load_entry_points
     from .text import console
 
     load_entry_points()
@@ -206,7 +206,7 @@ def systems(*, as_json: Json = False) -> int:
             "title": s.title,
             "forms": list(s.forms),
             "parameters": {n: p.unit.symbol for n, p in s.parameters.items()},
-            "friction": {n: {k: p.unit.symbol for k, p in law.parameters.items()} for n, law in s.laws.items()},
+            "friction": {n: {k: p.unit.symbol for k, p in law.parameters.items()} for n, law in laws_of(s).items()},
             "initial": {n: p.unit.symbol for n, p in s.initial.items()}
             | ({"centre_at_rest": "true or false"} if "nu_x" in s.initial else {}),
             "quantities": {q.name: q.unit.symbol for q in s.quantities},

@@ -147,6 +147,7 @@ def _names(subject: str, names: list[Any], system: System, known: set[str], othe
 def _event_faults(event: Any) -> list[str]:
     """What is wrong with an event by itself, in sentences."""
     of, faults = f"of the event `{event.name}`", _formula_faults(f"of the event `{event.name}`", event.formula)
+    faults += _text_faults(of, event, "long_name")
     if event.direction not in (-1, 0, 1):
         faults.append(f"`direction` {of} must be -1, 0 or 1, but is {event.direction!r:.60}.")
     if event.ends is not None and (not isinstance(event.ends, str) or not event.ends or event.ends in RESERVED):
@@ -167,7 +168,8 @@ def _event_faults(event: Any) -> list[str]:
 
 def _column_faults(quantity: Any) -> list[str]:
     """What is wrong with a column by itself, in sentences."""
-    faults = _formula_faults(f"of the column `{quantity.name}`", quantity.formula)
+    of = f"of the column `{quantity.name}`"
+    faults = _formula_faults(of, quantity.formula) + _text_faults(of, quantity, "symbol", "long_name")
     if not isinstance(quantity.unit, Unit):
         faults.append(f"`unit` of the column `{quantity.name}` must be a Unit, but is {quantity.unit!r:.60}.")
     return faults
@@ -175,3 +177,11 @@ def _column_faults(quantity: Any) -> list[str]:
 
 def _formula_faults(of: str, formula: Any) -> list[str]:
     return [] if callable(formula) else [f"`formula` {of} must be a function, but is {formula!r:.60}."]
+
+
+def _text_faults(of: str, record: Any, *names: str) -> list[str]:
+    return [
+        f"`{name}` {of} must be a text, but is {getattr(record, name)!r:.60}."
+        for name in names
+        if not isinstance(getattr(record, name), str)
+    ]

@@ -1,19 +1,38 @@
 """Systems and friction laws of one's own, known by name from then on."""
 
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
 from ..errors import InputError
 from ..mechanics import systems
-from ..mechanics.friction import LAWS as LAWS_OF_ALL
 from ..mechanics.friction import Law
 from ..mechanics.system import System
 
 
 SYSTEMS = MappingProxyType(systems.SYSTEMS)
 """The systems that are known, by name; `register` adds one."""
-LAWS = MappingProxyType(LAWS_OF_ALL)
-"""The friction laws that every gliding system has, by name; `register` adds one."""
+
+
+class _Laws(Mapping):
+    """The laws that some system takes, as they are known when they are asked for."""
+
+    def __getitem__(self, name: str) -> Law:
+        return systems.systems_of_laws()[name][0]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(systems.systems_of_laws())
+
+    def __len__(self) -> int:
+        return len(systems.systems_of_laws())
+
+    def __repr__(self) -> str:
+        laws = systems.systems_of_laws().items()
+        return "\n".join(f"{name}: {law.long_name}; of {', '.join(of)}" for name, (law, of) in laws)
+
+
+LAWS: Mapping[str, Law] = _Laws()
+"""The friction laws that are known, by name, of whichever system; `register` adds one."""
 
 
 def register(record: System | Law, name: str | None = None) -> Any:

@@ -1,9 +1,11 @@
 """Checks that the records of a system do not contradict one another."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from .events import Event
-from .system import Parameter, System
+from .parameter import rules_faults
+from .system import Exit, Form, Landscape, Phase, Quantity, System
 
 
 ONCE = {
@@ -16,7 +18,8 @@ ONCE = {
 
 def inconsistencies(system: System) -> list[str]:
     """What a system contradicts itself in: one sentence each; none of a sound one."""
-    faults = _shapeless(system)
+    if faults := _shapeless(system):
+        return faults
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
         if not phase.forms:
@@ -54,6 +57,22 @@ def inconsistencies(system: System) -> list[str]:
     return faults
 
 
+KINDS = (
+    ("title", str, "a text"),
+    ("source", str, "a text"),
+    ("phases", Mapping, "Phase records by name"),
+    ("laws", Mapping, "Law records by name"),
+    ("normalised_to", Mapping, "numbers by name"),
+    ("long_names", Mapping, "texts by name"),
+    ("integrals", (tuple, list), "a tuple of names"),
+    ("alternatives", (tuple, list), "a tuple of Alternative records"),
+    ("landscape", (Landscape, type(None)), "a Landscape or None"),
+)
+"""Fields of a system, what they must be, and that in words."""
+
+CALLED = ("potential", "theta_inertia", "outlook", "motion", "borders")
+"""Fields of a system that must be functions where they are given."""
+
 FORMULAS = ("body", "body_units", "scales", "start", "checks")
 """Fields of a system that must be functions."""
 
@@ -70,9 +89,40 @@ def _shapeless(system: System) -> list[str]:
             f"`angles` of `{system.name}` must be a NamedTuple filled with units, but is {system.angles!r:.60}."
         )
     for name in ("parameters", "initial"):
-        rules = getattr(system, name)
-        if not isinstance(rules, Mapping) or not all(isinstance(rule, Parameter) for rule in rules.values()):
-            faults.append(f"`{name}` of `{system.name}` must be Parameter records by name, but is {rules!r:.60}.")
+        faults += rules_faults(f"`{name}` of `{system.name}`", getattr(system, name))
+    for name, kind, words in KINDS:
+        if not isinstance(getattr(system, name), kind):
+            faults.append(f"`{name}` of `{system.name}` must be {words}, but is {getattr(system, name)!r:.60}.")
+    for name in CALLED:
+        if not callable(getattr(system, name) or len):
+            faults.append(f"`{name}` of `{system.name}` must be a function or None, but is {getattr(system, name)!r}.")
+    return faults or _phaseless(system)
+
+
+def _phaseless(system: System) -> list[str]:
+    """Sentences on phases that are not what they must be."""
+    if not system.phases:
+        return [f"`phases` of `{system.name}` must have a Phase, but has none."]
+    faults, phases = [], dict[str, Any](system.phases)
+    for name, phase in phases.items():
+        if not isinstance(phase, Phase):
+            faults.append(f"`phases` of `{system.name}` must be Phase records by name, but has {phase!r:.60}.")
+            continue
+        where = f"phase `{name}` of `{system.name}`"
+        forms: Any = phase.forms.values() if isinstance(phase.forms, Mapping) else [phase.forms]
+        held: list[tuple[str, Any, type]] = [
+            ("forms", forms, Form),
+            ("events", phase.events, Event),
+            ("quantities", phase.quantities, Quantity),
+            ("exits", phase.exits, Exit),
+        ]
+        for what, records, kind in held:
+            listed = [records] if isinstance(records, str) or not isinstance(records, Iterable) else records
+            faults += [
+                f"`{what}` of {where} must be {kind.__name__} records, but has {record!r:.50}."
+                for record in listed
+                if not isinstance(record, kind)
+            ]
     return faults
 
 

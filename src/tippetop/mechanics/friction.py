@@ -4,6 +4,7 @@ k may depend on the sliding speed and on z = cos(theta), which says where on the
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
 from operator import and_
@@ -11,6 +12,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError, names_its_faults
 from .operand import Operand, exp, formula, select, sqrt
+from .parameter import rules_faults
 from .readonly import freeze
 from .system import Parameter
 from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
@@ -234,13 +236,15 @@ NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
 """What the name of a law or a system is made of: it stands in TOML, on the command line and in stores."""
 
 
-def _faults(name: Any, law: Law) -> list[str]:
+def _faults(name: Any, law: Any) -> list[str]:
     """What is wrong with a law that is to be registered, in sentences."""
     if not isinstance(name, str) or not re.fullmatch(NAME, name):
         return [f"the name of a law must be letters, digits, - and _, and begin with no digit, but is {name!r:.60}."]
     fields = getattr(law.record, "_fields", None)
     if not isinstance(law.record, type) or fields is None:
         return [f"the record of the law `{name}` must be a NamedTuple, but is {law.record!r:.60}."]
+    if not isinstance(law.parameters, Mapping):
+        return rules_faults(f"the parameters of the law `{name}`", law.parameters)
     faults = []
     if name in LAWS:
         faults.append(f"the name of a law must be new, but `{name}` is that of {LAWS[name].record.__name__}.")
@@ -251,6 +255,12 @@ def _faults(name: Any, law: Law) -> list[str]:
         faults.append(f"the parameters of the law `{name}` must be the fields of its record, {names}, but are {given}.")
     if "law" in law.parameters:
         faults.append(f"a parameter of the law `{name}` must not be named `law`: that is the key of the law's name.")
+    if not faults:
+        faults += rules_faults(f"the parameters of the law `{name}`", law.parameters)
+    if not callable(law.coefficient or len):
+        faults.append(f"the coefficient of the law `{name}` must be a function, but is {law.coefficient!r:.60}.")
+    if not isinstance(law.long_name, str):
+        faults.append(f"the long_name of the law `{name}` must be a text, but is {law.long_name!r:.60}.")
     others = [other for other, known in LAWS.items() if known.record is law.record and other != name]
     if others:
         faults.append(

@@ -1,6 +1,6 @@
 """The numbers that a user gives: what must hold of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -96,6 +96,13 @@ class Parameter:
     def fault(self, key: str, value: float) -> str:
         """The sentence on a value that is broken."""
         return f"`{key}` {self.must()}, but is {value:.17g}."
+
+
+def rules_faults(words: str, rules: Any) -> list[str]:
+    """The sentence on what must be Parameter records by name, and is not; `words` say what it is."""
+    if isinstance(rules, Mapping) and all(isinstance(rule, Parameter) for rule in rules.values()):
+        return []
+    return [f"{words} must be Parameter records by name, but is {rules!r:.60}."]
 
 
 class Alternative(NamedTuple):

@@ -8,7 +8,7 @@ from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
 from ..mechanics.contact.uniqueness import painleve_bound
 from ..mechanics.friction import LAWS, Contensou, SetValued
 from ..mechanics.system import System
-from ..mechanics.systems.with_contact import ABOVE, BODIES, STEMMED, with_contact
+from ..mechanics.systems.with_contact import ABOVE, BODIES, DRILLED, STEMMED, with_contact
 from ..problem import Problem
 
 
@@ -44,8 +44,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     if isinstance(law, str) and law in system.laws and law not in LAWS:
         raise InputError([f'`friction.law` must not be "{law}" where the contact may open, by {what}.'])
     kind = "dry" if dry else "drilling" if law == "contensou" else "smooth"
-    if kind == "drilling" and system.name != "tippe-top":
-        raise InputError([f'`friction.law = "contensou"` must be of a tippe-top, but the system is {system.name}.'])
+    if kind == "drilling" and system.name != DRILLED:
+        raise InputError([f'`friction.law = "contensou"` must be of a {DRILLED}, but the system is {system.name}.'])
     return with_contact(system.name, kind, "stem" in tables)
 
 

@@ -11,10 +11,10 @@ from pydantic_core import PydanticUndefined
 
 from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.events import Event
-from ..mechanics.friction import CONTENSOU, LAWS, SET_VALUED, Law
+from ..mechanics.friction import SET_VALUED, Law
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws
 from ..mechanics.systems.with_contact import ABOVE, BODIES, with_contact
 from ..problem import ORIENTATION, PSI, UNTIL
 from .schema import ContactTable, RunTable, Table
@@ -187,10 +187,12 @@ def _flags(system: System) -> list[tuple[str, ...]]:
 
 def friction() -> list[Section]:
     """The friction laws and their numbers."""
-    own = {name: law for system in SYSTEMS.values() for name, law in system.laws.items() if name not in LAWS}
-    contact = {"coulomb (without eps)": SET_VALUED, "contensou": CONTENSOU}
-    laws = {**LAWS, **own, **contact}
-    return [Section(name, _meaning(law), KEYS, _numbers(law.parameters)) for name, law in laws.items()]
+    load_entry_points()
+    laws = {**systems_of_laws(), "coulomb (without eps)": (SET_VALUED, list(BODIES))}
+    return [
+        Section(name, f"{_meaning(law)} Of {', '.join(of) or 'no system'}.", KEYS, _numbers(law.parameters))
+        for name, (law, of) in laws.items()
+    ]
 
 
 def _meaning(law: Law) -> str:

@@ -8,6 +8,7 @@ from ..errors import suggestion, unknown_key
 from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
+from ..mechanics.systems import laws_of
 from ..mechanics.systems.with_contact import BODIES, STEMMED
 
 
@@ -18,8 +19,9 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape:
     key, context, kind = ".".join(map(str, place)), error.get("ctx", {}), error["type"]
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         given = repr(context.get("tag")) if kind == "union_tag_invalid" else "missing"
-        near = suggestion(str(context.get("tag", "")), laws)
-        return f"`{key}.law` must be one of {', '.join(laws)}, but is {given}.{near}"
+        known = laws_of(system)
+        near = suggestion(str(context.get("tag", "")), known)
+        return f"`{key}.law` must be one of {', '.join(known)}, but is {given}.{near}"
     if kind != "extra_forbidden":
         return error_sentence(error, key, [])
     if key == "friction":

@@ -16,6 +16,7 @@ from ...errors import InputError
 from .. import friction
 from ..consistency import inconsistencies
 from ..system import System
+from .answers import wrong_answers
 from .cylinder import GLIDING_CYLINDER
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
@@ -50,26 +51,8 @@ def add(system: System, *, here: bool = False) -> None:
 
 def check(system: System) -> None:
     """Raises InputError for a system whose records contradict one another, or that has no body."""
-    if faults := inconsistencies(system) or _body_faults(system):
+    if faults := inconsistencies(system) or wrong_answers(system):
         raise InputError(faults)
-
-
-def _body_faults(system: System) -> list[str]:
-    """What is wrong with the functions that make the body, in sentences: they are called with numbers and with units,
-    as the engine calls them."""
-    law = next(iter(system.laws.values()), friction.LAWS["none"])
-    try:
-        body = system.body_of(dict.fromkeys(system.parameters, 1.0), law.record(*(1.0 for _ in law.parameters)))
-        units = system.body_units(law.units())
-        system.scales(body)
-    except Exception as error:
-        names, fault = ", ".join(system.parameters) or "none", f"{type(error).__name__}: {error}"
-        return [
-            f"`body`, `body_units`, `scales` of `{system.name}` must take its parameters ({names}), but fail: {fault}."
-        ]
-    if not hasattr(body, "_fields") or type(units) is not type(body):
-        return [f"`body` and `body_units` of `{system.name}` must give NamedTuples of one type, but do not."]
-    return []
 
 
 def add_law(name: str, law: friction.Law, *, here: bool = False) -> None:
@@ -105,6 +88,22 @@ def find(name: str) -> System | None:
     return SYSTEMS.get(name)
 
 
+def laws_of(system: System) -> dict[str, friction.Law]:
+    """The friction laws that runs of a system take, by name: its own, and those that let its contact open."""
+    from .with_contact import DRILLED
+
+    return {**system.laws, **({"contensou": friction.CONTENSOU} if system.name == DRILLED else {})}
+
+
+def systems_of_laws() -> dict[str, tuple[friction.Law, list[str]]]:
+    """Every friction law that is known, by name, with the names of the systems that take it."""
+    known: dict[str, tuple[friction.Law, list[str]]] = {name: (law, []) for name, law in friction.LAWS.items()}
+    for system in SYSTEMS.values():
+        for name, law in laws_of(system).items():
+            known.setdefault(name, (law, []))[1].append(system.name)
+    return known
+
+
 def by_name(name: str) -> System:
     """The system of a name, as a pickle has it. Raises InputError if this process does not know it."""
     if (system := find(name)) is None:
@@ -134,13 +133,26 @@ def load_entry_points() -> None:
     """Registers, once a process, what installed packages offer; one that fails is left out with a warning."""
     from importlib.metadata import entry_points
 
-    groups: dict[str, Callable[[str, Any], None]] = {
-        "tippetop.friction": add_law,
-        "tippetop.systems": lambda _, system: add(system),
+    groups: dict[str, tuple[type, str, Callable[[str, Any], None]]] = {
+        "tippetop.friction": (friction.Law, "a Law", add_law),
+        "tippetop.systems": (System, "a System", _add_under),
     }
-    for group, register in groups.items():
+    for group, (kind, words, register) in groups.items():
         for entry in entry_points(group=group):
             try:
-                register(entry.name, entry.load())
+                record = entry.load()
+                if not isinstance(record, kind):
+                    raise InputError([f"it must be {words}, but is {record!r:.60}."])
+                register(entry.name, record)
             except Exception as error:  # any package may have installed it, and broken it
                 warnings.warn(f"`{entry.name}` of {group} is left out: {error}", stacklevel=2)
+
+
+def _add_under(name: str, system: System) -> None:
+    """Registers the system of an entry point, and warns if that has another name."""
+    add(system)
+    if name != system.name:
+        warnings.warn(
+            f"`{name}` of tippetop.systems is known as `{system.name}`, the name of its System, and by no other.",
+            stacklevel=3,
+        )

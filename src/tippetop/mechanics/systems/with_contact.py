@@ -38,6 +38,9 @@ OUTLOOKS: dict[str, Callable] = {"tippe-top": tippe_top_with_contact}
 STEMMED = "tippe-top"
 """The one that may have a stem."""
 
+DRILLED = "tippe-top"
+"""The one that may have a contact disc."""
+
 PLANAR = ("gliding-cylinder",)
 """Those that move in a plane."""
 

@@ -1,0 +1,82 @@
+"""What the functions of a system answer: they are called once, with numbers that may be given, as the engine does."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from .. import friction
+from ..parameter import Parameter
+from ..system import System
+
+
+def allowed(rule: Parameter) -> float:
+    """A number that a parameter may be."""
+    if rule.default is not None:
+        return rule.default
+    low = [bound for bound in (rule.above, rule.least) if bound is not None]
+    high = [bound for bound in (rule.below, rule.most) if bound is not None]
+    if low and high:
+        return (max(low) + min(high)) / 2
+    return max(1.0, 2 * max(low)) if low else min(1.0, min(high) - 1.0) if high else 1.0
+
+
+def wrong_answers(system: System) -> list[str]:
+    """What is wrong with the functions of a system, in one sentence at most."""
+    law = next(iter(system.laws.values()), friction.LAWS["none"])
+    numbers = {name: allowed(rule) for name, rule in system.parameters.items()}
+    names = ", ".join(system.parameters) or "none"
+    took = f"`body`, `body_units`, `scales` of `{system.name}` must take its parameters ({names})"
+    results: dict[str, Any] = {}
+
+    def bodies() -> None:
+        results["body"] = system.body_of(numbers, law.record(**{n: allowed(rule) for n, rule in law.parameters.items()}))
+        results["units"] = system.body_units(law.units())
+        results["scales"] = system.scales(results["body"])
+
+    if fault := _failure(bodies):
+        return [f"{took}, but fail: {fault}."]
+    body, scales = results["body"], results["scales"]
+    if not hasattr(body, "_fields") or type(results["units"]) is not type(body):
+        return [f"`body` and `body_units` of `{system.name}` must give NamedTuples of one type, but do not."]
+    if not isinstance(scales, tuple) or len(scales) != 2 or not all(_positive(scale) for scale in scales):
+        return [
+            f"`scales` of `{system.name}` must give a mass and a length, finite and greater than 0, but gives "
+            f"{scales!r:.60}."
+        ]
+    return _of_checks(system, numbers) or _of_start(system, body)
+
+
+def _of_checks(system: System, numbers: dict[str, float]) -> list[str]:
+    sentences: list[Any] = []
+    if fault := _failure(lambda: sentences.append(system.checks(numbers))):
+        return [f"`checks` of `{system.name}` must give a list of sentences, but fails: {fault}."]
+    if isinstance(sentences[0], list | tuple) and all(isinstance(sentence, str) for sentence in sentences[0]):
+        return []
+    return [f"`checks` of `{system.name}` must give a list of sentences, but gives {sentences[0]!r:.60}."]
+
+
+def _of_start(system: System, body: Any) -> list[str]:
+    says_again = {alternative.name for alternative in system.alternatives}
+    data = {name: allowed(rule) for name, rule in system.initial.items() if name not in says_again}
+    theta, angles = data.get("theta", 0.0), []
+    if fault := _failure(lambda: angles.append(system.start(data, math.sin(theta), math.cos(theta), body))):
+        return [f"`start` of `{system.name}` must give a record as `angles` is, but fails: {fault}."]
+    if getattr(angles[0], "_fields", None) == system.angles._fields:
+        return []
+    return [f"`start` of `{system.name}` must give a record as `angles` is, but gives {angles[0]!r:.60}."]
+
+
+def _failure(call: Callable[[], Any]) -> str:
+    """What a call raises, in words; empty if it raises nothing."""
+    try:
+        call()
+    except Exception as error:  # the functions are the user's
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
+def _positive(value: Any) -> bool:
+    try:
+        return bool(0 < float(value) < math.inf)
+    except (TypeError, ValueError):
+        return False
