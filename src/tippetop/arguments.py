@@ -68,15 +68,24 @@ def instance(name: str, value: Any, kind: type, words: str) -> None:
         raise InputError([f"`{name}` must be {words}, but is {value!r:.60}."])
 
 
+def flag(name: str, value: Any) -> None:
+    """Raises InputError if the argument is neither True nor False: "no" would count as yes."""
+    instance(name, value, bool, "True or False")
+
+
 def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
     """Names of numbers as the dotted keys that they stand for: `mu` for `friction.mu`; an unknown one as it is. Raises
-    InputError for a name that stands in several tables."""
-    keys, sentences, known = [], [], list(known)
+    InputError for a name that stands in several tables, and for two names of one number."""
+    keys, sentences, known, names = [], [], list(known), list(names)
     for name in names:
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:
             sentences.append(f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables.")
         keys.append(fits[0] if fits else str(name))
+    for key in dict.fromkeys(keys):
+        if keys.count(key) > 1:
+            given = " and ".join(f"`{name}`" for name, its in zip(names, keys, strict=True) if its == key)
+            sentences.append(f"`{key}` must be given once, but is given as {given}.")
     if sentences:
         raise InputError(sentences)
     return keys

@@ -14,6 +14,7 @@ from tippetop.library.run import _meaning
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.variables import Variables
+from tippetop.store.export import export
 
 
 TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
@@ -170,3 +171,35 @@ def test_runs_problems_and_systems_are_pickled_by_name(run: tt.Run) -> None:
         with pytest.raises(pickle.PicklingError, match="cannot be pickled: its formulas are functions"):
             pickle.dumps(thing)
         assert copy.copy(thing.problem if thing is own else thing) is not None
+
+
+def test_one_number_is_varied_once() -> None:
+    """Of two names of it the last one won."""
+    both = {"omega3": [150.0], "initial.omega3": [155.0]}
+    with pytest.raises(tt.InputError, match=r"`initial\.omega3` must be given once, but is given as `omega3` and"):
+        tt.ensemble("inverting", both, until=0.05)
+
+
+@pytest.mark.parametrize("given", [{"columns": ["theta"]}, {"output": "events"}, {"output_step": 0.1}])
+def test_an_ensemble_is_not_asked_for_rows(given: dict) -> None:
+    with pytest.raises(tt.InputError, match=rf"`{next(iter(given))}` must not be given in an ensemble: it keeps no"):
+        tt.ensemble("inverting", {"omega3": [150.0]}, until=0.05, **given)
+
+
+@pytest.mark.parametrize("odd", ["no", 1, 0, None])
+def test_only_true_overwrites(odd, tmp_path: Path) -> None:
+    """Where "no" counted as yes, it deleted what was there."""
+    run = tt.run("inverting", until=1e-3, out=tmp_path / "run.zarr")
+    again = tt.run("inverting", until=1e-3)
+    for write in (
+        lambda: tt.run("inverting", until=1e-3, out=run.path, overwrite=odd),
+        lambda: again.save(run.path, overwrite=odd),
+        lambda: again.plot("theta", tmp_path / "theta.png", overwrite=odd),
+        lambda: again.view().save(tmp_path / "run.html", overwrite=odd),
+        lambda: export(run.path, "csv", tmp_path / "run.csv", overwrite=odd),
+    ):
+        with pytest.raises(tt.InputError, match=r"`overwrite` must be True or False, but is"):
+            write()
+    with pytest.raises(tt.InputError, match=r"`dark` must be True or False"):
+        again.plot("theta", dark="x")
+    assert run.trajectory.sizes["time"] == 2

@@ -51,7 +51,7 @@ def problem() -> Problem:
 def spoil(monkeypatch: pytest.MonkeyPatch, spoiled: Any) -> None:
     """Runs in double, as the certificate gets them, are spoiled; the witness is not."""
 
-    def run(problem: Problem) -> Solution:
+    def run(problem: Problem, *_: Any) -> Solution:
         made = solve(problem)
         return spoiled(made) if problem.precision == "double" else made
 

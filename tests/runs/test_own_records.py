@@ -4,6 +4,7 @@ import dataclasses
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import tippetop as tt
@@ -108,3 +109,24 @@ def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> Non
     result = run.certify()
     assert result.window == [0.0, run.summary.t_end]
     assert result.same_end
+
+
+@pytest.mark.parametrize("direction", [-1, 0, 1])
+def test_a_run_and_an_ensemble_keep_the_same_of_the_passages_that_an_event_detects(direction: int) -> None:
+    """A number of rising passages, of an event that detects falling ones, is of none."""
+    ways = {-1: "falling", 0: "all", 1: "rising"}
+    kept = [tt.Kept(f"{what}_{ways[way]}", what, "x", way) for what in ("count", "first", "last") for way in ways]
+    event = tt.Event("cross", "x", leaves, direction=direction, kept=tuple(kept))
+    run = tt.run("inverting", until=1.0, events=[event])
+    many = tt.ensemble("inverting", {"omega3": [155.0]}, until=1.0, events=[event])
+    for name, value in run.summary.kept.items():
+        if value is None:
+            assert np.isnan(float(many[name][0])), name
+        else:
+            assert float(many[name][0]) == pytest.approx(value, rel=1e-9), name
+    own = run.summary.kept
+    if direction:
+        assert (own[f"count_{ways[-direction]}"], own[f"first_{ways[-direction]}"]) == (0, None)
+        assert own[f"count_{ways[direction]}"] == own.count_all > 0
+    assert f"count_all = {own.count_all}, " in str(run)
+    assert f"first_all = {own.first_all:.9g} s" in str(run)

@@ -1,9 +1,11 @@
 """A run that takes long says so once, and why."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.runs import patience
 from tippetop.runs.patience import Patience
@@ -47,7 +49,7 @@ def test_one_slow_slice_says_nothing_of_the_rest() -> None:
     follow = Patience(sentences.append, lambda: now[0])
     for slices in range(20):
         now[0] += 60.0 if slices == 3 else 1.0  # a compilation, or somebody else's work
-        follow(SimpleNamespace(problem=problem, t_end=slices * 0.1, monitor=SimpleNamespace(steps=slices)))
+        follow(SimpleNamespace(problem=problem, t_end=slices * 0.5, monitor=SimpleNamespace(steps=slices)))
     assert sentences == []
 
 
@@ -57,3 +59,25 @@ def test_the_command_warns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 64)
     assert outcome(["run", "inverting", "--until", "8"]) == 0
     assert capsys.readouterr().err.count("will take about") == 1
+
+
+def test_who_has_waited_half_a_minute_hears_of_as_much_that_is_left() -> None:
+    """Not at once: a run of a few minutes is no matter."""
+    (sentence,) = said("inverting", ["run.until=100"], 1e-3, 3e-3)
+    assert "will take about 2.6e+02 s" in sentence
+    assert said("inverting", ["run.until=20"], 1e-3, 3e-3) == []
+
+
+def test_a_call_from_python_warns(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A run, one that is stored, its continuation and its certificate: each says that it will take long."""
+    monkeypatch.setattr(patience, "LONG", 0.0)
+    monkeypatch.setattr(patience, "AGAIN_AFTER", 0.0)
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 64)
+    for call in (
+        lambda: tt.run("inverting", until=4.0),
+        lambda: tt.run("inverting", until=4.0, out=tmp_path / "run.zarr", progress=True),
+        lambda: tt.resume(tmp_path / "run.zarr", until=8.0),
+        lambda: tt.open(tmp_path / "run.zarr").certify(4.0),
+    ):
+        with pytest.warns(UserWarning, match="will take about"):
+            call()

@@ -56,6 +56,13 @@ def test_the_columns_are_those_of_the_ensemble(whole: Path, file: Path) -> None:
     assert set(found.coords) == {"initial.omega3", "friction.mu"}
 
 
+def test_the_text_of_a_sweep_has_one_status(whole: Path) -> None:
+    """That of the sweep; those of its tops are how they end."""
+    text = lines(report(whole))
+    assert [name for name, _ in text].count("status") == 1
+    assert "finished" in dict(text)["ends"]
+
+
 def test_a_sweep_says_where_the_loop_of_heyoka_made_its_steps(
     whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

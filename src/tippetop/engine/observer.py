@@ -221,7 +221,7 @@ def _passage(i, tc, e, event, t, h, x, lane, rows, rules, tallies, log):
         take_turning(tally, 0 if at_pole else int(event.sense * sign), theta)  # 0: it ends a swing, no more
     for m in range(event.first, event.last):
         number = numbers[m]
-        if number.direction * sign < 0:
+        if number.direction * sign < 0 or event.direction * sign < 0:
             continue
         if number.what == COUNT:
             kept[m, lane] += 1

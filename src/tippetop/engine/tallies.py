@@ -97,7 +97,7 @@ def event_rows(
         record["bounded"] = True
         record["ends"] = Status.of_event(event.ends).code if event.ends else 0
         record["first"] = len(numbers)
-        numbers += [(WHAT[kept.what], kept.direction or event.direction) for kept in event.kept]
+        numbers += [(WHAT[kept.what], kept.direction) for kept in event.kept]
         record["last"] = len(numbers)
     return EventRows(records, np.array(numbers, NUMBER_RECORD), np.array(axis, int))
 

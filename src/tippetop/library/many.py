@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+OF_ROWS = ("columns", "output", "output_step", "output_times", "keyframe_steps")
+"""Arguments of `run` that say which rows are kept."""
+
+
 def ensemble(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     variations: Mapping[str, Any],
@@ -55,7 +59,8 @@ def ensemble(
         Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s], that of
         `tippetop.lyapunov` at the end. Each takes several times its run.
     **scenario
-        Further arguments of `run` that say what the tops have in common: start, parameters, system, ...
+        Further arguments of `run` that say what the tops have in common: start, parameters, system, ...; none that
+        say which rows are kept: there are none.
 
     Returns
     -------
@@ -74,6 +79,8 @@ def ensemble(
     >>> import numpy as np, tippetop as tt
     >>> tt.ensemble("inverting", {"omega3": np.linspace(100, 200, 64)}, until=8.0)
     """
+    if rows := [name for name in OF_ROWS if scenario.get(name) is not None]:
+        raise InputError([f"`{name}` must not be given in an ensemble: it keeps no rows." for name in rows])
     base = problem_of(source, friction, until=until, **scenario)
     if not isinstance(variations, Mapping):
         raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, path_of
+from ..arguments import finite, flag, path_of
 from ..errors import InputError
 from ..figures import catalogue, drawing
 from ..figures.catalogue import FIGURES, Look
@@ -79,6 +79,7 @@ class Plots:
         StoreError
             If the file cannot be written, or is there already.
         """
+        flag("overwrite", overwrite)
         file = None if path is None else path_of("path", path)
         kind = kind.replace("_", "-") if isinstance(kind, str) else kind  # as the methods are named
         catalogue.kind_of(kind)
@@ -136,7 +137,8 @@ def _look(options: dict[str, Any]) -> Look:
         except (TypeError, ValueError):
             raise InputError([f"`size` must be two numbers, but is {size!r:.60}."]) from None
         size = (float(finite("size", width)), float(finite("size", height)))
-    dpi, dark = finite("dpi", options.pop("dpi", 150)), bool(options.pop("dark", False))
+    dpi, dark = finite("dpi", options.pop("dpi", 150)), options.pop("dark", False)
+    flag("dark", dark)
     look = Look(title, size, float(dpi), dark)
     catalogue.check_look(look)
     return look

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arguments import in_python, instance, named_arguments, path_of
+from ..arguments import flag, in_python, instance, named_arguments, path_of
 from ..errors import InputError, Interrupted
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..progress import Bar
+from ..runs.patience import warning
 from ..runs.run import solve
 from ..scenario.numbers import measured
 from ..store import root
@@ -152,6 +153,7 @@ def run(
     >>> tt.run(top, tt.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
+    flag("overwrite", overwrite)
     problem = problem_of(
         source,
         friction,
@@ -211,14 +213,20 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
 
 
 @contextlib.contextmanager
-def _following(progress: bool) -> Iterator[Callable[[Any], None] | None]:
-    """What is called after every slice: it moves a bar, if one is wanted."""
-    instance("progress", progress, bool, "True or False")
+def _following(progress: bool) -> Iterator[Callable[[Any], None]]:
+    """What is called after every slice: it warns of a long run, and moves a bar, if one is wanted."""
+    flag("progress", progress)
+    patience = warning()
     if not progress:
-        yield None
+        yield patience
         return
+
+    def follow(integration: Any) -> None:
+        bar.update(integration.t_end, integration.problem.until)
+        patience(integration)
+
     with Bar("s", "t = {done:.4g} s") as bar:
-        yield lambda integration: bar.update(integration.t_end, integration.problem.until)
+        yield follow
 
 
 @contextlib.contextmanager
@@ -315,7 +323,7 @@ def resume(
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):
-        continued(place, end, stop=stop, accept_other_version=accept_other_version, known=own)
+        continued(place, end, warning(), stop=stop, accept_other_version=accept_other_version, known=own)
     return StoredRun(place, own)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..problem import Problem
 from ..sampling import ListedTimes
+from .patience import warning
 from .run import Solution, solve
 
 
@@ -60,7 +61,7 @@ def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]
     plain = dataclasses.replace(problem, until=until, times=ListedTimes(times), output="times", stop_when="until")
     plain = dataclasses.replace(plain, columns=None, orientation=False)  # not compared, and no effect on what is
     wide = dataclasses.replace(plain, precision=WIDER[problem.precision], tolerance=0.0)
-    mine, witness = solve(plain), solve(wide)
+    mine, witness = solve(plain, warning()), solve(wide, warning())
     rows = min(len(mine.times), len(witness.times))
     theta = _difference(mine, witness, "theta", rows)
     result: dict[str, Any] = {

@@ -1,6 +1,7 @@
 """Whether a run that is under way will take long, in a sentence that says what makes its steps short."""
 
 import time
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,7 @@ from ..problem import Problem
 
 
 LONG = 600.0  # [s] that are left: from there on there is a sentence
+WAITED = 30.0  # [s] of computing without a word: from there on so much that is left is long
 AGAIN_AFTER = 3.0  # [s] of computing from which the rest is inferred
 AGREED = 3  # so many times in a row: what one of them compiled, or another program took, is not the run's
 SHORT = 0.02  # of a radian of the fastest angle: steps that spin alone does not ask for
@@ -28,6 +30,7 @@ class Patience:
     def __init__(self, say: Callable[[str], Any], clock: Callable[[], float] = time.monotonic):
         self.say, self.clock = say, clock
         self.since: tuple[float, float, int] | None = None  # clock, time of the run, steps
+        self.began = 0.0  # clock
         self.inferred: list[float] = []  # [s], long ones in a row
 
     def __call__(self, integration: Any) -> None:
@@ -35,15 +38,22 @@ class Patience:
         now = self.clock(), integration.t_end, integration.monitor.steps
         if self.since is None:
             self.since = now
+            self.began = now[0]
         seconds, advance, steps = (b - a for a, b in zip(self.since, now, strict=True))
         if seconds < AGAIN_AFTER:
             return
         self.since = now
         left = seconds * (integration.problem.until - now[1]) / max(advance, 1e-300)
-        self.inferred = [*self.inferred, left] if left > LONG else []
+        long = LONG if now[0] - self.began < WAITED else min(LONG, WAITED)
+        self.inferred = [*self.inferred, left] if left > long else []
         if len(self.inferred) == AGREED:
             self.say(sentence(integration.problem, min(self.inferred), advance / max(steps, 1)))
             self.clock, self.since = (lambda: 0.0), (0.0, 0.0, 0)  # once is enough
+
+
+def warning() -> Patience:
+    """A progress callback for those who call from Python: what it says is a warning."""
+    return Patience(lambda words: warnings.warn(words, stacklevel=2))
 
 
 def sentence(problem: Problem, left: float, step: float) -> str:

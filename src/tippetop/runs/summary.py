@@ -43,6 +43,8 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(
             ("other events", ", ".join(f"{_counted(kind, events)}: {_passages(n)}" for kind, n in others.items()))
         )
+    if info.get("kept"):
+        result.append(("kept", ", ".join(f"{name} = {_kept(value)}" for name, value in info["kept"].items())))
     if "normal_force" in info:
         force, weight = info["normal_force"], info["normal_force"]["weight"]
         low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
@@ -110,6 +112,11 @@ def form_sentence(info: Mapping[str, Any]) -> str:
 
 def _passages(n: int) -> str:
     return "1 passage" if n == 1 else f"{n} passages"
+
+
+def _kept(value: float | None) -> str:
+    """A number that an event keeps: a count, or a time."""
+    return "none" if value is None else str(value) if isinstance(value, int) else f"{value:.9g} s"
 
 
 def _counted(kind: str, events: Mapping[str, Any]) -> str:

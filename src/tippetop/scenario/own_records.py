@@ -113,4 +113,12 @@ def _written(formula: Callable, system: System, form: Form, friction: Any) -> li
             lines, results = function(JAVASCRIPT, names, of_symbols)
             return [*lines, *results]
         except Exception:  # the formula of a user may do with what it is fed what no program can
-            return [f"{float(formula(*state)):.12e}" for state in states]
+            return [_value(formula, *state) for state in states]
+
+
+def _value(formula: Callable, scalars: Any, body: Any) -> str:
+    """A formula in a state; nothing where it has no value there."""
+    try:
+        return f"{float(formula(scalars, body)):.12e}"
+    except Exception:  # see above
+        return ""

@@ -16,6 +16,7 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..arguments import flag
 from ..errors import StoreError
 from . import renaming
 from .lock import LOCK, Lock
@@ -69,6 +70,7 @@ def refuse_inside(path: Path) -> None:
 @contextlib.contextmanager
 def _replacing(path: Path, *, overwrite: bool) -> Iterator[Path]:
     """As `replacing`, wherever that is."""
+    flag("overwrite", overwrite)
     remove_stale(path)
     if os.path.lexists(path):
         if not overwrite:
@@ -101,6 +103,7 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     OSError
         The disk; see `writing`.
     """
+    flag("overwrite", overwrite)
     path = own_folder(path)
     replaced = path.exists()
     if replaced and not overwrite:

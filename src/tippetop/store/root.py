@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import path_of
+from ..arguments import flag, path_of
 from ..columns import with_coordinates
 from ..errors import StoreError
 from . import checkpoint, files, seal, skeleton
@@ -161,6 +161,7 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     Raises StoreError at once if `target` exists (and is not ours to overwrite, or is being written) or cannot be
     written; at the end if something else has come to stand there.
     """
+    flag("overwrite", overwrite)
     target = Path(target)
     if not (target.parent.name == RUNS and target.name.isdigit()):  # a sweep's own
         files.refuse_inside(target)

@@ -14,6 +14,7 @@ from .store import CHUNK_STATUSES, GROUP, RUNS, failures, refuse_damage
 
 
 FAULTS = 5  # invalid tops whose faults are printed
+LABELS = {"status": "ends"}  # of counts: `status` is that of the sweep
 
 
 def open_sweep(path: str | Path) -> Any:
@@ -88,7 +89,7 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
         ("status", f"{facts['status']}: {facts['tops_done']} of {facts['tops']} tops; {_text(chunks)} chunks"),
         ("axes", " x ".join(f"{sampled if name == 'sample' else name} ({n})" for name, n in sizes.items())),
     ]
-    result += [(name, _text(counts)) for name, counts in facts["counts"].items()]
+    result += [(LABELS.get(name, name), _text(counts)) for name, counts in facts["counts"].items()]
     if any(facts["drift"].values()):  # of a top that has ended
         worst = (f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})" for k, v in facts["drift"].items() if v)
         result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))

@@ -55,9 +55,9 @@ def sweep(
     progress
         Called as progress(done, of), which count tops; True draws a bar.
     stop
-        Set it, from a signal handler or another thread, and the sweep stops after a chunk. An exception such as
-        KeyboardInterrupt ends it at once and costs the chunks that are being computed. Either way the same call
-        continues it.
+        Set it, from a signal handler or another thread, and the sweep stops after a chunk, or before the first. An
+        exception such as KeyboardInterrupt ends it at once and costs the chunks that are being computed. Either way the
+        same call continues it.
 
     Returns
     -------
@@ -117,6 +117,8 @@ def _fill(
     plan, todo = store.plan, store.todo()
     done = plan.n - sum(len(plan.tops(chunk)) for chunk in todo)
     progress(done, plan.n)
+    if todo and stop is not None and stop.is_set():
+        raise Interrupted
     sentences = []
     tables, versions = build.resolved(plan.base), provenance.versions()
     tasks = (Task(chunk, tables, plan.columns(plan.tops(chunk)), plan.keep, versions) for chunk in todo)

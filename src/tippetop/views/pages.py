@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..arguments import path_of
+from ..arguments import flag, path_of
 from ..errors import StoreError
 from ..store.files import replacing, writing
 from . import rotations
@@ -107,6 +107,7 @@ def page(title: str, entry: str, data: Any, written: Mapping[str, str], *, aside
 
 def check(path: Path, *, overwrite: bool) -> None:
     """Raises StoreError if a page may not be written there: something is there already."""
+    flag("overwrite", overwrite)
     if path.is_dir():
         raise StoreError(f"`{path}` must be a file that ends with .html, but is a folder.")
     if path.exists() and not overwrite:
