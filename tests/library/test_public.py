@@ -474,3 +474,15 @@ def test_every_folder_with_modules_is_a_package() -> None:
     root = Path(tt.__file__).parent
     bare = {path.parent for path in root.rglob("*.py") if not (path.parent / "__init__.py").exists()}
     assert not bare
+
+
+def test_what_is_set_in_the_rows_leaves_the_run_as_it_is() -> None:
+    """Degrees that were written into the rows were drawn on an axis of radians."""
+    run = tt.run("inverting", until=0.01)
+    theta = run.trajectory.theta.values.copy()
+    rows = run.trajectory
+    rows["theta"] = np.degrees(rows.theta)
+    rows["theta"].attrs["units"] = "deg"
+    np.testing.assert_array_equal(run.trajectory.theta, theta)
+    assert run.trajectory.theta.attrs["units"] == "rad"
+    assert "theta" in run.trajectory

@@ -47,8 +47,8 @@ def test_a_run_in_memory_and_its_store_have_the_same_page(store: Path) -> None:
         (["{out}"], 5, "must not exist yet"),
         (["{folder}"], 5, "is a folder"),
         (["new.html", "--from", "3"], 2, "rows between 3 and inf s"),
-        (["new.html", "--from", "0.2", "--until", "0.1"], 2, "`--from` must be less than `--until`"),
-        (["new.html", "--from", "nan"], 2, "`--from` must be less than `--until`"),
+        (["new.html", "--from", "0.2", "--until", "0.1"], 2, "must begin before it ends, but goes from"),
+        (["new.html", "--from", "nan"], 2, "must begin before it ends, but goes from"),
         (["new.pdf"], 2, "--out must end with .html"),
     ],
 )

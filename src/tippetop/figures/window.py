@@ -24,7 +24,7 @@ def in_window(
         return groups, attrs
     low, high = -np.inf if start is None else start, np.inf if until is None else until
     if not low < high:
-        raise InputError([f"`--from` must be less than `--until`, but they are {low:g} and {high:g}."])
+        raise InputError([f"the part that is shown must begin before it ends, but goes from {low:g} to {high:g} s."])
     whole = groups["trajectory"]
     cut = dict(groups)
     for name in ("trajectory", "events", "impacts"):

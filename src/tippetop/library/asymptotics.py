@@ -12,7 +12,7 @@ from ..mechanics.theory import least_energy as least
 from ..mechanics.theory.least_energy import AsymptoticState
 from ..mechanics.units import JELLETT, METRE_PER_SECOND2, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
-from ..scenario.numbers import measured
+from ..scenario.numbers import measured, measured_values, within
 from .bodies import TippeTop
 from .run import Run
 from .sources import top_of
@@ -48,7 +48,7 @@ def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float | str) -> 
 
 
 def least_energy(
-    top: TippeTop | Run | Problem | str, theta: float | np.ndarray, lam: float | np.ndarray
+    top: TippeTop | Run | Problem | str, theta: float | str | np.ndarray, lam: float | str | np.ndarray
 ) -> float | np.ndarray:
     """The least energy E_lambda of a tippe top at an inclination, for a value of Jellett's integral.
 
@@ -56,9 +56,9 @@ def least_energy(
     ----------
     top : TippeTop, Run, Problem or str
         The body, or what has one, as for `asymptotic_states`.
-    theta : float or array
-        Inclination [rad].
-    lam : float or array
+    theta : float, text with a unit, or array
+        Inclination [rad], in [0, pi].
+    lam : float, text with a unit, or array
         Jellett's integral lambda [kg m^3/s].
 
     Returns
@@ -76,7 +76,9 @@ def least_energy(
     E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda = -lambda a/(a.I a).
     Rutstam (2010), eqs. 3.43 and 3.44, corrected.
     """
-    theta, lam = numbers("theta", theta)[()], numbers("lam", lam)[()]
+    theta = numbers("theta", measured_values("theta", theta, RADIAN))[()]
+    lam = numbers("lam", measured_values("lam", lam, JELLETT))[()]
+    within("theta", theta, 0, math.pi, "[0, pi]")
     try:
         np.broadcast_shapes(np.shape(theta), np.shape(lam))
     except ValueError:

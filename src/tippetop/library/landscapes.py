@@ -1,5 +1,6 @@
 """Potential and minimal surface from Python: first the body, then the momenta by their letters."""
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,9 @@ from ..landscape import potential as potential_of
 from ..landscape import surface, turning
 from ..landscape.body import landscape_of
 from ..mechanics.system import System
+from ..mechanics.units import JELLETT, JOULE, ONE, RADIAN
 from ..problem import Problem
+from ..scenario.numbers import measured_values, within
 from .bodies import Top
 from .run import Run
 from .sources import problem_behind
@@ -112,6 +115,8 @@ def potential(
     """
     parameters, name = _body(top, system)
     x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
+    z = measured_values("z", z, ONE)
+    within("z", z, -1, 1, "[-1, 1]")
     return potential_of.potential(parameters, z, x, y, name)
 
 
@@ -161,6 +166,10 @@ def turning_angles(
     x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
     if energy is None:
         raise InputError(["`energy` must be given, but is missing."])
+    energy = measured_values("energy", energy, JOULE)
+    if theta is not None:
+        theta = measured_values("theta", theta, RADIAN)
+        within("theta", theta, 0, math.pi, "[0, pi]")
     return turning.turning_angles(parameters, x, y, energy, name, theta=theta)
 
 
@@ -221,7 +230,7 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
     -----
     Rutstam (2010), eqs. 4.23-4.28.
     """
-    return lines_of.marked_lines(_body(top, None)[0], lam)
+    return lines_of.marked_lines(_body(top, None)[0], measured_values("lam", lam, JELLETT))
 
 
 def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], str | System]:
@@ -253,4 +262,6 @@ def _momenta(system: str | System, first: Any, second: Any, **letters: Any) -> t
         momenta.append(by_place if by_letter is None else by_letter)
     if sentences:
         raise InputError(sentences)
-    return momenta[0], momenta[1]
+    units = [momentum.unit for momentum in landscape.momenta]
+    x, y = (measured_values(*each) for each in zip(names, momenta, units, strict=True))
+    return x, y

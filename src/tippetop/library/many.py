@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..mechanics.system import Parameter, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..scenario.numbers import measured
+from ..scenario.numbers import measured_values
 from ..sweeps.chunk import alone
 from .bodies import Top
 from .scenarios import problem_of
@@ -102,8 +102,5 @@ def ensemble(
 
 def _in_si(name: str, values: Any, rule: Parameter | None) -> Any:
     """What varies, with texts such as "1480 rpm" as numbers. Raises InputError."""
-    given = values.tolist() if isinstance(values, np.ndarray) else values
     unit = rule.unit if rule is not None else SECOND if name == "until" else None
-    if unit is None or not isinstance(given, list | tuple) or not any(isinstance(value, str) for value in given):
-        return values
-    return [measured(name, value, unit) for value in given]
+    return values if unit is None or np.ndim(values) == 0 else measured_values(name, values, unit)

@@ -89,8 +89,8 @@ class Run:
 
     @property
     def trajectory(self) -> "xr.Dataset":
-        """The rows along `time` [s], in SI units."""
-        return self._datasets["trajectory"]
+        """The rows along `time` [s], in SI units: what is set in this Dataset leaves the run as it is."""
+        return self._datasets["trajectory"].copy()
 
     @property
     def events(self) -> "xr.Dataset":
@@ -263,7 +263,8 @@ class Run:
         from ..views.samples import needed
 
         refuse(self.attributes, "the run")
-        rows = {name: self.trajectory[name].values for name in needed(self.attributes) if name in self.trajectory}
+        trajectory = self.trajectory
+        rows = {name: trajectory[name].values for name in needed(self.attributes) if name in trajectory}
         return page(iter([rows]), self._datasets, self.attributes, start, until)
 
     def certify(self, window: float | str | None = None) -> Record:

@@ -9,10 +9,11 @@ from ..errors import InputError
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.systems import check
+from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import build, reading
-from ..scenario.numbers import plain
+from ..scenario.numbers import measured_values, plain
 from .bodies import Top
 from .extensions import extended, given_columns, given_events
 from .laws import table_of
@@ -180,6 +181,10 @@ def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> 
 def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
     """Applies options of the run; those that are None are not given."""
     given = {key: plain(value) for key, value in run.items() if value is not None}
+    if "output_times" in given:
+        given["output_times"] = measured_values("output_times", given["output_times"], SECOND)
+    if isinstance(given.get("sensitivities"), str):
+        given["sensitivities"] = [given["sensitivities"]]
     base = tables.get("run", {})
     if not isinstance(base, dict):  # the check of the scenario says so
         return

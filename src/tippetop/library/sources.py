@@ -14,7 +14,7 @@ from .scenarios import checked, problem_of
 KINDS = (TippeTop, HeavyTop, Cylinder)
 
 
-def problem_behind(source: Any) -> Problem | None:
+def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem | None:
     """The problem of a run, of a problem, of a preset, a TOML file or the tables of a scenario; None of a body.
 
     Raises InputError."""
@@ -27,13 +27,13 @@ def problem_behind(source: Any) -> Problem | None:
     if isinstance(source, str | Mapping) or hasattr(source, "__fspath__"):
         return problem_of(source)
     raise InputError(
-        [f"the body must be {_words(KINDS)}, a Run, a Problem or the name of a preset, but is {source!r:.60}."]
+        [f"the body must be {_words(kinds)}, a Run, a Problem or the name of a preset, but is {source!r:.60}."]
     )
 
 
 def top_of(source: Any, *kinds: type[Top]) -> Any:
     """The body of what stands for a top. Raises InputError if it is of none of these kinds."""
-    problem = problem_behind(source)
+    problem = problem_behind(source, kinds)
     if problem is None:
         if isinstance(source, kinds):
             return source

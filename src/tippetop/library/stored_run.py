@@ -4,16 +4,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, path_of
+from ..arguments import path_of
 from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.systems import find
+from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..runs import attributes
 from ..runs.phases import NAMES
 from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario import build
+from ..scenario.numbers import measured
 from ..store import chunks, root
 from ..store.seal import SEAL
 from .run import Run, Window
@@ -57,13 +59,15 @@ class StoredRun(Run):
     def _derived(self) -> "dict[str, xr.Dataset]":
         return {name: root.open_group(self.path, name) for name in self._derivatives}
 
-    def replay(self, start: float, until: float, step: float, *, accept_other_version: bool = False) -> "xr.Dataset":
+    def replay(
+        self, start: float | str, until: float | str, step: float | str, *, accept_other_version: bool = False
+    ) -> "xr.Dataset":
         """Integrates a part of the run again, from the nearest keyframe.
 
         Parameters
         ----------
         start, until : float
-            Times of the first and the last row [s].
+            Times of the first and the last row [s]; each number may be a text with a unit: "10 ms".
         step : float
             Time between two rows [s].
         accept_other_version : bool
@@ -89,7 +93,7 @@ class StoredRun(Run):
         """
         from ..runs import replay
 
-        times = [finite(name, value) for name, value in (("start", start), ("until", until), ("step", step))]
+        times = [measured(name, value, SECOND) for name, value in (("start", start), ("until", until), ("step", step))]
         columns = replay.columns(self.path, *times, accept_other_version=accept_other_version, known=self._own)
         return attributes.dataset(columns, {k: v for k, v in self.attributes.items() if k != SEAL})
 

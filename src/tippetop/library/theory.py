@@ -18,7 +18,7 @@ from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND, SECOND
 from ..problem import Problem
-from ..scenario.numbers import measured
+from ..scenario.numbers import measured, within
 from .bodies import HeavyTop, TippeTop, Top
 from .laws import record_of
 from .run import Run
@@ -188,6 +188,7 @@ def nutation(
     system, b = body.system(), body.body()
     momenta = [measured(name, value, JELLETT if name == "lam" else ANGULAR_MOMENTUM) for name, value in given]
     energy, theta = measured("energy", energy, JOULE), measured("theta", theta, RADIAN)
+    within("theta", theta, 0, math.pi, "[0, pi]")
     assert system.potential is not None
     assert system.theta_inertia is not None
     inertia, potential = system.theta_inertia, system.potential

@@ -95,7 +95,7 @@ def extend(
 
 def _no_later(target: Path, until: float, attrs: dict[str, Any]) -> InputError:
     ends = attrs["run"]["until"]
-    return InputError([f"--until must be later than the end of `{target}`, {ends:g} s, but is {until:g}."])
+    return InputError([f"the new end must be later than that of `{target}`, {ends:g} s, but is {until:g} s."])
 
 
 def _ending(target: Path, attrs: dict[str, Any], until: float, accept_other_version: bool) -> dict[str, Any]:

@@ -32,6 +32,22 @@ def measured(name: str, value: Any, unit: Unit) -> float:
     return number_of(value, name, unit) if isinstance(value, str) else finite(name, value)
 
 
+def measured_values(name: str, values: Any, unit: Unit) -> Any:
+    """An argument that may be a number, a text, or an array of them: texts as numbers in SI units, and a single number
+    finite; an array of numbers as it is. Raises InputError."""
+    given = values.tolist() if isinstance(values, np.ndarray) and values.dtype.kind in "UO" else values
+    if isinstance(given, list | tuple) and any(isinstance(value, str) for value in given):
+        return [measured(name, value, unit) for value in given]
+    return measured(name, given, unit) if isinstance(given, str) or np.ndim(given) == 0 else given
+
+
+def within(name: str, values: Any, low: float, high: float, words: str) -> None:
+    """Raises InputError if a number, or one of an array, lies outside an interval; NaN does not."""
+    array = np.asarray(values)
+    if array.dtype.kind in "fiu" and (beyond := array[(array < low) | (array > high)]).size:
+        raise InputError([f"`{name}` must lie in {words}, but is {beyond[0]:g}."])
+
+
 def checked(table: str, parameters: Mapping[str, Parameter], values: Mapping[str, Any]) -> dict[str, float]:
     """The numbers of a table as floats. Raises InputError, which names every one that is wrong, as for TOML."""
     units = {table: {name: parameter.unit for name, parameter in parameters.items()}}

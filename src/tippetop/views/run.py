@@ -106,7 +106,7 @@ def gathered(
     what is left out. Raises InputError where no row is within."""
     begin, end, notes = start or 0.0, np.inf if until is None else until, []
     if not begin < end:
-        raise InputError([f"`--from` must be less than `--until`, but they are {begin:g} and {end:g}."])
+        raise InputError([f"the part that is shown must begin before it ends, but goes from {begin:g} to {end:g} s."])
     times, kept, rough, total, last = [], [], 0.0, 0, None
     for piece in pieces:
         within = (piece["time"] >= begin) & (piece["time"] <= end)

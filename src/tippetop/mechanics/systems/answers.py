@@ -29,7 +29,9 @@ def wrong_answers(system: System) -> list[str]:
     results: dict[str, Any] = {}
 
     def bodies() -> None:
-        results["body"] = system.body_of(numbers, law.record(**{n: allowed(rule) for n, rule in law.parameters.items()}))
+        results["body"] = system.body_of(
+            numbers, law.record(**{n: allowed(rule) for n, rule in law.parameters.items()})
+        )
         results["units"] = system.body_units(law.units())
         results["scales"] = system.scales(results["body"])
 
