@@ -62,7 +62,7 @@ def test_an_ensemble_varies_texts() -> None:
         (lambda: tt.turning_angles("inverting", D=1e-4, lam=4e-6, energy=math.nan), "`energy` must be a finite number"),
         (lambda: tt.minimal_surface("inverting", D=1e-4, lam=math.nan), "`lam` must be a finite number"),
         (lambda: tt.thresholds(3), "the body must be a TippeTop or a HeavyTop, a Run, a Problem"),
-        (lambda: tt.minimal_surface(tt.load("gliding-cylinder"), 1.0, 1.0), "the system must be one that has a landsc"),
+        (lambda: tt.minimal_surface(tt.load("gliding-cylinder"), 1.0, 1.0), "the system must be one of tippe-top"),
         (
             lambda: tt.least_energy("inverting", [1, 2], [1, 2, 3]),
             r"must have shapes that broadcast.*\(2,\) and \(3,\)",

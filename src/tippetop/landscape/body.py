@@ -61,7 +61,7 @@ def landscape_of(system: str | System) -> tuple[System, Landscape]:
     if record is None or record.landscape is None:
         known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
         name = system if isinstance(system, str) else system.name
-        raise InputError([f"the system must be one that has a landscape, {known}, but is {name}."])
+        raise InputError([f"the system must be one of {known}, which have a landscape, but is {name}."])
     return record, record.landscape
 
 
