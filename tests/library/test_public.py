@@ -486,3 +486,16 @@ def test_what_is_set_in_the_rows_leaves_the_run_as_it_is() -> None:
     np.testing.assert_array_equal(run.trajectory.theta, theta)
     assert run.trajectory.theta.attrs["units"] == "rad"
     assert "theta" in run.trajectory
+
+
+def test_thresholds_print_one_to_a_line() -> None:
+    lines = repr(tt.thresholds("inverting")).splitlines()
+    assert len(lines) == len(tt.thresholds("inverting"))
+    assert any(line.startswith("spin_upright") and "rad s-1" in line for line in lines)
+    assert len(repr(tt.thresholds("heavy-top")).splitlines()) == 1
+
+
+def test_a_number_beyond_the_doubles_is_not_called_stiffness() -> None:
+    run = tt.run("inverting", friction={"mu": 1e300}, until=0.1)
+    assert run.summary.status == "non-finite"
+    assert "a number of the start, the body or the law is too large" in str(run.summary)

@@ -180,6 +180,10 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
             lambda: tt.run("inverting", until=0.1, events=[tt.Event("e", 3, lambda s, b: s.z)]),  # type: ignore[arg-type]
             "`long_name` of the event `e` must be a text, but is 3",
         ),
+        (lambda: tt.asymptotic_states("inverting", 1e300), r"`lam` must give energies .*, but 1e\+300 does not"),
+        (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),  # type: ignore[arg-type]
+        (lambda: tt.run("inverting", until=0.01).plot("theta", beside=3), "`beside` must be a list of Runs, but is 3"),  # type: ignore[arg-type]
+        (lambda: tt.run("inverting", until=0.01).plot("theta", beside=[3]), r"must be a list of Runs, but is \[3\]"),  # type: ignore[list-item]
         (lambda: tt.linear_modes("cohen-coulomb", omega3=100), "must be finite as v_A goes to 0, .* give Coulomb"),
         (lambda: tt.linear_modes(tt.TippeTop(**BODY), tt.Coulomb(0.3), omega3=1), "must be finite as v_A goes to 0"),
         (lambda: tt.linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300 rad/s does"),

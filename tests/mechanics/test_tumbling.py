@@ -9,6 +9,7 @@ import pytest
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.theory import regimes, thresholds, tumbling
+from tippetop.mechanics.theory.least_energy import asymptotic_states
 
 
 B = contact.Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
@@ -76,3 +77,12 @@ def test_curves_of_tumbling_states_join_and_are_as_stable_as_the_regime_says(gam
     for pole, limit in ((-1.0, thresholds.lambda_s(b)), (1.0, thresholds.lambda_u(b))):  # spins lose them there
         if math.isfinite(limit):
             assert tumbling.tumbling_jellett(pole, b) == pytest.approx(limit, rel=1e-12)
+
+
+@pytest.mark.parametrize("lam", [1e3, 1e50, 1e100, 1e200, 1e300])
+def test_beyond_every_tumbling_state_there_is_none(lam: float) -> None:
+    """Roots at infinity were found at the equator, and a square overflowed."""
+    body = contact.Body(0.02, 0.02, 0.006, 2.994e-6, 3.2e-6, 9.82, Viscous(0.3))
+    assert regimes.regime(lam, body).tumbling == ()
+    if lam < 1e150:
+        assert [state.kind for state in asymptotic_states(lam, body)] == ["upright", "inverted"]

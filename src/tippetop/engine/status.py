@@ -7,18 +7,37 @@ class Status(Enum):
     """How a run ended. All are ordinary ends but NON_FINITE and STALLED.
 
     The value is the word in stores; `code` is the number in the lanes of ensembles and in the stores of sweeps.
+
+    Attributes
+    ----------
+    TODO
+        A top of a sweep that is not yet computed.
+    FINISHED
+        It came to `until`.
+    LIFTOFF, FALLEN
+        The normal force fell to zero; theta reached pi/2 where the plane is in the way.
+    SETTLED
+        Sliding has died, and `stop_when` is "settled".
+    NON_FINITE, STALLED
+        The state, or the step, could not be continued: `summary.reason` says why.
+    INVALID
+        A top of an ensemble whose numbers allow no motion.
+    ENDED
+        An event ended it whose `ends` has no name of its own here.
+    RUNNING
+        A store that is being written, or waits for `resume`.
     """
 
-    TODO = "todo"  # of a top of a sweep: not yet computed
+    TODO = "todo"
     FINISHED = "finished"
     LIFTOFF = "liftoff"
     FALLEN = "fallen"
     SETTLED = "settled"
     NON_FINITE = "non-finite"
     STALLED = "stalled"
-    INVALID = "invalid"  # of a top of an ensemble: its numbers allow no motion
-    ENDED = "ended"  # by an event whose ending has no name of its own here
-    RUNNING = "running"  # a store that is being written, or waits for `tippetop resume`
+    INVALID = "invalid"
+    ENDED = "ended"
+    RUNNING = "running"
 
     @property
     def code(self) -> int:

@@ -44,7 +44,11 @@ def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float | str) -> 
     They are the critical points of `least_energy`, and stable where it has a minimum. Rutstam (2010), theorems 3.3.1
     and 3.3.2, corrected.
     """
-    return least.asymptotic_states(measured("lam", lam, JELLETT), top_of(top, TippeTop).body())
+    number, body = measured("lam", lam, JELLETT), top_of(top, TippeTop).body()
+    try:
+        return least.asymptotic_states(number, body)
+    except OverflowError:
+        raise InputError([f"`lam` must give energies in the range of a double, but {number:g} does not."]) from None
 
 
 def least_energy(

@@ -83,7 +83,9 @@ class TippeTop(Top):
 
     Notes
     -----
-    Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 3.
+    Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in SI units,
+    "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe Top and related rigid bodies.
+    Linkoping (2010), chapter 3.
 
     Examples
     --------

@@ -1,5 +1,6 @@
 """The calls that hold another program's motion against ours."""
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -76,7 +77,9 @@ def compare(
     >>> import tippetop as tt
     >>> print(tt.compare("mine.csv", "inverting"))
     """
-    files = [others] if isinstance(others, str | Path) else list(others)
+    files: Any = [others] if isinstance(others, str | os.PathLike) else others
+    if not isinstance(files, list | tuple):
+        raise InputError([f"`others` must be a path or a list of paths, but is {others!r:.60}."])
     if not files:
         raise InputError(["`others` must name at least one file, but is empty."])
     problem = _reference(reference)

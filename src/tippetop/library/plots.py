@@ -117,10 +117,14 @@ class Plots:
         if options:
             raise InputError([f"a figure has no option `{next(iter(options))}`."])
         from ..figures.window import in_window
+        from .run import Run
 
-        runs = [self._run, *beside]
+        others: Any = [beside] if isinstance(beside, Run) else beside
+        if not isinstance(others, list | tuple) or not all(isinstance(other, Run) for other in others):
+            raise InputError([f"`beside` must be a list of Runs, but is {beside!r:.60}."])
+        runs = [self._run, *others]
         parts = [in_window(run._for_figures(window), run.attributes, *window) for run in runs]
-        if beside:
+        if others:
             names = [f"run {i + 1}" for i in range(len(runs))]
             return drawing.several(kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax)
         return drawing.axes_of(kind, *parts[0], look, ax)

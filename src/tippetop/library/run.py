@@ -223,7 +223,10 @@ class Run:
 
     @property
     def plot(self) -> "Plots":
-        """The figures of the run: `run.plot("theta")` is a Figure, `run.plot.theta(ax=ax)` draws into Axes."""
+        """The figures of the run: `run.plot("theta")` is a Figure, `run.plot.theta(ax=ax)` draws into Axes.
+
+        `help(run.plot)` has its options, `dir(run.plot)` the kinds of figures.
+        """
         from .plots import Plots
 
         return Plots(self)
@@ -304,7 +307,7 @@ class Run:
 
     def __repr__(self) -> str:
         attrs = self.attributes
-        return f"<Run of {attrs['system']}: {attrs['reason']}, {attrs['report']['steps']} steps>"
+        return f"<{type(self).__name__} of {attrs['system']}: {attrs['reason']}, {attrs['report']['steps']} steps>"
 
     @property
     def _headline(self) -> str:

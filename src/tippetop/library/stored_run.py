@@ -31,7 +31,15 @@ SAME_END = 1e-6  # relative: another processor rounds otherwise
 
 
 class StoredRun(Run):
-    """A run in a store, finished or not: a `Run` whose tables are read when needed."""
+    """A run in a store, finished or not: a `Run` whose tables are read when needed. `tippetop.open` makes it.
+
+    Attributes
+    ----------
+    path : Path
+        The store.
+    trajectory, events, phases, impacts, summary, problem
+        As of a `Run`; `solution` is not kept.
+    """
 
     def __init__(self, path: str | Path, own: "System | None" = None):
         self._own = own  # its system, where that has events or columns of one's own

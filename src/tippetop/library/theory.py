@@ -29,6 +29,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+class Thresholds(dict):
+    """Thresholds by name, which print one to a line."""
+
+    def __repr__(self) -> str:
+        rows = [(name, f"{t.value:.6g} {t.unit.symbol}", t.long_name) for name, t in self.items()]
+        name, value = (max(len(row[column]) for row in rows) for column in (0, 1))
+        return "\n".join(f"{row[0]:<{name}}  {row[1]:<{value}}  {row[2]}" for row in rows)
+
+
 def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Threshold]:
     """The numbers that separate the regimes of a top.
 
@@ -56,8 +65,9 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     body = top_of(top, TippeTop, HeavyTop)
     if isinstance(body, HeavyTop):
         sleeping = limits.sleeping_spin(body.body())
-        return {"spin_sleeping": Threshold(sleeping, RADIAN_PER_SECOND, "upright spin of a fixed tip stable above")}
-    return {**limits.thresholds(body.body()), **thresholds_of_surface(body.body())}
+        above = "upright spin of a fixed tip stable above"
+        return Thresholds(spin_sleeping=Threshold(sleeping, RADIAN_PER_SECOND, above))
+    return Thresholds(limits.thresholds(body.body()) | thresholds_of_surface(body.body()))
 
 
 def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:

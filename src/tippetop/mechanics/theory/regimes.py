@@ -49,8 +49,8 @@ def regime(lam: float, b: Body) -> Regime:
     stable = [bool(tumbling_is_stable(z, b)) for z in states]
     angles = np.arccos(states)
     return Regime(
-        upright=abs(lam) < lambda_u(b),
-        inverted=abs(lam) > lambda_s(b),
+        upright=bool(abs(lam) < lambda_u(b)),
+        inverted=bool(abs(lam) > lambda_s(b)),
         tumbling=tuple(float(t) for t, s in zip(angles, stable, strict=True) if s),
         unstable=tuple(float(t) for t, s in zip(angles, stable, strict=True) if not s),
     )

@@ -49,11 +49,13 @@ def tumbling_is_stable(z: Any, b: Body) -> Any:
 
 
 def tumbling_states(lam: float, b: Body) -> np.ndarray:
-    """Every z at which a tumbling state has Jellett's integral lam, ascending: roots of a quartic."""
+    """Every z at which a tumbling state has Jellett's integral lam, ascending: roots of a quartic. Terms that rounding
+    hides for every z in [-1, 1] are left out: their roots lie far beyond, and were found anywhere."""
     alpha, gamma, _, beta = shape(b)
     h = np.array([1 - gamma, -2 * alpha, alpha**2 + gamma])
-    rest = np.polysub(beta**2 * np.polymul(h, h), lam**2 * np.array([gamma - 1, alpha]))
-    roots = np.roots(rest)
+    unit = max(abs(lam), beta)
+    rest = np.polysub((beta / unit) ** 2 * np.polymul(h, h), (lam / unit) ** 2 * np.array([gamma - 1, alpha]))
+    roots = np.roots(np.where(np.abs(rest) < 1e-20 * np.abs(rest).max(), 0, rest))
     z = np.sort(roots[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))].real)
     low, high = tumbling_limits(b)
     return z[(z > low) & (z < high)]
