@@ -100,7 +100,7 @@ def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
             store,
             progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt),
         )
-    with pytest.raises(InputError, match="must be later than the end"):
+    with pytest.raises(InputError, match="must be later than that of"):
         tt.resume(store, until=75.0)
     tt.resume(store, until=110.0)
     assert_same(store, whole)

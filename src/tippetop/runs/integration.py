@@ -218,7 +218,7 @@ class Integration:
         domains = self.view.domains(self.last)
         meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
         stiff = "no singularity is near, so the equations are too stiff (large mu, small eps)"
-        if t == 0:
+        if t == 0 and status is Status.NON_FINITE:
             stiff = "no singularity is near, so a number of the start, the body or the law is too large"
         what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
         return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
