@@ -101,6 +101,11 @@ def test_a_store_of_an_earlier_release_does_not_say_which_formulas(store: Path, 
     older = tt.open(store, **OTHERS[0])
     older.attributes.pop("own")
     assert older.problem.until == 0.1
+    endless = tt.open(store, **OTHERS[4])
+    endless.attributes.pop("own")
+    with pytest.raises(tt.InputError, match=r"the run must end as that of .* give the events it had"):
+        endless.certify()
+    assert "certificate" not in endless.attributes
 
 
 def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> None:
