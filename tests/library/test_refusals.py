@@ -1,8 +1,5 @@
 """What cannot be used is refused with one sentence that names it: laws, events, columns, systems, arguments."""
 
-import copy
-import dataclasses
-import pickle
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
@@ -12,7 +9,6 @@ import pandas as pd
 import pytest
 
 import tippetop as tt
-from tippetop.library.scenarios import checked
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.operand import formula, sqrt
 from tippetop.mechanics.system import Parameter
@@ -201,93 +197,6 @@ def test_what_is_known_by_name_is_changed_by_register_alone() -> None:
             registry["x"] = 3  # type: ignore[index]
     law("mine", lambda v2, z, law: law.mu)
     assert "mine" in tt.LAWS
-
-
-@pytest.mark.parametrize(
-    "mapping",
-    [
-        lambda: tt.SYSTEMS["tippe-top"].parameters,
-        lambda: tt.SYSTEMS["tippe-top"].laws,
-        lambda: tt.SYSTEMS["gliding-cylinder"].laws,
-        lambda: tt.SYSTEMS["tippe-top"].forms,
-        lambda: tt.LAWS["viscous"].parameters,
-        lambda: tt.load("inverting").parameters,
-        lambda: tt.load("inverting").initial,
-    ],
-)
-def test_what_a_record_holds_cannot_be_changed(mapping: Callable) -> None:
-    """A number that was written into a run was reported, and stored, as the one of its rows."""
-    held = mapping()
-    before = dict(held)
-    with pytest.raises((TypeError, AttributeError)):
-        held["m"] = 3
-    for change in ("clear", "popitem"):
-        with pytest.raises((TypeError, AttributeError)):
-            getattr(held, change)()
-    assert dict(mapping()) == before
-
-
-def test_a_problem_is_copied_with_what_it_holds() -> None:
-    """By pickle, deepcopy, replace; the times of its rows, too, stay as they are."""
-    problem = tt.load("inverting", ["run.output_times=[0.1, 0.2]"], until=0.3)
-    for same in (copy.deepcopy(problem), pickle.loads(pickle.dumps(problem)), dataclasses.replace(problem)):
-        assert (same.parameters, same.initial) == (problem.parameters, problem.initial)
-        with pytest.raises(TypeError, match="cannot be changed"):
-            same.initial["theta"] = 9.0
-        with pytest.raises(ValueError, match="read-only"):
-            same.times.times[0] = 9.0  # type: ignore[union-attr]
-
-
-PROBLEM = tt.load("inverting")
-
-
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"parameters": {**PROBLEM.parameters, "alpha": 5.0}}, "`parameters.alpha` must be less than 1.0, but is 5"),
-        ({"parameters": {**PROBLEM.parameters, "m": np.nan}}, "`parameters.m` must be a finite number"),
-        ({"parameters": {**PROBLEM.parameters, "m": "x"}}, "`parameters.m` must be a number, but is 'x'"),
-        ({"parameters": 3}, "`parameters` of a Problem must be a mapping of names to numbers, but is 3"),
-        ({"initial": {"theta": 9.0}}, "`initial.theta` must be at most 3.14159"),
-        ({"events": ("nosuch",)}, "`events` must be of turning, .*, but has 'nosuch'"),
-        ({"events": "turning"}, "`events` of a Problem must be a tuple of names"),
-        ({"times": np.array([0.3, 0.1])}, "`output_times` must ascend strictly"),
-        ({"until": -1.0}, "`until` must be greater than 0"),
-        ({"until": "x"}, "`until` must be a number, but is 'x'"),
-        ({"form": "nosuch"}, "`form` of a Problem must be a Form of its system, but is 'nosuch'"),
-        ({"friction": 0.3}, "`friction` of a Problem must be the record of a known law, but is 0.3"),
-        ({"tolerance": -1.0}, "`tolerance` must be "),
-        ({"precision": "half"}, "`precision` must be .double., .longdouble. or .quad."),
-    ],
-)
-def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentence: str) -> None:
-    """dataclasses.replace made tops that cannot be; some gave rows, others were called too stiff."""
-    with pytest.raises(tt.InputError, match=sentence):
-        tt.run(dataclasses.replace(PROBLEM, **changes))
-    with pytest.raises(tt.InputError, match=sentence):
-        tt.thresholds(dataclasses.replace(PROBLEM, **changes))
-
-
-@pytest.mark.parametrize(
-    "problem",
-    [
-        lambda: tt.load("inverting"),
-        lambda: tt.load("inverting", ["run.columns=['theta']", "run.output='events'"]),
-        lambda: tt.load("inverting", ["run.output='keyframes'"]),
-        lambda: tt.load("flying"),
-        lambda: tt.load("cohen-coulomb"),
-        lambda: tt.load("rolling", ["run.precision='longdouble'", "run.output_times=[0.1, 0.2]"]),
-    ],
-)
-def test_a_problem_that_was_replaced_by_the_same_is_the_same(problem: Callable) -> None:
-    """What is checked again is what it was, down to its system; and one that was checked is not checked twice."""
-    before = problem()
-    again = checked(dataclasses.replace(before))
-    assert again is not before
-    assert checked(again) is again
-    names = [f.name for f in dataclasses.fields(before) if f.name != "times"]
-    assert [getattr(again, name) for name in names] == [getattr(before, name) for name in names]
-    np.testing.assert_array_equal(again.times[:], before.times[:])
 
 
 def test_a_stop_says_what_is_kept(tmp_path: Any) -> None:
