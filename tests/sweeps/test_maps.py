@@ -1,6 +1,7 @@
 """What is said, exported and drawn of a sweep."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,23 @@ def test_the_commands_know_a_sweep(whole: Path, file: Path, tmp_path: Path, caps
     assert outcome(["sweep", str(file), "--out", str(tmp_path / "S.zarr")]) == 2
     assert not (tmp_path / "S.zarr").exists()
     assert outcome(["sweep", str(file), "--out", str(tmp_path / "S.zarr"), "--workers", "0"]) == 2
+
+
+def test_a_map_of_a_damaged_column_is_a_sentence(
+    whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before, `plot` of it was a traceback."""
+    store = tmp_path / "S.zarr"
+    shutil.copytree(whole, store)
+    chunk = store / "sweep" / "class" / "c" / "0"
+    content = bytearray(chunk.read_bytes())
+    content[-6] ^= 16
+    chunk.write_bytes(content)
+    for words in (["plot"], ["plot", "inversion"], ["view"]):
+        out = tmp_path / ("S.html" if words == ["view"] else "S.png")
+        assert outcome([words[0], str(store), *words[1:], "--out", str(out)]) == 5
+        assert "must " in capsys.readouterr().err
+        assert not out.exists()
 
 
 def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:

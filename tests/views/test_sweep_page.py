@@ -74,7 +74,7 @@ def test_a_page_tells_the_classes_apart_as_the_figure_does(
     (column,) = (c for c in json.loads(data[1])["columns"] if c["name"] == "class")
     values = np.frombuffer(base64.b64decode(column["values"]), "<f4")
     shown = {column["names"][int(value)] for value in values}
-    assert shown == {maps.SHOWN[i] for i in maps.shown_classes(tt.open(store))}
+    assert shown == {maps.SHOWN[i] for i in maps.shown_classes(store, tt.open(store))}
     assert "near-upright" in shown
     labels = [axis["label"] for axis in json.loads(data[1])["axes"]]
     assert "friction coefficient μ" in labels[1]
@@ -87,7 +87,7 @@ def test_a_cell_has_its_line_and_its_motion(store: Path, open_page: Any) -> None
     table = tt.open(store)
     tab = open_page(page_of_sweep(store))
     legend = tab.locator("[data-part=legend]").inner_text()
-    assert legend.count("(") == len(set(maps.shown_classes(table)[1::2]))
+    assert legend.count("(") == len(set(maps.shown_classes(store, table)[1::2]))
     assert "-" not in legend
     for top in (1, 9, 17):
         tab.evaluate("top => tippetop.sweep.choose(top, true)", top)

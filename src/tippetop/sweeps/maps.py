@@ -15,7 +15,7 @@ from ..errors import InputError
 from . import derived
 from .design import Axis
 from .plan import Plan
-from .summary import open_sweep
+from .summary import column, open_sweep
 
 
 MOST_CELLS = 1000  # along an axis of a map; more values share cells
@@ -87,17 +87,17 @@ def make_map(path: Path, kind: str) -> Map:
     numbers = plan.design.numbers(np.arange(plan.n))
     units = {axis.key: table[axis.key].attrs["units"] for axis in varying[2:]}
     chosen, notes = _slice(plan, varying[2:], numbers, units)
-    chosen &= table["status"].values != Status.TODO.code
+    chosen &= column(path, table, "status") != Status.TODO.code
     for axis in axes:
         chosen &= np.isfinite(numbers[axis.key])
     cells, shape = _cells(axes, numbers)[chosen], tuple(len(axis.edges) - 1 for axis in axes)
     fields = {}
     for name in wanted:
-        values = table[name].values / _weight(plan, numbers) if kind == "normal-force" else table[name].values
-        values = shown_classes(table) if name == "class" else values
+        values = shown_classes(path, table) if name == "class" else column(path, table, name)
+        values = values / _weight(plan, numbers) if kind == "normal-force" else values
         fields[name] = _gathered(name, cells, values[chosen], math.prod(shape)).reshape(shape)
     if kind == "inversion" and "class" in table:
-        ends = _gathered("class", cells, shown_classes(table)[chosen], math.prod(shape)).reshape(shape)
+        ends = _gathered("class", cells, shown_classes(path, table)[chosen], math.prod(shape)).reshape(shape)
         fields[ENDS] = np.where(np.isnan(fields[wanted[0]]), ends, np.nan)
     if len(cells) and np.bincount(cells).max() > 1:
         how = {"class": "most frequent", "normal_force_min": "least"}.get(wanted[0], "median")
@@ -108,12 +108,12 @@ def make_map(path: Path, kind: str) -> Map:
     return Map(kind, title, axes, fields, _borders(plan, axes, varying[2:]), notes)
 
 
-def shown_classes(table: Any) -> np.ndarray:
-    """The class of each top, as a number of SHOWN; without theta at the end, as it is stored."""
-    classes = np.asarray(table["class"].values, dtype=int)
+def shown_classes(path: Path, table: Any) -> np.ndarray:
+    """The class of each top, as a number of SHOWN; without theta at the end, as it is stored. Raises StoreError."""
+    classes = np.asarray(column(path, table, "class"), dtype=int)
     if "theta_end" not in table:
         return classes
-    waits = (classes == CLASSES.index("under-way")) & (np.abs(table["theta_end"].values) < NEAR)
+    waits = (classes == CLASSES.index("under-way")) & (np.abs(column(path, table, "theta_end")) < NEAR)
     return np.where(waits, SHOWN.index("near-upright"), classes)
 
 

@@ -112,7 +112,7 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
 
 def _values(path: Path, table: Any, name: str) -> np.ndarray:
     """A column of all tops; their classes as a map shows them."""
-    return maps.shown_classes(table) if name == "class" else column(path, table, name)
+    return maps.shown_classes(path, table) if name == "class" else column(path, table, name)
 
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:

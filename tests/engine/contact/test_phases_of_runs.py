@@ -92,6 +92,27 @@ def test_rows_within_the_beginning_of_a_slide_are_those_of_the_slide(monkeypatch
     assert np.max(np.abs(rows[0] - rows[1])[:, late]) < 1e-12
 
 
+@pytest.mark.parametrize("output", ["times", "steps"])
+def test_a_run_may_end_in_the_first_moments_of_a_slide(output: str) -> None:
+    """Where a series gives the motion and no step; before, such a run made steps of no length for ever."""
+    body = {"m": 0.003, "R": 0.005, "alpha": 0.6, "I": 4e-8, "g": 256.0}
+    about = {"system": "gliding-cylinder", "parameters": body, "friction": {"law": "coulomb", "mu": 0.09}}
+    about |= {"initial": {"theta": 0.364, "theta_dot": -20.7}}
+    slide = next(p for p in run(**about, until=0.02).report["contact_phases"]["first"] if p["reason"] == "slip")
+    end = slide["start"] + 1e-4
+    whole = run(**about | {"run": {"until": 0.02, "output_times": [end]}})
+    short = run(
+        **about | {"run": {"until": end, "output": output, **({"output_step": end} if output == "times" else {})}}
+    )
+    assert short.status == Status.FINISHED
+    assert short.report["contact_phases"]["last"]["start"] == slide["start"]
+    there, here = whole.columns(), short.columns()
+    for name in ("theta", "theta_dot", "x", "energy", "normal_force"):
+        assert float(here[name].values[-1]) == pytest.approx(float(there[name].values[-1]), rel=1e-12, abs=1e-15)
+    assert float(here["time"].values[-1]) == end
+    assert max(short.report["drift"].values()) < 1e-13
+
+
 @pytest.mark.parametrize(
     ("parameters", "start", "t", "theta", "share"),
     [

@@ -71,6 +71,7 @@ class ContactDriver:
         self.taken: Any = problem.number(0)
         self.wanted, self.sentence = Wanted(), ""
         start = problem.start()
+        self.transitions.left = self.end
         moment = moment_of(start)
         self.moment = moment  # at the start
         try:
@@ -246,6 +247,10 @@ class ContactDriver:
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
             status = self._change(ending, piece.last[0], when, output)
+            if status is None and not self.clock[0] < self.end:  # a phase begins where the run ends, in no whole step
+                status, when, piece.last = Status.FINISHED, self.end, self.inner.state[None, : self.inner.variables]
+                self.tally["upto"] = 0.0
+                break
             if status is not None or steps >= most or self.changes % self.per_slice == 0:
                 break
         if status is not None:
@@ -267,13 +272,14 @@ class ContactDriver:
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         signs, name = self._signs(), ending or ("landing" if self.waits is None else "clear")
+        now = self.problem.number(when)
+        self.transitions.left = self.end - now
         try:
             change = self.transitions.after(name, self.kind, self.ball, moment, signs)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
         self.force = self.extremes()
-        now = self.problem.number(when)
         for event in change.events:
             output.note(event, now + change.when, last)
         if change.ends is not None:
@@ -288,7 +294,7 @@ class ContactDriver:
             self.sentence = f"the contact has changed its phase {MOST_CHANGES} times"
         if self.sentence:
             return Status.STALLED
-        time = now + change.lag
+        time = min(now + change.lag, self.end)
         self._enter(change, (time, 0 * time), now + change.when)
         if change.between is not None:
             fill_between(self, change, now, output)

@@ -76,10 +76,16 @@ class Impacts:
         The run.
     balls
         What can touch the plane.
+
+    Attributes
+    ----------
+    left
+        Internal time to the end of the run: what takes a moment is cut there.
     """
 
     def __init__(self, problem: Problem, balls: Balls):
         self.problem, self.balls, self.number = problem, balls, problem.number
+        self.left: Any = problem.number(np.inf)
         names = problem.variables.names[problem.variables.moving :]
         self.work, self.impulse = names.index("work"), names.index("impulse")
         self.lost = names.index(LOST[0]) if LOST[0] in names else -1

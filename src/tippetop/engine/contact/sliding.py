@@ -53,7 +53,7 @@ class Sliding(Impacts):
         """The first of a slide along n from rest, so short that its rates stay; and the time that it takes."""
         kind, body = self.kinds["dry-slip"], self.balls[ball]
         F, P, _ = coulomb.slip_motion(moment.u, moment.L, n, b)
-        speed = self.number(BEGINS_AT)
+        speed = min(self.number(BEGINS_AT), P * self.left)
         lag = speed / P
         u = plus(moment.u, times(lag, balls_.axis_rate(moment.u, moment.L, b)))
         L = plus(moment.L, times(lag, cross(balls_.arm(moment.u, b), F)))

@@ -189,11 +189,12 @@ class Transitions(Sliding, Standing):
         b, body, kind = self.ball(ball), self.balls[ball], self.kinds["dry-slip"]
         carried, rate = moment.carried / INTEGRAL_SCALE, self._rates(kind, body)
         first = slide_from_cone(kind, body, b, moment.u, moment.L, carried, rate)
-        end = states(kind, body, first, first.time[-1:])[:, 0]
+        lag = min(first.time[-1], self.left)
+        end = states(kind, body, first, np.array([lag]))[:, 0]
         says = kind.says(type(kind.form.units)(*end[: len(kind.form.units)]), body)
         carried = end[len(kind.form.units) :] * INTEGRAL_SCALE
         moment = Moment(says.u, says.L, says.velocity, says.height, carried)
-        return Change("dry-slip", ball, moment, "slip", ("slip",), signs, lag=first.time[-1], between=first)
+        return Change("dry-slip", ball, moment, "slip", ("slip",), signs, lag=lag, between=first)
 
     # --- what begins ----------------------------------------------------------------------------------------------
 
