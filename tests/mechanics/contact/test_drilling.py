@@ -82,7 +82,8 @@ def test_a_patch_takes_energy() -> None:
     made = drilling.drag(0.25, (patch * Omega_z) ** 2)
     F = drilling.drilling_force(N, v, made, mu)
     torque = drilling.drilling_torque(N, Omega_z, made, mu, patch)
-    assert torque > 0
+    _, m = quadrature(0.5 / (patch * 120.0))
+    assert torque == pytest.approx(mu * N * patch * float(m), rel=1e-13)
     assert F.x * v.x + F.y * v.y + torque * Omega_z < 0
     assert F.x * v.y == pytest.approx(F.y * v.x, rel=1e-14)  # against the slip
     assert F.z == N
@@ -90,3 +91,5 @@ def test_a_patch_takes_energy() -> None:
 
 def test_rolling_resistance_is_a_torque_against_the_horizontal_turn() -> None:
     assert drilling.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3) == pytest.approx((-1.2e-3, 1.6e-3, 0), rel=1e-15)
+    smooth = drilling.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3, still=12.0)  # hypot(3, 4, 12) = 13
+    assert smooth == pytest.approx((-6e-3 / 13, 8e-3 / 13, 0), rel=1e-15)
