@@ -143,7 +143,9 @@ def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
     assert (rolls.theta <= rolls.theta_max + 1e-9).all()
     with pytest.raises(InputError, match="its contact may change its phase"):
         tt.reconstruct(run)
-    np.testing.assert_array_equal(tt.linear_modes(run.problem, omega3=60.0), tt.linear_modes(run, omega3=60.0))
+    for about in (run, run.problem):
+        with pytest.raises(InputError, match="must be finite as v_A goes to 0"):
+            tt.linear_modes(about, omega3=60.0)
 
 
 @pytest.mark.parametrize("theta", [0.05, np.pi - 0.05])
