@@ -47,7 +47,6 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
     "mechanics.friction": (f"{CONTACT}/test_coulomb_case.py",),
-    "mechanics.contact.gliding.rates": ("library/test_asymptotics.py", "-k", "rates or accelerations"),
     "mechanics.contact.ball": (f"{CONTACT}/test_planar.py", f"{CONTACT}/test_first_slip.py", f"{CONTACT}/test_ball.py"),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_ball.py"),
     "mechanics.contact.drilling": (f"{CONTACT}/test_drilling.py",),

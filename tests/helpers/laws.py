@@ -395,6 +395,10 @@ def main_equation(case: Case) -> Pairs:
     yield "E~' as a formula", gliding.modified_energy_rate(v_u, v_n, s, b), rate
     if system.potential is None:
         return
+    if system.frictional and system.momenta:
+        rates = importlib.import_module("tippetop.mechanics.contact.gliding.rates")
+        yield "(dv_A/dt).3hat", rates.push_u(s, b), v_u
+        yield "(dv_A/dt).(zhat x 3hat)", rates.push_n(s, b), v_n
     z, s2 = m.u[2], 1 - m.u[2] ** 2
     V = system.potential(z, *(case.quantity(name) for name in system.momenta), b)
     if hasattr(s, "Lz"):
