@@ -113,6 +113,16 @@ def test_a_run_may_end_in_the_first_moments_of_a_slide(output: str) -> None:
     assert max(short.report["drift"].values()) < 1e-13
 
 
+def test_a_run_may_end_before_a_slide_from_rest_has_begun() -> None:
+    """A cylinder at rest outside the friction cone, followed for less than the time in which its slide begins."""
+    body = {"m": 0.003, "R": 0.005, "alpha": 0.6, "I": 4e-8, "g": 256.0}
+    about = {"system": "gliding-cylinder", "parameters": body, "friction": {"law": "coulomb", "mu": 0.09}}
+    short = run(**about, initial={"theta": 0.364, "theta_dot": -20.7}, until=1e-15)
+    assert (short.status, short.report["steps"]) == (Status.FINISHED, 0)
+    assert short.columns()["time"].values[-1] == 1e-15
+    assert short.report["theta_end"] == pytest.approx(0.364 - 20.7e-15, abs=1e-16)
+
+
 @pytest.mark.parametrize(
     ("parameters", "start", "t", "theta", "share"),
     [

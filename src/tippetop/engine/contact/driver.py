@@ -8,25 +8,23 @@ from typing import Any
 import numpy as np
 
 from ...mechanics.contact.ball import jellett
-from ...mechanics.contact.phases.drilling import RESTS
 from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
-from ...mechanics.events import ON_ZERO
 from ...mechanics.units import SECOND
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
 from ..expressions import equations_of_motion
 from ..slices import Driver, Extremes, Request, Slice, Wanted
 from ..status import Status
-from ..tallies import ON_ZERO as BEGINS_ON_ZERO
 from ..tallies import SIGN
 from .balls import Balls
 from .between import fill_between
+from .expected import expect
 from .gathered import NOBODY, Gathered
 from .impacts import Moment, moment_of
 from .legs import Followed, new_leg
 from .tables import Tables
-from .transitions import BACK, Change, Transitions
+from .transitions import Change, Transitions
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -163,7 +161,7 @@ class ContactDriver:
         state[: len(q)] = q
         phase.carried.into_state(self.carried, state)
         driver.put(state, clock)
-        self._expect(change, moment)
+        expect(phase, change, lambda: self.transitions.functions(change.kind, change.ball, moment))
         landing, self.waits = change.landing, None
         if change.waits:
             self.waits = landing = clock[0] + number(change.waits)
@@ -196,34 +194,6 @@ class ContactDriver:
         self.lands = landing is not None and landing < self.end
         driver.end_at(landing if self.lands else self.end)
 
-    def _expect(self, change: Change, moment: Moment) -> None:
-        """Says on which side of their zeros the event functions begin."""
-        phase, signs, at, on_zero = self.phase, change.signs, [], []
-        functions = change.functions
-        if functions is None:
-            new = any(name not in signs for name in phase.names)
-            functions = self.transitions.functions(change.kind, change.ball, moment) if new else {}
-        for name, event in zip(phase.names, phase.events, strict=True):
-            if name in signs:  # it continues from the phase before
-                sign, zero = signs[name], False
-            else:
-                value = functions[name]
-                sign, zero = 1.0 if value > 0 else -1.0, abs(value) < ON_ZERO
-                if name in ("stick", "slip"):
-                    sign, zero = sign if event.direction == 0 else 1.0, False
-                elif name in BACK:  # by the region that was chosen: as small as U, they are not zero
-                    sign, zero = -float(event.direction), name == change.passed
-                elif name == RESTS.name:  # as small as U too
-                    sign, zero = (-1.0, True) if name == change.passed else (sign, False)
-                elif name == "touch" and zero:
-                    sign = 1.0
-            at.append(sign)
-            on_zero.append(zero)
-        tallies = phase.driver.tallies
-        for array, fresh in zip(tallies, phase.fresh, strict=True):
-            array[...] = fresh
-        tallies.functions[SIGN, :, 0], tallies.functions[BEGINS_ON_ZERO, :, 0] = at, on_zero
-
     def _signs(self) -> dict[str, float]:
         """On which side of their zeros the functions of the axis are now, by name."""
         known = self.inner.tallies.functions[SIGN, :, 0].tolist()
@@ -234,28 +204,29 @@ class ContactDriver:
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps, through as many phases as they take."""
-        output, steps = Gathered(self.problem, self.balls, request), 0
+        output, steps, status = Gathered(self.problem, self.balls, request), 0, None
         while True:
             output.of(self.phase, self.carried, self.taken)
+            if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
+                when, status, state = self.end, Status.FINISHED, self.inner.state[None, : self.inner.variables]
+                self.tally["upto"] = 0.0
+                break
             piece = self.inner.advance(output, most - steps)
             steps += piece.steps
-            when, status, ending = piece.time, piece.status, self._ending(piece)
+            when, status, state, ending = piece.time, piece.status, piece.last, self._ending(piece)
             output.sample(piece.samples)
             output.passed(piece.passages, len(piece.passages.times) - (ending is not None))
             if status is None or not (self.lands or ending is not None):
                 break
             if status not in (Status.FINISHED, Status.LIFTOFF, Status.ENDED):
                 break
-            status = self._change(ending, piece.last[0], when, output)
-            if status is None and not self.clock[0] < self.end:  # a phase begins where the run ends, in no whole step
-                status, when, piece.last = Status.FINISHED, self.end, self.inner.state[None, : self.inner.variables]
-                self.tally["upto"] = 0.0
-                break
-            if status is not None or steps >= most or self.changes % self.per_slice == 0:
+            status = self._change(ending, state[0], when, output)
+            full = steps >= most or self.changes % self.per_slice == 0
+            if status is not None or (full and self.clock[0] < self.end):
                 break
         if status is not None:
             self.tables.end(float(when), str(status.value))
-        last = self.present() if status is None else self.rows(piece.last)
+        last = self.present() if status is None else self.rows(state)
         output.give()
         return Slice(steps, when, last, output.sampled(), output.passages(), status, self.tables.take())
 
