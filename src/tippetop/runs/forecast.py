@@ -8,8 +8,9 @@ import numpy as np
 
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
-from ..mechanics.contact.ball import Ball, angular_velocity, height
+from ..mechanics.contact.ball import Ball, angular_velocity, mobility
 from ..mechanics.contact.disc_at_rest import turning
+from ..mechanics.contact.drilling import drilling_torque, inside
 from ..mechanics.contact.gliding.vector import axis, momentum
 from ..mechanics.contact.phases.drilling import RESTS_BELOW
 from ..mechanics.contact.phases.row import Row
@@ -174,12 +175,12 @@ def drilling(problem: Problem) -> tuple[float, float]:
     law, second = body.friction, float(problem.scales.of(SECOND))
     u, L, ball = axis(q), momentum(q), Ball(body.m, body.I1, body.I3, body.g, 0, body.c, body.R)
     turn = max(abs(float(angular_velocity(u, L, ball).z)), RESTS_BELOW)
-    by_torque = float(turning(u, ball).own)
-    mobility = 1 + float(body.m * height(u.z, ball) ** 2 / body.I1)
-    slowing = 3 * math.pi / 16 * float(law.mu * body.m * body.g * law.patch) * by_torque
+    drag, weight = inside(0.0, float(law.patch * turn) ** 2), float(body.m * body.g)
+    slowing = -float(drilling_torque(weight, turn, drag, law.mu, law.patch) * turning(u, ball).own)
+    rate = float(law.mu * weight * drag.k * mobility(math.sin(math.acos(u.z)), u.z, ball).ee)
     rest = SHARE * turn / slowing
     left = max(turn * (1 - problem.until / second / rest), RESTS_BELOW)
-    steps = 2 * mobility / (SPAN * by_torque * float(body.m * law.patch**2)) * math.log(turn / left)
+    steps = rate * turn / (SPAN * slowing) * math.log(turn / left)
     return rest * second, steps
 
 

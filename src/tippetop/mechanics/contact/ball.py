@@ -121,6 +121,20 @@ def mobility(s, z, ball):
     )
 
 
+class Spin(NamedTuple):
+    """What a torque about the vertical does: to v_2 and to Omega_z [1/(kg m), 1/(kg m^2)]."""
+
+    across: Operand
+    about: Operand
+
+
+@formula
+def spin_mobility(s, z, ball):
+    """By sin(theta), cos(theta); an impulse along 2hat gives Omega_z as much as the torque gives v_2."""
+    excess = 1 / ball.I3 - 1 / ball.I1
+    return Spin(s * (ball.offset / ball.I1 + ball.radius * z * excess), s**2 / ball.I1 + z**2 / ball.I3)
+
+
 @formula
 def torque_acceleration(u, tau, ball):
     """(I^-1 tau) x a, (3,) [m/s^2]: what a torque about the centre of mass gives the contact point."""

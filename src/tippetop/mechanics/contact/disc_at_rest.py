@@ -8,7 +8,7 @@ k_zz = k.zhat, tau is eliminated, and F is that of rolling with K - t t/k_zz ins
 import math
 from typing import Any, NamedTuple
 
-from ..operand import Operand, Vector, cross, dot, formula, plus, times
+from ..operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
 from .ball import (
     angular_velocity,
     arm,
@@ -16,6 +16,7 @@ from .ball import (
     bias_vector,
     contact_velocity,
     other_mobility_inverse_times,
+    spin_mobility,
     torque_acceleration,
 )
 from .drilling import drag
@@ -41,8 +42,9 @@ class Held(NamedTuple):
 def turning(u, ball):
     """k, t, k_zz; t is along zhat x 3hat."""
     more = (1 / ball.I3 - 1 / ball.I1) * u.z
-    turn, own = Vector(more * u.x, more * u.y, 1 / ball.I1 + more * u.z), 1 / ball.I1 + more * u.z
-    lever = ball.offset / ball.I1 + more * ball.radius
+    own = spin_mobility(sqrt(u.x * u.x + u.y * u.y), u.z, ball).about
+    lever = spin_mobility(1, u.z, ball).across
+    turn = Vector(more * u.x, more * u.y, own)
     excess = ball.radius**2 * (1 / ball.I3 - 1 / ball.I1) - lever**2 / own
     return Turning(turn, Vector(-(lever * u.y), lever * u.x, 0 * u.z), own, excess)
 

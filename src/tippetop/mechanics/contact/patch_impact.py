@@ -13,23 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..operand import Operand, formula, rounding, sqrt
-from .ball import Ball, Mobility, mobility
+from .ball import Ball, Mobility, Spin, mobility, spin_mobility
 from .drilling import drag
 from .struck import RESTITUTIONS
-
-
-class Spin(NamedTuple):
-    """What a torque about the vertical does: to v_2 and to Omega_z [1/(kg m), 1/(kg m^2)]."""
-
-    across: Operand
-    about: Operand
-
-
-@formula
-def spin_mobility(s, z, ball):
-    """By sin(theta), cos(theta); an impulse along 2hat gives Omega_z as much as the torque gives v_2."""
-    excess = 1 / ball.I3 - 1 / ball.I1
-    return Spin(s * (ball.offset / ball.I1 + ball.radius * z * excess), s**2 / ball.I1 + z**2 / ball.I3)
 
 
 class PatchImpact(NamedTuple):

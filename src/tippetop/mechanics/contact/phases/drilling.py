@@ -187,12 +187,12 @@ def normal_force(s, b):
 
 
 @formula
-def restless(s, b):
+def speed_beyond_rest(s, b):
     """w^2 + U^2 beyond that of a disc that comes to rest."""
     return s.v2 + s.U2 - (b.friction.patch * RESTS_BELOW) ** 2
 
 
-RESTS = Event("rests", "the contact's disc neither slides nor turns", restless, -1, "rests")
+RESTS = Event("rests", "the contact's disc neither slides nor turns", speed_beyond_rest, -1, "rests")
 COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH, RESTS)
 REGIONS = {"inside": inside, "between": between, "outside": outside}
 EDGE = 1 + 1e-6
