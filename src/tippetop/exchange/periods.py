@@ -14,9 +14,7 @@ from .search import RIVAL, End, State, improved, met
 
 REACH, POINTS = 1 / 8, 128  # of the duration, in which the next valley is looked for, and in how many points
 MOST = 12  # valleys on either side
-SAME = (
-    1e-3  # variances of the noise: valleys of a periodic motion are one as deep as the other, and the nearest is taken
-)
+SAME = 1e-3  # variances of the noise: valleys so much alike are of a periodic motion, and the nearest is taken
 
 
 def walked(misfit: Misfit, end: End, clock: int) -> End:

@@ -80,7 +80,7 @@ class Impacts:
     Attributes
     ----------
     left
-        Internal time to the end of the run: what takes a moment is cut there.
+        Internal time to the end of the run: the start of a slide is followed no further.
     """
 
     def __init__(self, problem: Problem, balls: Balls):

@@ -32,7 +32,7 @@ LEAVES_FOR = 1e-3  # internal time: the gap of a ball that leaves as its force v
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 BOTH = "the body stands on its sphere and its stem at once, which is not followed under Coulomb's law itself"
-AT_REST = "the contact's disc has come to rest, it neither slides nor turns; rolling without turning is not followed"
+AT_REST = "the contact's disc comes to rest, where friction can hold it; rolling without turning is not followed"
 ASKED_AFTER = 3e-3  # internal time: whether friction holds a disc that passes its rest; some thousand steps
 MOST_STRIKES = 16  # of impacts at one instant
 
