@@ -21,9 +21,10 @@ import time
 from collections.abc import Iterator
 from functools import cache
 from importlib.machinery import SourceFileLoader
+from multiprocessing.connection import Connection
 from pathlib import Path
 from types import CodeType, ModuleType
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import mpmath  # noqa: F401  the forks need not import it again
 import numba  # noqa: F401
@@ -49,6 +50,7 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.friction": (f"{CONTACT}/test_coulomb_case.py",),
     "mechanics.contact.ball": (f"{CONTACT}/test_planar.py", f"{CONTACT}/test_first_slip.py", f"{CONTACT}/test_ball.py"),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_ball.py"),
+    "mechanics.contact.disc_at_rest": (f"{CONTACT}/test_disc_held.py",),
     "mechanics.contact.drilling": (f"{CONTACT}/test_drilling.py",),
     "mechanics.contact.impact": (f"{CONTACT}/test_impact.py", "-k", "rates or reference or jumps"),
     "mechanics.contact.flight": (f"{CONTACT}/test_flight.py",),
@@ -235,9 +237,29 @@ def noticed_by_laws(module: str, tree: ast.Module) -> bool:
         loaded(module, tree_of(module))
 
 
+class Sharpest:
+    """A plugin of pytest: tests that failed lately go first, and the first that fails is sent to the parent process."""
+
+    recent: ClassVar[list[str]] = []  # the last one first
+
+    def __init__(self, channel: Connection):
+        self.channel = channel
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Sorts: neighbouring mutants are noticed alike, and the first failure ends the session."""
+        place = {name: i for i, name in enumerate(self.recent)}
+        items.sort(key=lambda item: place.get(item.nodeid, len(place)))
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Sends the name of a test that failed."""
+        if report.failed:
+            self.channel.send(report.nodeid)
+
+
 def noticed_by_tests(module: str, tree: ast.Module) -> bool:
     """Whether a test file fails, in a fork of this process that imports the package anew with the mutant in it."""
-    process = multiprocessing.get_context("fork").Process(target=run_tests, args=(module, tree))
+    here, there = multiprocessing.Pipe(duplex=False)
+    process = multiprocessing.get_context("fork").Process(target=run_tests, args=(module, tree, there))
     process.start()
     process.join(LIMIT)
     if process.is_alive():
@@ -246,10 +268,12 @@ def noticed_by_tests(module: str, tree: ast.Module) -> bool:
         return True
     if process.exitcode not in (0, 1, 2):  # 2: the file cannot even be collected
         raise RuntimeError(f"pytest exits with {process.exitcode} for {module}")
+    if here.poll():
+        Sharpest.recent[:] = dict.fromkeys([here.recv(), *Sharpest.recent])
     return process.exitcode != 0
 
 
-def run_tests(module: str, tree: ast.Module) -> None:
+def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
     """Ends this process with pytest's exit code, the package read again with one module mutated."""
     ours = {"tippetop", *(path.stem for path in (TESTS / "helpers").glob("*.py"))}
     for name in [name for name in sys.modules if name.partition(".")[0] in ours]:
@@ -265,7 +289,7 @@ def run_tests(module: str, tree: ast.Module) -> None:
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         os.dup2(nowhere.fileno(), 2)
-        os._exit(pytest.main([*PLAIN, *judge]))
+        os._exit(pytest.main([*PLAIN, *judge], plugins=[Sharpest(channel)]))
 
 
 def noticed(module: str, tree: ast.Module) -> bool:
