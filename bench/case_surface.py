@@ -12,6 +12,7 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from tippetop.landscape import body as bodies
 from tippetop.landscape.kernels import kernels
+from tippetop.landscape.surface import minimal_surface
 from tippetop.mechanics.systems import tippe_top
 from tippetop_kernels.jit import kernel
 
@@ -137,7 +138,7 @@ def compete(n, repeats):
             out.setdefault(name, []).append(1e9 * elapsed(work) / m**2)
     errors = {}
     for name, table in tables.items():
-        exact = surface.minimal_surface(FIGURE, *axes[name]).F.values
+        exact = minimal_surface(FIGURE, *axes[name]).F.values
         errors[name] = float(np.max(np.abs(table / exact - 1)))
     looked = count_closer(t, xs, ys)
     return out, errors, looked

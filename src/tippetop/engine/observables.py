@@ -231,7 +231,7 @@ def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | No
     return quaternion(values[:3], values[3:6]), values[6] if form.orientation.psi else None
 
 
-BLOCK = 2048  # rows that are evaluated at a time: they stay in the second-level cache
+BLOCK = 128  # rows that are evaluated at a time: of some 300 on, heyoka shares them among threads, which nobody asked for
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:
