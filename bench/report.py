@@ -19,6 +19,7 @@ from .goals import BARE, ERROR, goals
 
 HERE = Path(__file__).parent
 RESULTS, PAGE, FRONT, FIGURES = HERE / "results", HERE / "README.md", HERE.parent / "README.md", HERE / "figures"
+OTHERS = RESULTS / "intel"  # for the table of the goals: what is measured differs from maker to maker
 COMPARISONS = ("inversion", "rolling", "heavy-top", "cylinder", "ensemble")
 ENGINE = (
     "equations only",
@@ -69,12 +70,19 @@ def machine(results: dict[str, Any]) -> str:
     return f"{said}\n\n" + table(["case", "", "took [s]", "load average before", "processor"], rows)
 
 
-def goal_table(results: dict[str, Any]) -> str:
-    """Goal, measured, met or not."""
+def goal_table(results: dict[str, Any], others: dict[str, Any]) -> str:
+    """Goal, measured, met or not; and what was measured on a processor of another maker."""
     words = {True: "yes", False: "**no**", None: "-"}
-    return table(
-        ["what", "goal", "measured", "met"], [[g.what, g.goal, g.measured, words[g.met]] for g in goals(results)]
-    )
+    rows = [
+        [here.what, here.goal, here.measured, words[here.met], *([there.measured, words[there.met]] if others else [])]
+        for here, there in zip(goals(results), goals(others), strict=True)
+    ]
+    processors = [
+        "measured on " + max(found.values(), key=lambda result: result["took"])["machine"]["processor"]
+        for found in (results, others)
+        if found
+    ]
+    return table(["what", "goal", *(word for name in processors for word in (name, "met"))], rows)
 
 
 def comparison(result: dict[str, Any]) -> str:
@@ -281,8 +289,8 @@ def scaling(result: dict[str, Any]) -> str:
     return "\n\n".join(parts)
 
 
-def sections(results: dict[str, Any]) -> dict[str, str]:
-    """Every table, by the name of its place; of cases that were not run, a sentence."""
+def sections(results: dict[str, Any], others: dict[str, Any]) -> dict[str, str]:
+    """Every table, by the name of its place; of cases that were not run, a sentence. `others`: of another machine."""
     ways: dict[str, Callable[[dict[str, Any]], str]] = {
         **dict.fromkeys(COMPARISONS, comparison),
         "formulations": formulations,
@@ -296,7 +304,7 @@ def sections(results: dict[str, Any]) -> dict[str, str]:
     made = {name: way(results[name]) if name in results else "Not run." for name, way in ways.items()}
     return made | {
         "machine": machine(results),
-        "goals": goal_table(results),
+        "goals": goal_table(results, others),
         "events": events(results),
         "front": front(results),
     }
@@ -317,10 +325,12 @@ def main() -> None:
 
     parser = argparse.ArgumentParser(prog="python -m bench.report", description="Writes the tables and figures.")
     parser.add_argument("--results", type=Path, default=RESULTS, metavar="FOLDER", help="where the JSON files are")
-    results = read(parser.parse_args().results)
+    parser.add_argument("--others", type=Path, default=OTHERS, metavar="FOLDER", help="those of another machine")
+    options = parser.parse_args()
+    results = read(options.results)
     if not results:
         parser.error("--results must hold what `python -m bench` wrote, but holds nothing of it.")
-    made = sections(results)
+    made = sections(results, read(options.others))
     for page in (PAGE, FRONT):
         page.write_text(filled(page.read_text(encoding="utf-8"), made), encoding="utf-8")
     draw(results, FIGURES)
