@@ -16,6 +16,8 @@ import importlib
 import json
 import multiprocessing
 import os
+import resource
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -27,7 +29,7 @@ from types import CodeType, ModuleType
 from typing import ClassVar, NamedTuple
 
 import mpmath  # noqa: F401  the forks need not import it again
-import numba  # noqa: F401
+import numba
 import numpy as np
 import pytest
 
@@ -69,6 +71,8 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.contact.phases.rules": (f"{CONTACT}/test_flight.py", "-k", "stem"),
 }
 """Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge them."""
+COMPILED = ("test_both.py", "test_reference_cases.py", "test_phases_of_runs.py", "test_asymptotics.py")
+"""Test files that drive whole runs; of the others numba compiles nothing, which would be most of their time."""
 EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so is its own reciprocal
     "mechanics.theory.thresholds": ("spin: b.R * z",),
     "mechanics.systems.spinning": ("slope: b.R * z", "end_slope: b.c * z"),
@@ -77,7 +81,7 @@ EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 PLAIN = ("-x", "--assert=plain", "-o", "addopts=", "-p", "no:cacheprovider")
-LIMIT = 600  # seconds that a test file may take; longer is noticed too
+LIMIT = 90  # seconds of the processor that test files may take, 5 to 60 with the formulas as they are; longer is noticed too
 
 
 class Mutant(NamedTuple):
@@ -261,10 +265,8 @@ def noticed_by_tests(module: str, tree: ast.Module) -> bool:
     here, there = multiprocessing.Pipe(duplex=False)
     process = multiprocessing.get_context("fork").Process(target=run_tests, args=(module, tree, there))
     process.start()
-    process.join(LIMIT)
-    if process.is_alive():
-        process.kill()
-        process.join()
+    process.join()
+    if process.exitcode in (-signal.SIGXCPU, -signal.SIGKILL):
         return True
     if process.exitcode not in (0, 1, 2):  # 2: the file cannot even be collected
         raise RuntimeError(f"pytest exits with {process.exitcode} for {module}")
@@ -275,6 +277,7 @@ def noticed_by_tests(module: str, tree: ast.Module) -> bool:
 
 def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
     """Ends this process with pytest's exit code, the package read again with one module mutated."""
+    resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT))
     ours = {"tippetop", *(path.stem for path in (TESTS / "helpers").glob("*.py"))}
     for name in [name for name in sys.modules if name.partition(".")[0] in ours]:
         del sys.modules[name]
@@ -285,6 +288,7 @@ def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
 
     SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
     judge = [str(TESTS / word) if word.endswith(".py") else word for word in JUDGES[module]]
+    numba.config.DISABLE_JIT = not any(word.endswith(COMPILED) for word in judge)
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # most of the time goes to plugins that no judge needs
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
