@@ -95,6 +95,7 @@ def test_heyoka_by_hand_has_the_equations_of_the_engine() -> None:
 
 
 @compiler
+@pytest.mark.slow
 def test_dop853_converges_to_the_engine() -> None:
     minimal = made("inversion")
     exact = reference(COMPARISONS["inversion"]._replace(wide="longdouble"), minimal.samples)
@@ -104,6 +105,7 @@ def test_dop853_converges_to_the_engine() -> None:
     assert errors[2] < 1e-13
 
 
+@pytest.mark.slow
 def test_peers_are_compared_with_runs_without_the_orientation() -> None:
     """One row, the last of the engine's, has it: what a run does by default."""
     minimal = made("inversion")

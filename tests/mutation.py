@@ -81,7 +81,7 @@ EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 PLAIN = ("-x", "--assert=plain", "-o", "addopts=", "-p", "no:cacheprovider")
-LIMIT = 90  # seconds of the processor that test files may take; longer is noticed too
+LIMIT = 40  # seconds of the processor that test files may take; longer is noticed too
 
 
 class Mutant(NamedTuple):

@@ -102,9 +102,8 @@ def test_chart_commutes_with_the_flow_by_symbolic_jacobian(system: str, form: st
 
 @pytest.mark.parametrize(
     ("system", "form"),
-    [  # numba takes seconds for each: a law of friction and a motion without one, and all of them at night
-        pytest.param(s, f, marks=() if f == "vector" and s in ("tippe-top", "heavy-top") else pytest.mark.slow)
-        for s, f in EVERY_FORM
+    [  # numba takes seconds for each: one, and all of them at night
+        pytest.param(s, f, marks=() if (s, f) == ("tippe-top", "vector") else pytest.mark.slow) for s, f in EVERY_FORM
     ],
 )
 def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.random.Generator) -> None:

@@ -30,8 +30,7 @@ def gathered(memory: Memory) -> list[np.ndarray]:
 
 
 IN_WIDER_NUMBERS = [
-    pytest.param(BOUNCE, "longdouble", id="bounce-longdouble"),
-    *(pytest.param(tables, "longdouble", marks=pytest.mark.slow) for tables in (THROWN, TURNING, STANDING)),
+    *(pytest.param(tables, "longdouble", marks=pytest.mark.slow) for tables in (BOUNCE, THROWN, TURNING, STANDING)),
 ]
 
 
@@ -41,7 +40,7 @@ IN_WIDER_NUMBERS = [
         pytest.param(BOUNCE, "double", id="bounce"),
         pytest.param(THROWN, "double", id="thrown"),
         pytest.param(TURNING, "double", id="turning"),
-        pytest.param(STANDING, "double", id="standing"),
+        pytest.param(STANDING, "double", id="standing", marks=pytest.mark.slow),  # 7 s, most of it compiling
         *IN_WIDER_NUMBERS,
     ],
 )

@@ -59,9 +59,7 @@ def said(store: Path) -> dict[str, Any]:
     return json.loads((store / "zarr.json").read_text())["attributes"]
 
 
-@pytest.mark.parametrize(
-    "kind", [kind if kind in ("rows", "keyframes", "inverting") else at_night(kind) for kind in OUTPUT]
-)
+@pytest.mark.parametrize("kind", [kind if kind in ("rows", "keyframes") else at_night(kind) for kind in OUTPUT])
 def test_a_run_that_is_continued_is_that_of_one_go(kind: str, at_once: Callable[..., Path], tmp_path: Path) -> None:
     """From 3.3 s, in the midst of a step, to 47 s, some slices later."""
     sets = [ROWS, *OUTPUT[kind]]
@@ -70,6 +68,7 @@ def test_a_run_that_is_continued_is_that_of_one_go(kind: str, at_once: Callable[
     assert_same(store, at_once(47.0, *sets))
 
 
+@pytest.mark.slow
 def test_it_is_continued_again_and_again(at_once: Callable[..., Path], tmp_path: Path) -> None:
     store = made(tmp_path / "run.zarr", 0.5, ROWS)
     for until in (0.77, 20.0, 44.0, 47.0):
@@ -150,7 +149,7 @@ def test_a_store_between_two_seals_is_continued_too(at_once: Callable[..., Path]
     assert_same(store, at_once(4.0, ROWS))
 
 
-@pytest.mark.parametrize("step", ["exchange", "compare", "write", "replace_attributes"])
+@pytest.mark.parametrize("step", ["exchange", *map(at_night, ("compare", "write", "replace_attributes"))])
 def test_whatever_fails_before_it_begins_leaves_the_finished_run(
     step: str, at_once: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

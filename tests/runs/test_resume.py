@@ -245,8 +245,15 @@ def handed_over_after_every_slice(made: Problem) -> tuple[Integration, Memory]:
     return integration, memory
 
 
-@pytest.mark.parametrize("output", ["times", "events", "steps"])
-@pytest.mark.parametrize("start", [[], ["initial.theta_dot=2.0"]], ids=["at rest", "on its way"])
+@pytest.mark.parametrize(
+    ("start", "output"),
+    [
+        *(([], output) for output in ("times", "events")),
+        *(at_night(["initial.theta_dot=2.0"], output) for output in ("times", "events")),
+        at_night([], "steps"),
+        (["initial.theta_dot=2.0"], "steps"),
+    ],
+)
 def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     output: str, start: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -63,6 +63,7 @@ def test_the_text_of_a_sweep_has_one_status(whole: Path) -> None:
     assert "finished" in dict(text)["ends"]
 
 
+@pytest.mark.slow
 def test_a_sweep_says_where_the_loop_of_heyoka_made_its_steps(
     whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -108,7 +108,7 @@ def assert_as_differences(problem: Problem, precision: str = "double") -> None:
 
 
 CASES = [(name, form) for name, system in SYSTEMS.items() for form in system.forms if name in PRESETS]
-QUICK = [("tippe-top", "vector"), ("rolling-tippe-top", "reduced")]
+QUICK = [("tippe-top", "vector")]
 
 
 @pytest.mark.parametrize(
