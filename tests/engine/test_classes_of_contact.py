@@ -17,6 +17,9 @@ def test_the_phase_and_the_ball_say_what_a_motion_under_way_is() -> None:
         ("nutating", 0.05, "slip", "body", "nutating"),
         ("nutating", 0.05, "flight", "body", "bouncing"),
         ("under-way", 1.0, "flight", "body", "bouncing"),
+        ("upright", 0.05, "slip", "body", "upright"),
+        ("upright", 0.05, "flight", "body", "bouncing"),
+        ("inverted", 3.1, "flight", "body", "bouncing"),
         ("inverted", 3.1, "slip", "stem", "on-stem"),
         ("inverted", 3.1, "flight", "stem", "bouncing"),
     ]

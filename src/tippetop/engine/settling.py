@@ -97,7 +97,7 @@ def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) ->
     kinds
         As `classes_of` gives them.
     theta
-        At the end, (n,) [rad]: what rolls there is no steady spin, unless it is at a pole.
+        At the end, (n,) [rad]: what rolls there is no steady spin, unless it is at a pole; what is in the air is none.
     values
         The quantities `phase` and `ball` at the end by name, (n,) each, where the system has them.
     """
@@ -105,9 +105,8 @@ def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) ->
         return kinds
     phase, on_stem = values["phase"], values["ball"] == BALLS.index("stem")
     flies = phase == PHASES.index("flight")
-    under_way = np.isin(kinds, [CLASSES.index(name) for name in ("under-way", "nutating")])
     away = np.minimum(theta, np.pi - theta) >= LINEAR
     rolls = (phase == PHASES.index("roll")) & (away | (kinds == CLASSES.index("under-way")))
     kinds = np.where(rolls, CLASSES.index("rolling"), kinds)
-    kinds = np.where(flies & (under_way | on_stem), CLASSES.index("bouncing"), kinds)
-    return np.where(on_stem & ~flies, CLASSES.index("on-stem"), kinds)
+    kinds = np.where(on_stem, CLASSES.index("on-stem"), kinds)
+    return np.where(flies, CLASSES.index("bouncing"), kinds)
