@@ -7,30 +7,43 @@ import pytest
 
 import tippetop as tt
 from tippetop.cli import outcome
+from tippetop.problem import Problem
 from tippetop.runs import patience
 from tippetop.runs.patience import Patience
+from tippetop.runs.phases import Story
 from tippetop.scenario import build
 
 
 STIFF = ["initial.omega3=1e-3", "initial.nu_x=0.1", "initial.centre_at_rest="]
 
 
-def said(preset: str, assignments: list[str], step: float, seconds_per_step: float) -> list[str]:
-    """The sentences of a run with steps like these."""
+def said(preset: str, assignments: list[str], step: float, seconds_per_step: float, phases: int = 0) -> list[str]:
+    """The sentences of a run with steps like these, and so many phases of the contact in a thousand of them."""
     problem, sentences, now = build.load(preset, assignments), [], [0.0]
     follow = Patience(sentences.append, lambda: now[0])
     for slices in range(20):
         now[0] = slices * 1000 * seconds_per_step
-        follow(
-            SimpleNamespace(problem=problem, t_end=slices * 1000 * step, monitor=SimpleNamespace(steps=1000 * slices))
-        )
+        follow(under_way(problem, slices * 1000 * step, 1000 * slices, phases * slices))
     return sentences
+
+
+def under_way(problem: Problem, t_end: float, steps: int, phases: int = 0) -> SimpleNamespace:
+    """What is known of an integration that has come so far."""
+    monitor, story = SimpleNamespace(steps=steps), Story({"flight": phases})
+    return SimpleNamespace(problem=problem, t_end=t_end, monitor=monitor, story=story)
 
 
 def test_a_stiff_run_says_how_long_it_takes_and_why() -> None:
     (sentence,) = said("leine-glocker-drilling", STIFF, 1e-9, 1e-3)
     assert "will take about 6e+06 s (1.7e+03 hours)" in sentence
     assert "on a disc that hardly turns is stiff" in sentence
+
+
+def test_a_run_of_many_bounces_is_not_called_stiff() -> None:
+    """Sphere and stem under Coulomb's law itself, e_n = 1: steps are short because flights are."""
+    (sentence,) = said("leine-glocker-stem", ["contact.e_n=1"], 1e-6, 1e-2, phases=990)
+    assert "because the contact changes its phase about as often" in sentence
+    assert "stiff" not in sentence
 
 
 def test_a_long_run_with_ordinary_steps_is_not_called_stiff() -> None:
@@ -49,7 +62,7 @@ def test_one_slow_slice_says_nothing_of_the_rest() -> None:
     follow = Patience(sentences.append, lambda: now[0])
     for slices in range(20):
         now[0] += 60.0 if slices == 3 else 1.0  # a compilation, or somebody else's work
-        follow(SimpleNamespace(problem=problem, t_end=slices * 0.5, monitor=SimpleNamespace(steps=slices)))
+        follow(under_way(problem, slices * 0.5, slices))
     assert sentences == []
 
 

@@ -14,6 +14,7 @@ WAITED = 30.0  # [s] of computing without a word: from there on so much that is 
 AGAIN_AFTER = 3.0  # [s] of computing from which the rest is inferred
 AGREED = 3  # so many times in a row: what one of them compiled, or another program took, is not the run's
 SHORT = 0.02  # of a radian of the fastest angle: steps that spin alone does not ask for
+OFTEN = 0.2  # phases of the contact a step: it is they that make the steps short
 
 
 class Patience:
@@ -29,17 +30,17 @@ class Patience:
 
     def __init__(self, say: Callable[[str], Any], clock: Callable[[], float] = time.monotonic):
         self.say, self.clock = say, clock
-        self.since: tuple[float, float, int] | None = None  # clock, time of the run, steps
+        self.since: tuple[float, float, int, int] | None = None  # clock, time of the run, steps, phases of the contact
         self.began = 0.0  # clock
         self.inferred: list[float] = []  # [s], long ones in a row
 
     def __call__(self, integration: Any) -> None:
         """Looks how far the run has come."""
-        now = self.clock(), integration.t_end, integration.monitor.steps
+        now = self.clock(), integration.t_end, integration.monitor.steps, integration.story.rows()["phases"]
         if self.since is None:
             self.since = now
             self.began = now[0]
-        seconds, advance, steps = (b - a for a, b in zip(self.since, now, strict=True))
+        seconds, advance, steps, phases = (b - a for a, b in zip(self.since, now, strict=True))
         if seconds < AGAIN_AFTER:
             return
         self.since = now
@@ -47,8 +48,9 @@ class Patience:
         long = LONG if now[0] - self.began < WAITED else min(LONG, WAITED)
         self.inferred = [*self.inferred, left] if left > long else []
         if len(self.inferred) == AGREED:
-            self.say(sentence(integration.problem, min(self.inferred), advance / max(steps, 1)))
-            self.clock, self.since = (lambda: 0.0), (0.0, 0.0, 0)  # once is enough
+            often = phases > OFTEN * steps
+            self.say(sentence(integration.problem, min(self.inferred), advance / max(steps, 1), often))
+            self.clock, self.since = (lambda: 0.0), (0.0, 0.0, 0, 0)  # once is enough
 
 
 def warning() -> Patience:
@@ -56,12 +58,14 @@ def warning() -> Patience:
     return Patience(lambda words: warnings.warn(words, stacklevel=2))
 
 
-def sentence(problem: Problem, left: float, step: float) -> str:
-    """That the rest of a run takes so many seconds, its steps being so long [s]."""
+def sentence(problem: Problem, left: float, step: float, often: bool = False) -> str:
+    """That the rest of a run takes so many seconds, its steps being so long [s]; whether its contact changes often."""
     rates = ("omega3", "psi_dot", "phi_dot", "theta_dot")
     fastest = max(1.0, *(abs(float(problem.initial.get(name, 0.0))) for name in rates))
     why = ""
-    if step * fastest < SHORT:
+    if often:
+        why = ", because the contact changes its phase about as often (contact.e_n, stem)"
+    elif step * fastest < SHORT:
         keys = [f"friction.{name}" for name in problem.friction._fields]
         why = f", because friction is stiff ({', '.join(keys)})"
         if isinstance(problem.friction, Contensou):
