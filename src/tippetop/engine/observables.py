@@ -231,7 +231,7 @@ def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | No
     return quaternion(values[:3], values[3:6]), values[6] if form.orientation.psi else None
 
 
-BLOCK = 128  # rows that are evaluated at a time: of some 300 on, heyoka shares them among threads, which nobody asked for
+BLOCK = 128  # rows that are evaluated at a time: from some 300 on, heyoka shares them among threads unasked
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:
