@@ -81,7 +81,7 @@ EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 PLAIN = ("-x", "--assert=plain", "-o", "addopts=", "-p", "no:cacheprovider")
-LIMIT = 40  # seconds of the processor that test files may take; longer is noticed too
+LIMIT = {True: 120, False: 40}  # seconds of the processor that COMPILED and other files may take; longer is noticed too
 
 
 class Mutant(NamedTuple):
@@ -277,7 +277,6 @@ def noticed_by_tests(module: str, tree: ast.Module) -> bool:
 
 def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
     """Ends this process with pytest's exit code, the package read again with one module mutated."""
-    resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT))
     ours = {"tippetop", *(path.stem for path in (TESTS / "helpers").glob("*.py"))}
     for name in [name for name in sys.modules if name.partition(".")[0] in ours]:
         del sys.modules[name]
@@ -288,7 +287,9 @@ def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
 
     SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
     judge = [str(TESTS / word) if word.endswith(".py") else word for word in JUDGES[module]]
-    numba.config.DISABLE_JIT = not any(word.endswith(COMPILED) for word in judge)
+    compiled = any(word.endswith(COMPILED) for word in judge)
+    numba.config.DISABLE_JIT = not compiled
+    resource.setrlimit(resource.RLIMIT_CPU, (LIMIT[compiled],) * 2)
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # most of the time goes to plugins that no judge needs
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
