@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 GREEK = {
     "mu": "μ",
+    "mu_r": "μᵣ",
     "eps": "ε",
     "pi": "π",
     "lambda_s": "λₛ",

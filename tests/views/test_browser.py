@@ -109,6 +109,39 @@ def test_the_scale_of_the_potential_is_that_of_times_on_the_ball(tab: Any) -> No
     assert 0 < sizes[1] < 0.5 * sizes[0]
 
 
+def test_the_colours_of_phases_are_explained(tab: Any) -> None:
+    """By the colours of the line of times, with the part of the time that each takes; without phases by nothing."""
+    key = tab.locator("[data-part=key]")
+    assert key.is_hidden()
+    entries = tab.evaluate("""() => {
+        const { shown, line } = tippetop.stage;
+        const { log } = shown;
+        const before = { phases: log.phases, starts: log.starts, changes: log.changes };
+        const phases = [["slip", "body"], ["roll", "body"], ["flight", "stem"], ["roll", "stem"], ["slip", "body"]].map(
+            ([phase, ball], i) => ({ start: i, end: i + 1, phase, ball }));
+        Object.assign(log, { phases, starts: phases.map((p) => p.start), changes: true });
+        shown.log = Object.create(log);
+        tippetop.set(6);
+        tippetop.draw();
+        const entries = [...document.querySelectorAll("[data-part=key] > span")].map((entry) => entry.textContent);
+        const colours = [...document.querySelectorAll("[data-part=key] > span")].map((entry) =>
+            entry.style.getPropertyValue("--colour"));
+        const context = line.chart.context;
+        const drawn = [0.3, 1.3, 2.3, 3.3].map((t) =>
+            "#" + [...context.getImageData(Math.round(line.chart.x(t)), 16, 1, 1).data.slice(0, 3)]
+                .map((part) => part.toString(16).padStart(2, "0")).join(""));
+        Object.assign(log, before);
+        shown.log = log;
+        tippetop.draw();
+        return [entries, colours, drawn];
+    }""")
+    words, colours, drawn = entries
+    assert words == ["slip: 30.8 %", "roll: 15.4 %", "flight: 15.4 %", "roll on the stem: 15.4 %"]
+    assert colours == drawn
+    assert len(set(colours)) == 4
+    assert key.is_hidden()
+
+
 def test_the_ball_in_the_well_is_on_the_curve_and_the_scale_is_readable(tab: Any) -> None:
     """At a turning angle it is at the level of the energy, not above it."""
     off, labels = tab.evaluate("""() => {

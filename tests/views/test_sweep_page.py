@@ -34,6 +34,18 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+LINES = """() => {
+  const { map, borders } = tippetop.sweep;
+  const { top, bottom, context } = map.chart;
+  return borders.shown.map(({ label, line }) => {
+    const [x] = map.spot(line[0], line[1]);
+    const pixels = context.getImageData(Math.round(x) - 1, top, 3, bottom - top).data;
+    return [label, Math.min(...pixels.filter((_, i) => i % 4 === 1))];
+  });
+}"""
+"""Every threshold in the map, and the darkest green along its first point's height: a line is black."""
+
+
 def test_tops_differ_as_the_plan_says() -> None:
     plan = Plan.from_tables(PLAN)
     tops = np.arange(plan.n)
@@ -89,6 +101,11 @@ def test_a_cell_has_its_line_and_its_motion(store: Path, open_page: Any) -> None
     legend = tab.locator("[data-part=legend]").inner_text()
     assert legend.count("(") == len(set(maps.shown_classes(store, table)[1::2]))
     assert "-" not in legend
+    drawn = tab.evaluate(LINES)
+    words = tab.locator("[data-part=borders] .border").all_inner_texts()
+    assert words == [label.replace("_", "") for label, _ in drawn]
+    assert any("λu: upright spin stable below" in word for word in words)
+    assert max(darkest for _, darkest in drawn) < 60
     for top in (1, 9, 17):
         tab.evaluate("top => tippetop.sweep.choose(top, true)", top)
         assert f"Top {top}:" in tab.locator("[data-part=top]").inner_text()

@@ -83,7 +83,7 @@ def make_map(path: Path, kind: str) -> Map:
     missing = [name for name in wanted if name not in table]
     if missing:
         raise InputError([f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."])
-    axes = tuple(_map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
+    axes = tuple(map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
     numbers = plan.design.numbers(np.arange(plan.n))
     units = {axis.key: table[axis.key].attrs["units"] for axis in varying[2:]}
     chosen, notes = _slice(plan, varying[2:], numbers, units)
@@ -108,6 +108,34 @@ def make_map(path: Path, kind: str) -> Map:
     return Map(kind, title, axes, fields, _borders(plan, axes, varying[2:]), notes)
 
 
+def borders_of(
+    plan: Plan, axes: tuple[MapAxis, ...], further: dict[str, float], every: int = 1
+) -> dict[str, np.ndarray]:
+    """log(|lambda|/threshold) over every so many-th point of the spans of axes, by what the threshold means; none where
+    theory has none, or where it is on one side alone.
+
+    Parameters
+    ----------
+    axes
+        Those of a map.
+    further
+        The numbers of all other axes, by key.
+    """
+    borders = plan.base.system.borders
+    if borders is None:
+        return {}
+    grids = np.meshgrid(*(axis.span[::every] for axis in axes), indexing="ij")
+    shape = grids[0].shape
+    numbers = {axis.key: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
+    numbers |= {key: np.full(grids[0].size, value) for key, value in further.items()}
+    with np.errstate(all="ignore"):
+        columns = derived.resolved(plan.base, numbers)
+        lam, b = np.abs(derived.jellett(plan.base, columns)), derived.body(plan.base, columns)
+        limits = borders(b)
+        ratios = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
+        return {label: values for label, values in ratios.items() if (values < 0).any() and (values > 0).any()}
+
+
 def shown_classes(path: Path, table: Any) -> np.ndarray:
     """The class of each top, as a number of SHOWN; without theta at the end, as it is stored. Raises StoreError."""
     classes = np.asarray(column(path, table, "class"), dtype=int)
@@ -117,11 +145,9 @@ def shown_classes(path: Path, table: Any) -> np.ndarray:
     return np.where(waits, SHOWN.index("near-upright"), classes)
 
 
-def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
+def map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     """The cells of an axis: one for each of its numbers, or bins where they are too many or were drawn."""
-    label = labelled(axis.key, greek(attrs["long_name"])) + (
-        f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else ""
-    )
+    label = labelled(axis.key, attrs)
     values = np.unique(np.array(axis.values)[np.isfinite(axis.values)]) if axis.values else np.array(axis.between)
     if not len(values):
         raise InputError([f"the figure must have numbers on `{axis.key}`, but there are none."])
@@ -135,12 +161,13 @@ def _map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     return MapAxis(axis.key, label, np.exp(edges) if log else edges, log)
 
 
-def labelled(key: str, words: str) -> str:
-    """Name and symbol of an axis."""
-    symbol = LETTERS.get(key.rpartition(".")[2], "")
+def labelled(key: str, attrs: dict[str, Any]) -> str:
+    """Name, symbol and unit of an axis."""
+    words, symbol = greek(attrs["long_name"]).partition(":")[0], LETTERS.get(key.rpartition(".")[2], "")
     if symbol and words.endswith(f" {key.rpartition('.')[2]}"):
         words = words.rpartition(" ")[0]
-    return words if not symbol or symbol in words else f"{words} {symbol}"
+    name = words if not symbol or symbol in words else f"{words} {symbol}"
+    return name if attrs["units"] == "1" else f"{name} ({units_text(attrs['units'])})"
 
 
 def _bins(values: np.ndarray, count: float) -> np.ndarray:
@@ -205,18 +232,9 @@ def _weight(plan: Plan, numbers: dict[str, np.ndarray]) -> Any:
 
 
 def _borders(plan: Plan, axes: tuple[MapAxis, ...], others: list[Axis]) -> dict[str, np.ndarray]:
-    """log(|lambda|/threshold) over the axes, by what the threshold means; none where theory has none."""
-    borders = plan.base.system.borders
-    if borders is None or any(axis.sampled for axis in others):
+    """The borders of a map; none where some of its tops have other numbers than its axes say."""
+    if any(axis.sampled for axis in others):
         return {}
-    grids = np.meshgrid(*(axis.span for axis in axes), indexing="ij")
-    shape = grids[0].shape
-    numbers = {axis.key: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
-    for axis in others:
-        numbers[axis.key] = np.full(grids[0].size, axis.values[len(axis.values) // 2])
-    with np.errstate(all="ignore"):
-        columns = derived.resolved(plan.base, numbers)
-        lam, b = np.abs(derived.jellett(plan.base, columns)), derived.body(plan.base, columns)
-        limits = borders(b)
-        ratios = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
-        return {label: values for label, values in ratios.items() if (values < 0).any() and (values > 0).any()}
+    shown = {axis.key for axis in axes}
+    rest = [axis for axis in plan.design.axes if axis.key not in shown]
+    return borders_of(plan, axes, {axis.key: axis.values[len(axis.values) // 2] for axis in rest})

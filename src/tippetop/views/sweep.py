@@ -15,6 +15,7 @@ from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
 from ..sweeps.summary import column, open_sweep
 from . import formulas, pages
+from .borders import borders
 from .given import encoded, given
 
 
@@ -50,6 +51,7 @@ def page_of_sweep(path: Path) -> str:
         "body": shape(build.resolved(plan.base)),
         "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
         "columns": [_column(name, _values(path, table, name), table[name].attrs) for name in names],
+        "borders": borders(plan, axes, table),
         "changes": {key: encoded(values, "<f8") for key, values in changes(plan, tops).items()},
         "notes": notes,
     }
@@ -97,13 +99,10 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
     """An axis as the page takes it."""
-    label = maps.labelled(axis.key, greek(attrs["long_name"])) + (
-        f" ({units_text(attrs['units'])})" if attrs["units"] != "1" else ""
-    )
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
-        "label": label,
+        "label": maps.labelled(axis.key, attrs),
         "log": log,
         "sampled": axis.sampled,
         "numbers": encoded(numbers, "<f8"),

@@ -103,10 +103,22 @@ export class SweepMap {
   }
 
   /**
+   * Where numbers on the first two axes are on the canvas; an infinite one at its edge.
+   * @param {number} x
+   * @param {number} y
+   */
+  spot(x, y) {
+    const { chart, axes } = this;
+    const height = isFinite(y) ? chart.y(placed(axes[1], y)) : y < 0 ? chart.bottom : chart.top;
+    return [chart.x(placed(axes[0], x)), height];
+  }
+
+  /**
    * @param {Palette} colours
    * @param {{values: ArrayLike<number>, names?: string[], words: string}} column
+   * @param {() => void} over draws what lies over the cells
    */
-  draw(colours, column) {
+  draw(colours, column, over) {
     const { chart } = this;
     const [x, y] = this.axes;
     const [xs, ys] = [this.edges[0], this.edges[1] ?? [-0.5, 0.5]];
@@ -127,14 +139,15 @@ export class SweepMap {
       const [left, right, above, below] = this.box(top, dots ? 3 : 0);
       context.fillRect(left, above, right - left + 0.5, below - above + 0.5);
     }
+    over();
     for (const [top, ring] of /** @type {[number, string][]} */ ([
-      [this.pointed, colours.paper],
-      [this.chosen, colours.ink],
+      [this.pointed, "#ffffff"],
+      [this.chosen, "#000000"],
     ])) {
       if (!this.tops.includes(top)) continue;
       const [left, right, above, below] = this.box(top, dots ? 4 : 0);
       context.lineWidth = 3;
-      context.strokeStyle = colours.paper;
+      context.strokeStyle = ring === "#ffffff" ? "#000000" : "#ffffff";
       context.strokeRect(left - 1, above - 1, right - left + 2, below - above + 2);
       context.lineWidth = 1.6;
       context.strokeStyle = ring;

@@ -28,7 +28,7 @@ const LIGHT = {
   fill: "rgba(194, 65, 12, 0.13)",
   paper: "#ffffff",
   phases: { slip: "#e8edf3", roll: "#bfe3d6", flight: "#fbe3b5", both: "#e3d3ee" },
-  balls: { body: "#e8edf3", stem: "#d5e4f7" },
+  stem: { slip: "#c9dcf5", roll: "#86c9b1" },
   sky: "#e9eef4",
   floor: "#f3f1ec",
   grid: "#b8bec6",
@@ -46,7 +46,7 @@ const DARK = {
   fill: "rgba(242, 147, 92, 0.16)",
   paper: "#161d25",
   phases: { slip: "#222c37", roll: "#1d4a40", flight: "#55431a", both: "#43305a" },
-  balls: { body: "#222c37", stem: "#24405f" },
+  stem: { slip: "#24405f", roll: "#2f7a67" },
   sky: "#10161d",
   floor: "#232b34",
   grid: "#4b5866",
@@ -56,3 +56,12 @@ const DARK = {
 
 /** @type {(dark: boolean) => Palette} */
 export const palette = (dark) => (dark ? DARK : LIGHT);
+
+/**
+ * The colour of a phase of the contact.
+ * @type {(phase: string, ball: string, colours: Palette) => string}
+ */
+export function cover(phase, ball, colours) {
+  const known = /** @type {Record<string, Record<string, string>>} */ (/** @type {any} */ (colours));
+  return (ball === "stem" && known.stem[phase]) || known.phases[phase] || colours.line;
+}

@@ -1,6 +1,7 @@
 /** The plots over time beside the picture: theta(t) and the normal force. */
 import { Chart, ticks, tidy } from "./chart.js";
 import { STRIDE } from "./motion.js";
+import { cover } from "./palette.js";
 
 /** @typedef {import("./palette.js").Palette} Palette */
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -35,8 +36,7 @@ export function mark(chart, t, colours) {
 export function shade(chart, log, colours, top = chart.top, bottom = chart.bottom) {
   for (const { start, end, phase, ball } of log.phases) {
     if (end < chart.low[0] || start > chart.high[0]) continue;
-    const known = /** @type {Record<string, string>} */ (colours.phases);
-    chart.context.fillStyle = phase === "slip" && ball === "stem" ? colours.balls.stem : known[phase];
+    chart.context.fillStyle = cover(phase, ball, colours);
     const x = chart.x(Math.max(start, chart.low[0]));
     chart.context.fillRect(x, top, Math.max(chart.x(Math.min(end, chart.high[0])) - x, 0.75), bottom - top);
   }

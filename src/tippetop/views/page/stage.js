@@ -3,6 +3,7 @@ import { Clock, SPEEDS, speedText } from "./clock.js";
 import { AxisPanel } from "./axis.js";
 import { keyboard, pointer } from "./gestures.js";
 import { ForcePanel, ThetaPanel } from "./panels.js";
+import { Key, named } from "./key.js";
 import { TimeLine } from "./timeline.js";
 import { WellPanel } from "./well.js";
 import { ARROWS, palette } from "./palette.js";
@@ -45,6 +46,7 @@ export class Stage {
     this.force = new ForcePanel(part("force"));
     this.axis = new AxisPanel(part("axis"));
     this.line = new TimeLine(part("line"));
+    this.key = new Key(part("key"));
     this.recorder = new Recorder(part("scene"), name);
     /** @type {WellPanel | undefined} */
     this.well = undefined;
@@ -283,6 +285,7 @@ export class Stage {
       this.axis.draw(motion, pose, this.scene.camera.frame(), colours, Math.max(2, (motion.end - motion.start) / 4));
     }
     this.line.draw(log, time, [motion.start, motion.end], span, colours);
+    this.key.draw(log, [motion.start, motion.end], colours);
     this.say(time, log, spin);
     this.frames.count += 1;
     this.frames.seconds += (performance.now() - began) / 1e3;
@@ -296,9 +299,10 @@ export class Stage {
    */
   say(time, log, spin) {
     part("time").textContent = `${time.toFixed(4)} s`;
+    part("spin-name").textContent = log.wound ? "θ′" : "ω₃";
     part("spin").textContent = `${spin.toFixed(1)} rad/s`;
     const phase = log.changes ? log.phase(time) : undefined;
-    part("phase").textContent = phase ? (phase.ball === "stem" ? `stem: ${phase.phase}` : phase.phase) : "";
+    part("phase").textContent = phase ? named(phase) : "";
     const scrub = part("scrub");
     if (document.activeElement !== scrub || this.clock.playing) scrub.value = String(time);
     scrub.setAttribute("aria-valuetext", `${time.toFixed(3)} seconds`);

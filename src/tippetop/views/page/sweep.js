@@ -1,4 +1,5 @@
 /** The page of a sweep: its map, the line of a top, and the motion of the top that is chosen, integrated in the page. */
+import { Borders } from "./borders.js";
 import { CLASSES, SweepMap, said } from "./map.js";
 import { palette } from "./palette.js";
 import { numbers } from "./run.js";
@@ -24,6 +25,7 @@ export class SweepPage {
     this.changes = {};
     for (const [key, text] of Object.entries(data.changes)) this.changes[key] = numbers(String(text), "f8");
     this.map = new SweepMap(part("map"), this.axes);
+    this.borders = new Borders(data.borders);
     this.column = this.columns[0];
     for (const { name, words } of this.columns) part("column").add(new Option(words, name));
     part("column").addEventListener("change", () => {
@@ -164,9 +166,18 @@ export class SweepPage {
     part("said").textContent = end ? `${end} at ${motion.end.toFixed(3)} s` : "";
   }
 
+  /** Which choice of the further axes is shown, the last fastest. */
+  choice() {
+    return this.further.reduce((/** @type {number} */ at, value, k) => {
+      const values = this.map.values[k + 2];
+      return at * values.length + values.indexOf(Number(value));
+    }, 0);
+  }
+
   draw() {
     const colours = palette(this.stage.dark);
-    const [low, high] = this.map.draw(colours, this.column);
+    this.borders.take(this.choice(), part("borders"));
+    const [low, high] = this.map.draw(colours, this.column, () => this.borders.draw(this.map));
     const legend = part("legend");
     const { names, values, unit } = this.column;
     if (names) {
