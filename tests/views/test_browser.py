@@ -126,10 +126,10 @@ def test_the_colours_of_phases_are_explained(tab: Any) -> None:
         const entries = [...document.querySelectorAll("[data-part=key] > span")].map((entry) => entry.textContent);
         const colours = [...document.querySelectorAll("[data-part=key] > span")].map((entry) =>
             entry.style.getPropertyValue("--colour"));
-        const context = line.chart.context;
-        const drawn = [0.3, 1.3, 2.3, 3.3].map((t) =>
-            "#" + [...context.getImageData(Math.round(line.chart.x(t)), 16, 1, 1).data.slice(0, 3)]
-                .map((part) => part.toString(16).padStart(2, "0")).join(""));
+        const { canvas, context } = line.chart;
+        const row = context.getImageData(0, 16, canvas.width, 1).data;
+        const drawn = [0.3, 1.3, 2.3, 3.3].map((t) => Math.round(line.chart.x(t))).map((x) =>
+            "#" + [...row.slice(4 * x, 4 * x + 3)].map((part) => part.toString(16).padStart(2, "0")).join(""));
         Object.assign(log, before);
         shown.log = log;
         tippetop.draw();

@@ -36,14 +36,16 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 LINES = """() => {
   const { map, borders } = tippetop.sweep;
-  const { top, bottom, context } = map.chart;
+  const { canvas, context } = map.chart;
+  const pixels = context.getImageData(0, 0, canvas.width, canvas.height).data;
   return borders.shown.map(({ label, line }) => {
-    const [x] = map.spot(line[0], line[1]);
-    const pixels = context.getImageData(Math.round(x) - 1, top, 3, bottom - top).data;
-    return [label, Math.min(...pixels.filter((_, i) => i % 4 === 1))];
+    const [x, y] = map.spot(line[0], line[1]).map(Math.round);
+    const up = map.spot(line[2], line[3])[1] < y ? -1 : 1;
+    const near = [0, 1, 2, 3, 4, 5, 6, 7, 8].flatMap((k) => [-1, 0, 1].map((i) => canvas.width * (y + k * up) + x + i));
+    return [label, Math.min(...near.map((place) => pixels[4 * place]))];
   });
 }"""
-"""Every threshold in the map, and the darkest green along its first point's height: a line is black."""
+"""Every threshold in the map, and the darkest red beside its first point: a line is black."""
 
 
 def test_tops_differ_as_the_plan_says() -> None:

@@ -5,11 +5,20 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from .labels import quantity
 from .style import QUIET, RUN, UPPER, figure
 
 
-NAMES = {"theta": "θ [rad]", "phi": "φ [rad]", "omega3": "ω₃ [rad/s]", "place": "place [m]", "marker": "marker [m]",
-         "axis": "axis", "orientation": "θ [rad]"}  # fmt: skip
+NAMES = {
+    "theta": ("inclination θ", "rad"),
+    "phi": ("angle φ", "rad"),
+    "omega3": ("angular velocity ω₃", "rad s⁻¹"),
+    "place": ("place", "m"),
+    "marker": ("marker", "m"),
+    "axis": ("axis", ""),  # what is left is an angle
+    "orientation": ("inclination θ", "rad"),
+}
+"""Of measurements: what stands at the axis, and the unit."""
 PARTS = "xyz"
 
 
@@ -41,6 +50,8 @@ def fit(
     for k, (name, seen) in enumerate(measured.items()):
         (above, words), (below, counts) = boxes[2 * k], boxes[2 * k + 1]
         off = residuals[name]
+        seen_as, unit = NAMES.get(name, (name, ""))
+        angle = "rad" if name == "axis" else unit
         colors = (RUN, UPPER, "#6d28d9", "#0f766e")
         for i, curve in enumerate(curves[name].T):
             above.plot(t, seen[:, i], ".", ms=4, color=QUIET, label="measured" if not i else None)
@@ -52,11 +63,16 @@ def fit(
             counts.hist(off[np.isfinite(off[:, i]), i], bins=30, orientation="horizontal", color=color, alpha=0.6)
         size = float(np.sqrt(np.nanmean(off**2)))
         below.axhspan(-2 * size, 2 * size, color=QUIET, alpha=0.15, lw=0)
-        below.set(ylabel="left", xlabel="t [s]", ylim=(-4.5 * size, 4.5 * size))
+        below.set(ylabel=_labelled("what is left", angle), xlabel="time t (s)", ylim=(-4.5 * size, 4.5 * size))
         counts.set(ylim=(-4.5 * size, 4.5 * size), xticks=[], yticklabels=[])
-        above.set(ylabel=NAMES.get(name, name), xticklabels=[])
-        above.legend(fontsize=8)
+        above.set(ylabel=_labelled(seen_as, unit), xticklabels=[])
+        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4, fontsize=9, borderaxespad=0.2)
         words.set_axis_off()
-        words.text(0, 0.5, f"root mean square\n{size:.3g}\n{np.isfinite(off).sum()} numbers", va="center", fontsize=9)
+        spread = f"root mean square\nof what is left:\n{quantity(size, angle or '1', 3)}"
+        words.text(0, 0.5, f"{spread}\n{np.isfinite(off).sum()} numbers", va="center", fontsize=9)
     fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize=8, family="monospace")
     return fig
+
+
+def _labelled(words: str, unit: str) -> str:
+    return f"{words} ({unit})" if unit else words
