@@ -90,6 +90,31 @@ def test_the_first_picture_does_not_wait_for_the_traces(tab: Any) -> None:
     tab.wait_for_function("tippetop.stage.scene.floor && tippetop.stage.scene.skin")
 
 
+def test_what_is_the_same_from_picture_to_picture_is_drawn_once(tab: Any) -> None:
+    """The curves of all of a motion, until the theme or the part that is shown changes."""
+    counts = tab.evaluate("""() => {
+        const { stage } = tippetop;
+        const { chart } = stage.theta;
+        const { near } = stage;
+        let count = 0;
+        chart.curve = (...given) => { count += 1; return Object.getPrototypeOf(chart).curve.apply(chart, given); };
+        const after = (change) => {
+            const before = count;
+            change();
+            for (const t of [1, 2]) { stage.set(t); tippetop.draw(); }
+            return count - before;
+        };
+        const theme = (name) => () => { document.documentElement.dataset.theme = name; };
+        stage.near = false;
+        tippetop.draw();
+        const counts = [() => {}, theme("dark"), theme("light"), () => { stage.near = true; }].map(after);
+        stage.near = near;
+        delete chart.curve;
+        return counts;
+    }""")
+    assert counts == [0, 1, 1, 2]
+
+
 def test_the_scale_of_the_potential_is_that_of_times_on_the_ball(tab: Any) -> None:
     """On its stem a toy is far above it, which made the well of all other times flat."""
     sizes = tab.evaluate("""() => {

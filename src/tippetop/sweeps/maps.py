@@ -235,6 +235,6 @@ def _borders(plan: Plan, axes: tuple[MapAxis, ...], others: list[Axis]) -> dict[
     """The borders of a map; none where some of its tops have other numbers than its axes say."""
     if any(axis.sampled for axis in others):
         return {}
-    shown = {axis.key for axis in axes}
-    rest = [axis for axis in plan.design.axes if axis.key not in shown]
+    keys = {axis.key for axis in axes}
+    rest = [axis for axis in plan.design.axes if axis.key not in keys]
     return borders_of(plan, axes, {axis.key: axis.values[len(axis.values) // 2] for axis in rest})

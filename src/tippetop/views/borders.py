@@ -34,23 +34,23 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
         `labels` of the thresholds, and for each choice of the further axes, the last fastest, `lines`: numbers x, y, x,
         y ... for each label, NaN between two lines; y is -inf and inf where there is one axis.
     """
-    drawn = [axis for axis in axes[:2] if axis.sampled or len(set(axis.values)) > 1]
-    rest = [axis for axis in axes if axis not in drawn]
+    plane = [axis for axis in axes[:2] if axis.sampled or len(set(axis.values)) > 1]
+    rest = [axis for axis in axes if axis not in plane]
     choices = [np.unique([v for v in axis.values if np.isfinite(v)]) for axis in axes[2:]]
     nothing: dict[str, Any] = {"labels": [], "lines": []}
-    if not drawn or any(axis.sampled for axis in rest) or np.prod([len(c) for c in choices], dtype=float) > MOST:
+    if not plane or any(axis.sampled for axis in rest) or np.prod([len(c) for c in choices], dtype=float) > MOST:
         return nothing
-    spread = tuple(maps.map_axis(plan, axis, table[axis.key].attrs) for axis in drawn)
+    spread = tuple(maps.map_axis(plan, axis, table[axis.key].attrs) for axis in plane)
     fixed = {axis.key: axis.values[0] for axis in rest}
     further = [axis.key for axis in axes[2:]]
-    found = [
+    ratios = [
         maps.borders_of(plan, spread, fixed | dict(zip(further, numbers, strict=True)), EVERY)
         for numbers in itertools.product(*choices)
     ]
-    labels = list(dict.fromkeys(label for each in found for label in each))
+    labels = list(dict.fromkeys(label for each in ratios for label in each))
     places = [axis.span[::EVERY] for axis in spread]
     lines = [
-        [encoded(_lines(places, each[label]), "<f4") if label in each else "" for label in labels] for each in found
+        [encoded(_lines(places, each[label]), "<f4") if label in each else "" for label in labels] for each in ratios
     ]
     return {"labels": labels, "lines": lines}
 
@@ -62,13 +62,13 @@ def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
         at = np.flatnonzero((values[1:] > 0) != (values[:-1] > 0))
         at = at[np.isfinite(values[at]) & np.isfinite(values[at + 1])]
         part = at + values[at] / (values[at] - values[at + 1])
-        found = [np.array([[x, -np.inf], [x, np.inf]]) for x in _placed(places[0], part)]
+        paths = [np.array([[x, -np.inf], [x, np.inf]]) for x in _placed(places[0], part)]
     else:
-        found = [
+        paths = [
             np.stack([_placed(p, line[:, i]) for i, p in enumerate(places)], axis=1) for line in zero_lines(values)
         ]
     gap = np.full((1, 2), np.nan)
-    return np.concatenate([piece for line in found for piece in (line, gap)] or [gap])
+    return np.concatenate([piece for line in paths for piece in (line, gap)] or [gap])
 
 
 def _placed(points: np.ndarray, at: np.ndarray) -> np.ndarray:

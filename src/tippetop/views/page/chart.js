@@ -39,6 +39,10 @@ export class Chart {
     this.bottom = 1;
     this.low = [0, 0];
     this.high = [1, 1];
+    /** @type {any[]} what `copy` shows */
+    this.known = [];
+    /** @type {HTMLCanvasElement | undefined} */
+    this.copy = undefined;
   }
 
   /**
@@ -159,6 +163,32 @@ export class Chart {
     context.rect(this.left, this.top - 2, this.right - this.left, this.bottom - this.top + 3);
     context.clip();
     draw();
+    context.restore();
+  }
+
+  /**
+   * What is the same from picture to picture is drawn once and copied: a hundred thousand samples would take all the time
+   * that there is for a picture.
+   * @param {any[] | undefined} key what it depends on, besides the chart; undefined: it is another one each time
+   * @param {() => void} draw
+   */
+  still(key, draw) {
+    if (!key) return draw();
+    const { canvas, context } = this;
+    const known = [...key, canvas.width, canvas.height, window.devicePixelRatio, ...this.low, ...this.high];
+    this.copy ??= document.createElement("canvas");
+    if (known.length !== this.known.length || known.some((part, i) => part !== this.known[i])) {
+      Object.assign(this.copy, { width: canvas.width, height: canvas.height });
+      this.context = /** @type {CanvasRenderingContext2D} */ (this.copy.getContext("2d"));
+      this.context.setTransform(context.getTransform());
+      this.context.font = FONT;
+      draw();
+      this.context = context;
+      this.known = known;
+    }
+    context.save();
+    context.resetTransform();
+    context.drawImage(this.copy, 0, 0);
     context.restore();
   }
 

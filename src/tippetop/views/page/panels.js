@@ -42,6 +42,12 @@ export function shade(chart, log, colours, top = chart.top, bottom = chart.botto
   }
 }
 
+/**
+ * Whether all of a motion is shown.
+ * @type {(motion: Motion, span: Span) => boolean}
+ */
+const entire = (motion, span) => span[0] <= motion.start && span[1] >= motion.end;
+
 export class ThetaPanel {
   /**
    * @param {HTMLCanvasElement} canvas
@@ -66,22 +72,25 @@ export class ThetaPanel {
     const room = 0.06 * (high - low) + 1e-9;
     const degrees = ((pose.theta * 180) / PI).toFixed(1).replace("-", "−");
     chart.begin(span, [low - room, high + room], colours, `θ = ${degrees}°`);
-    if (log.changes) chart.within(() => shade(chart, log, colours));
     const whole = high - low > 1.3 && !wound;
     const few = chart.bottom - chart.top < 70 ? 2 : 1;
     const ys = whole
       ? ANGLES.filter((_, k) => k % few === 0)
       : ticks(low, high, 4).map((y) => /** @type {[number, string]} */ ([y, tidy(y)]));
-    chart.axes(colours, chart.times(), ys);
-    const { context } = chart;
+    chart.still(entire(motion, span) ? [log, colours, log.changes] : undefined, () => {
+      if (log.changes) chart.within(() => shade(chart, log, colours));
+      chart.axes(colours, chart.times(), ys);
+      chart.within(() => {
+        this.band(log, colours);
+        chart.context.strokeStyle = colours.run;
+        chart.context.lineWidth = 1;
+        const from = motion.index(span[0]);
+        const to = Math.min(motion.index(span[1]) + 2, motion.times.length);
+        chart.curve(motion.times, (i) => motion.samples[i * STRIDE + 19], from, to);
+        this.turnings(log, colours, span);
+      });
+    });
     chart.within(() => {
-      this.band(log, colours);
-      context.strokeStyle = colours.run;
-      context.lineWidth = 1;
-      const from = motion.index(span[0]);
-      const to = Math.min(motion.index(span[1]) + 2, motion.times.length);
-      chart.curve(motion.times, (i) => motion.samples[i * STRIDE + 19], from, to);
-      this.turnings(log, colours, span);
       mark(chart, pose.time, colours);
       chart.dot(chart.x(pose.time), chart.y(pose.theta), colours.alarm, colours.paper);
     });
@@ -94,7 +103,7 @@ export class ThetaPanel {
    * @param {Span} span
    */
   range(motion, log, span) {
-    if (span[0] <= motion.start && span[1] >= motion.end) return log.thetas;
+    if (entire(motion, span)) return log.thetas;
     let [low, high] = [Infinity, -Infinity];
     const to = Math.min(motion.index(span[1]) + 2, motion.times.length);
     for (let i = motion.index(span[0]); i < to; i++) {
@@ -163,26 +172,41 @@ export class ForcePanel {
     const high = Math.max(1.2, most / weight);
     const now = pose.force[2] / weight;
     chart.begin(span, [low - 0.06 * (high - low), high + 0.06 * (high - low)], colours, `g = ${now.toFixed(3)} mg`);
-    if (log.changes) chart.within(() => shade(chart, log, colours));
-    chart.axes(
-      colours,
-      chart.times(),
-      ticks(low, high, 4).map((y) => [y, tidy(y)]),
-    );
+    chart.still(entire(motion, span) ? [log, colours, log.changes] : undefined, () => {
+      if (log.changes) chart.within(() => shade(chart, log, colours));
+      chart.axes(
+        colours,
+        chart.times(),
+        ticks(low, high, 4).map((y) => [y, tidy(y)]),
+      );
+      chart.within(() => this.curve(motion, span, colours, force, log.nearLiftoff && low > -0.5));
+    });
     chart.within(() => {
-      const { context } = chart;
-      context.strokeStyle = colours.quiet;
-      context.lineWidth = 1;
-      context.setLineDash([4, 4]);
-      chart.stroke(chart.left, chart.y(1), chart.right, chart.y(1));
-      context.setLineDash([]);
-      context.strokeStyle = colours.alarm;
-      if (low > -0.5 && log.nearLiftoff) chart.stroke(chart.left, chart.y(0), chart.right, chart.y(0));
-      context.strokeStyle = colours.run;
-      const from = motion.index(span[0]);
-      chart.curve(motion.times, force, from, Math.min(motion.index(span[1]) + 2, motion.times.length));
       mark(chart, pose.time, colours);
       chart.dot(chart.x(pose.time), chart.y(now), colours.alarm, colours.paper);
     });
+  }
+
+  /**
+   * The force over time, with the weight, and with zero where the top comes near it.
+   * @param {Motion} motion
+   * @param {Span} span
+   * @param {Palette} colours
+   * @param {(i: number) => number} force of a sample, in weights
+   * @param {boolean} near
+   */
+  curve(motion, span, colours, force, near) {
+    const { chart } = this;
+    const { context } = chart;
+    context.strokeStyle = colours.quiet;
+    context.lineWidth = 1;
+    context.setLineDash([4, 4]);
+    chart.stroke(chart.left, chart.y(1), chart.right, chart.y(1));
+    context.setLineDash([]);
+    context.strokeStyle = colours.alarm;
+    if (near) chart.stroke(chart.left, chart.y(0), chart.right, chart.y(0));
+    context.strokeStyle = colours.run;
+    const from = motion.index(span[0]);
+    chart.curve(motion.times, force, from, Math.min(motion.index(span[1]) + 2, motion.times.length));
   }
 }
