@@ -94,7 +94,7 @@ def zero_lines(values: np.ndarray) -> list[np.ndarray]:
 
 
 def joined(segments: np.ndarray) -> list[np.ndarray]:
-    """Segments (n, 2, 2) with common ends as lines, so that strokes go on from one to the next."""
+    """Segments (n, 2, 2) with common ends as lines, so that a dashed stroke runs through."""
     pairs = [tuple(map(tuple, pair)) for pair in segments.tolist()]
     at: dict[tuple, list[int]] = defaultdict(list)
     for i, (one, other) in enumerate(pairs):
