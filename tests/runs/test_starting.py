@@ -81,6 +81,26 @@ def test_in_python_it_is_a_path(before: Path, tmp_path: Path) -> None:
     assert_same(tmp_path / "a.zarr", tmp_path / "b.zarr")
 
 
+STANDS = [f"initial.{name}={value}" for name, value in {"theta": 2.9, "omega3": -90.0}.items()]
+
+
+@pytest.mark.parametrize(
+    ("changes", "ball"), [([], 0), (["stem.r=0.005", "stem.h=0.025", *STANDS], 1)], ids=["sphere", "stem"]
+)
+def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(changes: list[str], ball: int, tmp_path: Path) -> None:
+    store = tmp_path / "RUN.zarr"
+    recording.record(build.load("inverting", ["run.on_liftoff=fly", *changes], 0.05), store)
+    last = tt.open(store).trajectory.isel(time=-1)
+    assert last.ball == ball
+    assert abs(last.gap) < 1e-15  # to rounding, below the plane too
+    (tmp_path / "NEXT.toml").write_text(SCENARIO)
+    problem = starting.load(tmp_path / "NEXT.toml")  # which says nothing of the contact
+    assert problem.contact == tt.open(store).problem.contact
+    assert hexfloat.encode(problem.start()) == hexfloat.encode(end_of(store))
+    assert problem.initial["gap"] >= 0
+    assert problem.initial["gap"] == pytest.approx(float(last.z - 0.02 * (1 - 0.3 * np.cos(last.theta))), abs=1e-15)
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
@@ -89,6 +109,7 @@ def test_in_python_it_is_a_path(before: Path, tmp_path: Path) -> None:
         ("parameters.m=0.03", "`parameters` must be that of"),
         ("form=euler", "`form` must be that of"),
         ("system=rolling-tippe-top", "`system` must be that of"),
+        ("run.on_liftoff=fly", "the contact must stay closed as in"),
     ],
 )
 def test_what_does_not_fit_is_said(change: str, sentence: str, before: Path, tmp_path: Path) -> None:

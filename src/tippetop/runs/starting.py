@@ -19,6 +19,7 @@ from ..store.checkpoint import DIGEST, END
 
 
 SAME = ("system", "form", "parameters")  # tables that a run shares with the one where it starts
+TAKEN = (*SAME, "friction", "contact", "stem")  # tables that are those of the other run where none are given
 
 
 def load(source: str | Path, assignments: list[str] | None = None, until: float | None = None) -> Problem:
@@ -72,7 +73,7 @@ def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -
         raise InputError([f"`initial.from` must stand alone, but {others} is given too."])
     path = folder / path_of("initial.from", initial["from"])
     attrs = _ended(path)
-    tables = {name: attrs[name] for name in (*SAME, "friction") if name in attrs} | tables
+    tables = {name: attrs[name] for name in TAKEN if name in attrs} | tables
     if tables["system"] != attrs["system"]:
         raise InputError([_another("system", path)])
     if tables["form"] == "auto":
@@ -82,6 +83,8 @@ def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -
     parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]  # doubles to be added
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
     run = build.problem(tables | {"initial": _rounded(before, state)}, known)
+    if (run.contact is None) != (before.contact is None):
+        raise InputError([f"the contact must stay closed as in `{path}`, whose end is the start, but may open."])
     for name in SAME:
         if build.resolved(run)[name] != attrs[name]:
             raise InputError([_another(name, path)])
@@ -129,6 +132,11 @@ def _end(path: Path) -> dict[str, Any]:
 
 def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
     """The initial data of a state, (1, variables), as far as it has any."""
+    if before.contact is not None:  # they are of the sphere, whichever ball is in contact
+        ball = {"radius": before.internal_body.R, "offset": before.internal_body.c}
+        state = np.array([[ball.get(n, x) for n, x in zip(before.variables.names, state[0], strict=True)]], state.dtype)
     columns = Observables(before).columns(np.zeros(1), state)
     values = {name: float(columns[name].values[0]) for name in before.system.initial if name in columns}
+    if "gap" in values:
+        values["gap"] = max(values["gap"], 0.0)  # what touches is under the plane by rounding
     return {name: value for name, value in values.items() if np.isfinite(value)}
