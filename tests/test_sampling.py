@@ -1,5 +1,7 @@
 """When rows are wanted: a grid that is never held whole is the grid held whole; `until` is its last time."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -39,6 +41,20 @@ def test_counting_in_a_grid_is_counting_in_its_times(
     for at in (where * grid.until, row, np.nextafter(row, np.inf), np.nextafter(row, -np.inf)):
         expected = np.sum(times <= at) if inclusive else np.sum(times < at)
         assert grid.count(at, inclusive=inclusive) == ListedTimes(times).count(at, inclusive=inclusive) == expected
+
+
+@given(
+    st.integers(0, 10**10),
+    st.integers(1, 99),
+    st.sampled_from([100, 1000, 10**6]),
+    st.one_of(st.integers(1, 10**5), st.integers(10**7, 10**9)),
+)
+def test_decimal_times_have_one_last_row(start: int, step: int, parts: int, count: int) -> None:
+    """Start, step and end are rounded: no row lies a rounding before the last."""
+    begin, each = Fraction(start, 1000), Fraction(step, parts)
+    grid = EvenTimes(float(each), float(begin + count * each), float(begin))
+    assert len(grid) == count + 1
+    np.testing.assert_allclose(np.diff(grid[count - 3 :] if count > 3 else grid[:]), float(each), rtol=0.01)
 
 
 def test_a_long_grid_is_cheap() -> None:

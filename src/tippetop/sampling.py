@@ -1,5 +1,6 @@
 """The times at which rows are stored: listed ones, or an even grid that is never held in memory whole."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,8 @@ class EvenTimes:
 
     def __len__(self) -> int:
         whole = int((self.until - self.start) / self.step * (1 + 1e-12))
-        return whole + 1 + (self.until - self.start - whole * self.step > 1e-9 * self.step)
+        rest = self.until - (self.start + whole * self.step)
+        return whole + 1 + (rest > max(1e-9 * self.step, 4 * math.ulp(self.until)))
 
     def __getitem__(self, rows: slice) -> np.ndarray:
         first, last, _ = rows.indices(len(self))

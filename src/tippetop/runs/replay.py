@@ -1,5 +1,6 @@
 """A part of a stored run is integrated again, from its nearest keyframe: the bits of the rows it could have kept."""
 
+import math
 import os
 import time
 from collections.abc import Callable
@@ -155,6 +156,9 @@ def _refuse(times: EvenTimes, end: float) -> None:
         raise InputError([f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s."])
     if not step > 0:
         raise InputError([f"`step` must be greater than 0, but is {step:g}."])
+    if not step >= 8 * math.ulp(until):
+        least = f"{8 * math.ulp(until):.3g} s, eight times the distance of doubles at {until:g} s"
+        raise InputError([f"`step` must be at least {least}, but is {step:g}."])
     if not (until - start) / step <= MOST_ROWS:
         raise InputError([f"`step` must give at most {MOST_ROWS:.0e} rows, but gives {(until - start) / step:.3g}."])
 
