@@ -17,6 +17,7 @@ from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.problem import Problem
 from tippetop.runs import recording, replay
+from tippetop.runs.summary import lines
 from tippetop.scenario import build
 from tippetop.store import provenance, root
 
@@ -133,6 +134,8 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(kept: 
     assert int(within.sum()) > 0
     same_columns(run.events, log.isel(event=within.values))
     assert run.summary.replay.until == 21.0
+    said = dict(lines(run.summary))["replay"]
+    assert said.startswith(f"rows and events are those of t = 20 to 21 s, every 0.001 s, of {kept}")
     assert outcome(words) == 5
     assert outcome([*words, "--overwrite"]) == 0
     same_columns(run.replay(20.5, 20.6, 0.01), tt.open(kept).replay(20.5, 20.6, 0.01))
@@ -146,6 +149,7 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(kept: 
         (["--from", "2", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
         (["--from", "1", "--until", "2", "--step", "0"], "must be greater than 0"),
         (["--from", "1", "--until", "2", "--step", "1e-13"], "at most 1e"),
+        (["--from", "1", "--until", "1.00000000000001", "--step", "1e-15"], "must be at least 1.78e-15 s"),
         (["--from", "nan", "--until", "2", "--step", "1"], "must be within"),
         (["--from", "1", "--until", "2", "--step", "nan"], "must be greater than 0"),
     ],

@@ -13,6 +13,7 @@ from tippetop.errors import InputError, StoreError
 from tippetop.runs import recording, starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.sinks import Nowhere
+from tippetop.runs.summary import lines
 from tippetop.scenario import build
 from tippetop.store import hexfloat, seal, skeleton
 
@@ -63,6 +64,7 @@ def test_the_store_holds_all_that_it_needs_and_says_where_it_is_from(before: Pat
     assert said["from"] == "RUN.zarr"
     assert said.digest == skeleton.root_of(before)["end"]["digest"]
     assert said.t_end == 3.0
+    assert dict(lines(tt.open(out).summary))["start"] == "where RUN.zarr ended, at its t = 3 s"
     first, last = (tt.open(store).trajectory for store in (out, before))
     for name in ("theta", "psi", "x", "axis", "jellett"):
         assert first[name].values[0].tobytes() == last[name].values[-1].tobytes(), name

@@ -61,6 +61,11 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(("regularisation", regularisation(info)))
     if len(system.forms if system is not None else ()) > 1 and "auto_form" in info:
         result.append(("form", form_sentence(info)))
+    if start := info.get("start"):
+        result.append(("start", f"where {start['from']} ended, at its t = {start['t_end']:.15g} s"))
+    if replay := info.get("replay"):
+        part = f"t = {replay['from']:.15g} to {replay['until']:.15g} s, every {replay['step']:.15g} s"
+        result.append(("replay", f"rows and events are those of {part}, of {replay['of']}; the rest is of its whole run"))
     if "certificate" in info:
         result.append(("certificate", _certificate(info["certificate"])))
     return result
