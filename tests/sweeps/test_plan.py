@@ -136,6 +136,14 @@ def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
     assert (of.n, of.base.until, of.runs) == (24, 8.0, [0])
 
 
+@pytest.mark.parametrize("changes", [{"output": "keyframes"}, {"output": "steps"}, {"output_times": [0.0, 1.0]}])
+def test_set_takes_the_place_of_what_the_scenario_says_of_its_rows(changes: dict[str, Any]) -> None:
+    plan = made(GRID[0], set={"run": changes})
+    run = plan.document["scenario"]["run"]
+    assert "output_step" not in run
+    assert {name: run[name] for name in changes} == changes
+
+
 def test_set_changes_the_law_too() -> None:
     law = {"law": "coulomb", "mu": 0.2, "eps": 1e-3}
     of = made({"of": "friction.eps", "values": [1e-3, 2e-3]}, set={"friction": law})
@@ -175,6 +183,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         ),
         ({"axis": [OMEGA], "scenario": "nowhere"}, ["`nowhere` is neither a TOML file nor a preset"]),
         ({"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}}, ["`frict`; did you mean `friction`?"]),
+        ({"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}}, ["`initial.from` must be the start of a single run"]),
         ({"axis": [OMEGA], "keep": ["colour"]}, ["`keep` must be of class, ", "but has 'colour'"]),
         ({"axis": [OMEGA], "runs": [1]}, ["`runs` must be numbers of tops, 0 to 0, but has 1"]),
         ({"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]}, ["top 0: `friction.mu` must be at least 0"]),

@@ -221,7 +221,13 @@ def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
         tables = reading.read(str(beside) if beside.is_file() else shape.scenario)
     for name, value in shape.set.items():
         old = tables.get(name)
-        tables[name] = {**old, **value} if isinstance(old, dict) and isinstance(value, dict) else value
+        if isinstance(old, dict) and isinstance(value, dict):
+            tables[name] = {**(reading.without_output(old, value) if name == "run" else old), **value}
+        else:
+            tables[name] = value
+    initial = tables.get("initial")
+    if isinstance(initial, dict) and "from" in initial:
+        raise InputError(["`initial.from` must be the start of a single run, but many are asked for."])
     until = shape.set["run"].get("until") if isinstance(shape.set.get("run"), dict) else None
     return build.ending(tables, until) if isinstance(until, int | float) else tables
 
