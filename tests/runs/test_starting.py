@@ -75,6 +75,14 @@ def test_the_store_holds_all_that_it_needs_and_says_where_it_is_from(before: Pat
     assert tt.open(out).replay(0.0, 0.5, 0.1).theta.values[0] == first.theta.values[0]
 
 
+def test_on_the_command_line_it_takes_the_place_of_the_start(before: Path) -> None:
+    sets = [f"initial.from={before}", "friction.mu=0.1"]
+    problem = starting.load("inverting", sets, 2.0)
+    assert problem.start().tobytes() == end_of(before).tobytes()
+    with pytest.raises(InputError, match=r"`initial.from` must stand alone, but `theta` is given too"):
+        starting.load("inverting", [*sets, "initial.theta=0.2"])
+
+
 def test_in_python_it_is_a_path(before: Path, tmp_path: Path) -> None:
     run = tt.run("inverting", dict(mu=0.1), start=before, until=2.0)
     assert run.problem.start().tobytes() == end_of(before).tobytes()

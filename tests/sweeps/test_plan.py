@@ -183,7 +183,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         ),
         ({"axis": [OMEGA], "scenario": "nowhere"}, ["`nowhere` is neither a TOML file nor a preset"]),
         ({"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}}, ["`frict`; did you mean `friction`?"]),
-        ({"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}}, ["`initial.from` must be the start of a single run"]),
+        ({"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}}, ["must be the start of a single run"]),
         ({"axis": [OMEGA], "keep": ["colour"]}, ["`keep` must be of class, ", "but has 'colour'"]),
         ({"axis": [OMEGA], "runs": [1]}, ["`runs` must be numbers of tops, 0 to 0, but has 1"]),
         ({"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]}, ["top 0: `friction.mu` must be at least 0"]),

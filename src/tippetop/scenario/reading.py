@@ -77,12 +77,14 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
     """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a string.
 
     Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. A key that says when rows are
-    wanted takes the place of another such key. Raises InputError.
+    wanted takes the place of another such key, and `initial.from` that of the start. Raises InputError.
     """
     words = [(key.strip(), text.strip()) for key, _, text in (a.partition("=") for a in assignments)]
     given = {key.removeprefix("run."): text.strip("\"'") for key, text in words if key.startswith("run.")}
     if isinstance(tables.get("run"), dict):
         tables = tables | {"run": without_output(tables["run"], given)}
+    if any(key == "initial.from" and text.strip() for key, text in words) and isinstance(tables.get("initial"), dict):
+        tables = tables | {"initial": {}}
     changed = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
     for assignment in assignments:
         key, equals, text = assignment.partition("=")
@@ -96,7 +98,7 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
         try:
             value = text.strip() if word else _parsed(f"value = {text}")["value"]
         except ValueError:
-            if not re.fullmatch(QUANTITY, text.strip()):
+            if key.strip() != "initial.from" and not re.fullmatch(QUANTITY, text.strip()):  # a path needs no quotes
                 raise InputError(
                     [
                         f'--set {key} must be given a TOML value (5, 0.3, true, "word", [1.0, 2.0]), '
