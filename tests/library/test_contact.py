@@ -158,6 +158,19 @@ def test_a_top_that_drills_ends_near_a_pole_with_a_class(theta: float) -> None:
     np.testing.assert_allclose(tt.linear_modes(drills, omega3=180.0), tt.linear_modes(slides, omega3=180.0), rtol=1e-13)
 
 
+def test_a_top_that_is_not_followed_to_its_end_has_no_class() -> None:
+    """A disc at rest ends the run: neither the run nor the row of an ensemble calls that a fate."""
+    law = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
+    scenario = {**BOUNCE, "friction": law, "initial": {"theta": 1.0, "omega3": 0.0}, "run": {"until": 1e-4}}
+    alone = tt.run(scenario)
+    assert alone.summary.status == "ended"
+    assert not hasattr(alone.summary, "outcome")
+    tops = tt.ensemble(scenario, {"omega3": [0.0, 180.0]})
+    classes, words = (tops[name].attrs["flag_meanings"].split() for name in ("class", "status"))
+    assert [words[int(s)] for s in tops.status] == ["ended", "finished"]
+    assert [classes[int(c)] for c in tops["class"]] == ["none", "under-way"]
+
+
 def test_a_stem_under_the_plane_is_refused() -> None:
     with pytest.raises(InputError, match=r"`initial.gap` must be at least .*: the stem would be under the plane"):
         tt.run(TOP, tt.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, "gap": 1e-9}, until=1e-3)

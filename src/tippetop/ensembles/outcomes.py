@@ -134,7 +134,10 @@ def _conclude(outcomes: Outcomes) -> None:
         kind[ended] = with_phases(classes, theta, values)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
-    sound = np.isin(outcomes.status, [status.code for status in Status if status.ordinary])
+    ordinary = {status for status in Status if status.ordinary}
+    if tops.base.contact is not None:
+        ordinary -= {Status.ENDED}  # its contact could not be followed further: that is no fate
+    sound = np.isin(outcomes.status, [status.code for status in ordinary])
     outcomes.kind[:] = np.where(sound, kind, CLASSES.index("none"))
 
 

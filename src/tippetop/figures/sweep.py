@@ -196,7 +196,7 @@ def _dress(axes: Any, sweep_map: Any, x: Any) -> None:
 
 def _name(name: str) -> str:
     """The name of a class."""
-    words = {"none": "no end: invalid, not finite, stalled", "near-upright": "still near upright"}
+    words = {"none": "no end: invalid, not finite, stalled, not followed", "near-upright": "still near upright"}
     return words.get(name, name.replace("-", " "))
 
 
