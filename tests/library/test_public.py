@@ -358,7 +358,7 @@ def test_the_theory_takes_bodies(run: tt.Run) -> None:
 def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
     start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
     run = tt.run("inverting", start=start, output_step=4e-3, until=0.3)  # eight rows per nutation
-    with pytest.warns(UserWarning, match="is not to be relied on"):
+    with pytest.warns(UserWarning, match="its pieces disagree"):
         found = tt.reconstruct(run)
     assert found.attrs["mismatch"] > 1e-6
     given = np.isfinite(found["theta"].values)

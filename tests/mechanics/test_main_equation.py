@@ -9,9 +9,15 @@ from tippetop.mechanics.theory.main_equation import reconstruct
 from tippetop.runs.run import solve
 
 
+AT_4_354 = {"theta": 0.1930406939565264, "phi_dot": 213.19654689741958, "omega3": 147.31406907076985}
+AT_4_354 |= {"nu_x": -0.036966204229469724, "nu_y": 0.16341042960004895}
+"""The canonical inversion at its 233rd turning; two turnings later both curvatures of a turning cross, p = 2."""
+
+
 @pytest.mark.parametrize(
     ("system", "parameters", "start", "until", "turnings"),
     [
+        ("tippe-top", examples.CANONICAL, AT_4_354, 0.1, 5),
         ("tippe-top", examples.CANONICAL, {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}, 0.6, 19),
         ("tippe-top", examples.CANONICAL, {"theta": 0.5, "phi_dot": -8.0, "omega3": 155.0}, 0.3, 15),
         ("gliding-heavy-top", examples.HEAVY, {"theta": 0.4, "phi_dot": 5.0, "omega3": 300.0}, 0.15, 7),

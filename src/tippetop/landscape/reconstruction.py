@@ -69,11 +69,12 @@ def reconstruction(
         math.cos(float(rows["theta"][0])),
         guess / second,
     )
-    if not solution.mismatch <= main_equation.APART:
+    if solution.early:
         end = float(times[np.isfinite(solution.z)].max())
+        apart = f"its pieces disagree by {solution.mismatch:.1e} in cos(theta)"
+        why = "no turning is found beyond" if solution.mismatch <= main_equation.APART else apart
         warnings.warn(
-            f"the pieces of the reconstruction disagree by {solution.mismatch:.1e} in cos(theta) after "
-            f"t = {end:.4g} s: theta is not to be relied on, and not given, beyond.",
+            f"the reconstruction ends at t = {end:.4g} s: {why}. After it theta is not to be relied on, and not given.",
             stacklevel=3,
         )
     theta = {"units": "rad", "long_name": "theta by the main equation"}

@@ -226,8 +226,8 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     Returns
     -------
     xarray.Dataset
-        `theta` [rad] along `time`, NaN after the last whole swing; `turning` [s], the times of the turnings; the
-        attribute `mismatch`, the worst disagreement of cos(theta) where pieces meet.
+        `theta` [rad] along `time`, NaN where it ends early or after the last whole swing; `turning` [s], the times of
+        the turnings; the attribute `mismatch`, the worst disagreement of cos(theta) where pieces meet.
 
     Raises
     ------
@@ -237,11 +237,12 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     Warns
     -----
     UserWarning
-        If `mismatch` is above 1e-6: the rows are too few, or the run does not determine its turnings.
+        If it ends early: `mismatch` is above 1e-6, as where rows are too few, or no next turning is found, as where the
+        axis rises without turning (in the canonical inversion after 6.31 s and 316 turnings).
 
     Notes
     -----
-    Rutstam (2010), eqs. 4.40 and 5.26.
+    Rutstam (2010), eqs. 4.40 and 5.26; what bounds it stands in the atlas, chapter 4.
     """
     instance("run", run, Run, "a Run")
     seconds = None if period is None else measured("period", period, SECOND)

@@ -1,9 +1,15 @@
 """The main equation as an equation of motion: from D(t) and E~(t) of a run back to theta(t). [T 4.40, 5.26]
 
 The equation of first order, z'^2 = Q(z, t) with z = cos(theta), has a branch point at every turning angle. There Q and
-Q_t vanish together, which fixes time and angle of the turning; the smooth solution through it is a power series. From
-there the equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outwards, forward and backward in time:
-towards a turning it would lose what it knows, away from it errors do not grow. Half-way the pieces must meet.
+Q_t vanish together, which fixes time and angle of the turning, and 2 a^2 - Q_z a = Q_tt, which leaves two values of
+the curvature a = z''. Neighbours leave the solution of curvature a as |t|^p, p = Q_z/(2 a), 1 without friction:
+
+- p <= 1: only one curvature has the sign that a turning needs. The smooth solution is a power series; from it the
+  equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outwards, forward and backward in time.
+- p > 1: both have that sign. They cross at p = 2, in the canonical inversion at 4.41 s. Which of them the motion has,
+  the piece before it says: towards such a turning errors fade.
+
+Where a swing slows down without turning, the integration goes on, if it can.
 Where nothing depends on time, Q_t = 0 for every angle, and the equation of second order is all that is needed.
 """
 
@@ -18,19 +24,22 @@ COMPLEX_STEP = 1e-30
 WAYS = np.array([1j * COMPLEX_STEP, 0.0])  # of z, and of t
 ORDER = 10  # of the power series at a turning
 REACH = 0.06  # of the time between turnings, where the series hands over
+KNOWN = 3.0  # reaches before a turning with p > 1, from which on the piece before it says which curvature it has
 APART = 1e-6  # of z where two pieces meet: nothing beyond is to be relied on; a good one has 1e-9 and less
-MEET = 0.5  # of the largest z'^2 of a swing: where the piece from the next turning takes over
+SLOW = 0.5, 0.1  # of the largest speed of a swing: below them a turning is looked for
+STEEP = -0.5  # p, below which errors grow too fast towards a turning for waiting until the second
+CALLS = 40_000  # of the equation in a piece, some thirty times what a swing takes: beyond, z' touches 0 without turning
 CONSTANT = 1e-11  # relative: momenta and energy that vary less than this are constants of the motion
-QUARTER = np.pi / 4  # the phase that is left there, where z'' = z' in units of the frequency
 
 
 class Reconstruction(NamedTuple):
-    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning, or before the first two
-    pieces that do not meet), times of the turnings, and the worst mismatch of z where pieces meet."""
+    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning), times of the turnings,
+    the worst mismatch of z where pieces meet, and whether it ends early: pieces do not meet, or a turning is not found."""
 
     z: np.ndarray
     turnings: np.ndarray
     mismatch: float
+    early: bool
 
 
 def reconstruct(
@@ -63,29 +72,41 @@ def reconstruct(
     equation = _Equation(system, b, times, momenta, energy, period)
     if all(np.ptp(values) <= CONSTANT * np.abs(values).max() for values in (energy, *momenta)):
         return equation.conserving(times, z)
-    out, known, mismatch = np.full(len(times), np.nan), float(times[0]), 0.0
+    out, mismatch = np.full(len(times), np.nan), 0.0
     turnings: list[Any] = []
-    reach = REACH * period / 2
-    here = _series(equation, float(times[0]), z, reach, fixed=True)
+    reach, end = REACH * period / 2, float(times[-1])
+    here = _series(equation, z, float(times[0]), reach, None)
+    _fill(out, times, here.t, here.t + reach, here)
     while True:
-        forward, meet, last = equation.outward(here, 1.0, float(times[-1]))
-        _fill(out, times, known, here.t + reach, here)
-        _fill(out, times, here.t + reach, meet, lambda t, f=forward: f(t)[0])
-        known = meet
-        if meet >= times[-1]:
-            return Reconstruction(out, np.array(turnings), mismatch)
-        left = QUARTER * abs(last[1] / equation.motion(meet, last)[1])  # what a harmonic swing would still need
-        there = _series(equation, meet + left, last[0] + last[1] * left / 2, reach)
-        if there.t + reach > times[-1]:
-            return Reconstruction(out, np.array(turnings), mismatch)
-        backward, _, _ = equation.outward(there, -1.0, meet)
-        mismatch = max(mismatch, abs(float(backward(meet)[0] - last[0])))
+        edge = here.t + here.reach
+        try:
+            forward, there = equation.swing(here, end)
+            early = there is None and forward.end < end
+            if there is None or there.t + reach > end:
+                if not early and here.power < 2:  # beyond, errors grow too fast where no later turning holds them
+                    _fill(out, times, edge, forward.end, forward)
+                return Reconstruction(out, np.array(turnings), mismatch, early)
+            last = meet = there.t - reach  # where p > 1 all that comes from before fades into the turning
+            comes, goes = there, forward
+            if not there.node:
+                meet, goes = edge if here.node else (here.t + there.t) / 2, _Piece(equation, there, -1.0)
+                comes = here if here.node else forward
+                goes.go(meet)
+                _fill(out, times, meet, last, goes)
+        except _Lost:
+            return Reconstruction(out, np.array(turnings), mismatch, True)
+        mismatch = max(mismatch, abs(float(comes(meet) - goes(meet))))
         if not mismatch <= APART:
             out[times > here.t] = np.nan
-            return Reconstruction(out, np.array(turnings), mismatch)
-        _fill(out, times, meet, there.t - reach, lambda t, f=backward: f(t)[0])
-        known, here = there.t - reach, there
+            return Reconstruction(out, np.array(turnings), mismatch, True)
+        _fill(out, times, edge, meet, forward)
+        _fill(out, times, last, there.t + reach, there)
         turnings.append(there.t)
+        here = there
+
+
+class _Lost(Exception):
+    """A piece does not come to its end."""
 
 
 class _Equation:
@@ -99,6 +120,7 @@ class _Equation:
         assert system.potential is not None
         assert system.theta_inertia is not None
         self.potential, self.inertia, self.b, self.period = system.potential, system.theta_inertia, b, period
+        self.calls = 0  # of `motion`, in this piece
         self.values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
         self.rates = self.values.derivative()
 
@@ -135,41 +157,119 @@ class _Equation:
         square = solution.y[1] ** 2
         mismatch = float(np.abs(square - self.square(solution.y[0], start)).max() / max(square.max(), 1e-300))
         turnings = solution.t_events[0]
-        return Reconstruction(solution.y[0], turnings[turnings > start + 1e-6 * self.period], mismatch)
+        return Reconstruction(solution.y[0], turnings[turnings > start + 1e-6 * self.period], mismatch, False)
 
     def motion(self, t: float, y: np.ndarray) -> np.ndarray:
         """The rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
+        self.calls += 1
+        if self.calls > CALLS:
+            raise _Lost
         # both slopes of Q from one evaluation: here the time of a reconstruction goes
         momenta, rates = self.values(t), self.rates(t)
         given = np.array([momenta, momenta + 1j * COMPLEX_STEP * rates]).T
         along_z, along_t = self._square(y[0] + WAYS, given).imag / COMPLEX_STEP
         return np.array([y[1], along_z / 2 + along_t / (2 * y[1])])
 
-    def outward(self, start: "_Series", way: float, until: float) -> Any:
-        """From the edge of a series, forward or backward, past the fastest point of the swing: the dense output, and
-        time and state at its end."""
+    def swing(self, here: "_Series", end: float) -> "tuple[_Piece, _Series | None]":
+        """From one turning to the next: the motion up to the edge of the next, and its series, or None."""
+        piece, peak, share = _Piece(self, here, 1.0), 0.0, 0.0
+        way = np.sign(piece.state[1])
+
+        def speed(t: float, y: np.ndarray) -> float:
+            nonlocal peak
+            peak = max(peak, way * y[1])
+            return way * y[1] - share * peak
+
+        def slow(t: float, y: np.ndarray) -> float:
+            return speed(t, y)
+
+        def back(t: float, y: np.ndarray) -> float:
+            return way * y[1]
+
+        slow.terminal = speed.terminal = back.terminal = True  # type: ignore[attr-defined]
+        slow.direction, speed.direction, back.direction = -1, 1, -1  # type: ignore[attr-defined]
+        while True:
+            for share in SLOW:
+                if piece.go(end, slow) >= end:
+                    return piece, None
+                found = self.turning(piece, here.reach)
+                # near p = 0 Q and Q_t vanish at two points, and only close to them it shows which is the turning
+                if found is not None and (share < SLOW[0] or found[2] < STEEP):
+                    piece.go(min(end, found[1] - here.reach))
+                    return piece, _series(self, *found[:2], here.reach, piece)
+            share *= 1.5  # it slows down, and does not turn
+            piece.go(end, (speed, back))
+            if way * piece.state[1] <= 0:
+                return piece, None
+            peak = way * piece.state[1]
+
+    def turning(self, piece: "_Piece", reach: float) -> tuple[float, float, float] | None:
+        """Angle, time and power p where Q = Q_t = 0 soon after the end of a piece; None where there is none."""
+        start, (z, speed) = piece.end, piece.state
+        left = abs(speed / self.motion(start, piece.state)[1])  # what a harmonic swing would still need, about
+        z, t, h, far = z + speed * left / 2, start + left, 1e-4 * reach, 4 * abs(speed) * left
+        first = z
+        for _ in range(20):
+            jacobian = np.array(
+                [
+                    [self.along_z(z, t), self.along_t(z, t)],
+                    [
+                        (self.along_t(z + 1e-6, t) - self.along_t(z - 1e-6, t)) / 2e-6,
+                        (self.along_t(z, t + h) - self.along_t(z, t - h)) / (2 * h),
+                    ],
+                ]
+            )
+            if not (np.isfinite(jacobian).all() and np.linalg.det(jacobian)):
+                return None
+            step = np.linalg.solve(jacobian, [self.square(z, t), self.along_t(z, t)])
+            z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
+            if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(abs(t) + reach):
+                break
+        found = abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach  # what noise leaves; else it has not converged
+        if not (found and start < t < start + 4 * left and abs(z - first) < far):
+            return None
+        (along_z, _), (_, q_tt) = jacobian
+        return z, t, 2 * along_z / (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), speed))
+
+
+class _Piece:
+    """The motion from the edge of a series on, forward or backward in time: z at any time of it."""
+
+    def __init__(self, equation: _Equation, start: "_Series", way: float):
+        self.equation, self.end = equation, start.t + way * start.reach
+        equation.calls = 0
+        self.start, self.state = self.end, np.array([start(self.end), start.speed(self.end)])
+        self.parts: list[tuple[float, Any]] = []
+
+    def go(self, until: float, event: Any = None) -> float:
+        """Integrate up to a time or an event; the time that is reached."""
         from scipy.integrate import solve_ivp
 
-        edge = start.t + way * REACH * self.period / 2
-        peak = 0.0
+        if self.end != until:
+            span = self.end, until
+            solution = solve_ivp(
+                self.equation.motion, span, self.state, "DOP853", None, True, event, rtol=1e-11, atol=1e-13
+            )
+            self.end, self.state = float(solution.t[-1]), solution.y[:, -1]
+            self.parts.append((self.end, solution.sol))
+        return self.end
 
-        def past(t: float, y: np.ndarray) -> float:
-            nonlocal peak
-            peak = max(peak, y[1] ** 2)
-            return y[1] ** 2 - MEET * peak
-
-        past.terminal, past.direction = True, -1  # type: ignore[attr-defined]
-        at_edge = [start(edge), start.speed(edge)]
-        solution = solve_ivp(self.motion, (edge, until), at_edge, "DOP853", None, True, past, rtol=1e-11, atol=1e-13)
-        return solution.sol, float(solution.t[-1]), solution.y[:, -1]
+    def __call__(self, t: Any) -> np.ndarray:
+        z, which = np.empty(np.shape(t)), np.searchsorted([end for end, _ in self.parts[:-1]], t)
+        for k, (_, part) in enumerate(self.parts):
+            if (which == k).any():
+                z[which == k] = part(np.asarray(t)[which == k])[0]
+        return z
 
 
 class _Series(NamedTuple):
-    """z as a power series in the time since a turning, in units of its reach."""
+    """z as a power series in the time since a turning, in units of its reach; neighbours leave it as |t|^power."""
 
     t: float
     reach: float
     coefficients: np.ndarray
+    power: float
+    node: bool
 
     def __call__(self, t: Any) -> Any:
         return np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, self.coefficients)
@@ -179,36 +279,36 @@ class _Series(NamedTuple):
         return np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, slope) / self.reach
 
 
-def _series(equation: _Equation, t: float, z: float, reach: float, *, fixed: bool = False) -> _Series:
-    """The smooth solution through the turning near (t, z): Newton on Q = Q_t = 0, then least squares on z'^2 = Q."""
-    square, along_z, along_t = equation.square, equation.along_z, equation.along_t
-    for _ in range(0 if fixed else 20):
-        h = 1e-4 * reach
-        jacobian = np.array(
-            [
-                [along_z(z, t), along_t(z, t)],
-                [
-                    (along_t(z + 1e-6, t) - along_t(z - 1e-6, t)) / 2e-6,
-                    (along_t(z, t + h) - along_t(z, t - h)) / (2 * h),
-                ],
-            ]
-        )
-        step = np.linalg.solve(jacobian, [square(z, t), along_t(z, t)])
-        z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
-        if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(abs(t) + reach):
-            break
-    x = np.cos(np.linspace(0, np.pi, 4 * ORDER)) if not fixed else (1 - np.cos(np.linspace(0, np.pi, 4 * ORDER))) / 2
-    powers = np.vander(x, ORDER + 1, increasing=True)
-    slopes = np.arange(ORDER + 1) * np.vander(x, ORDER + 1, increasing=True)[:, [0, *range(ORDER)]] / reach
-    c = np.zeros(ORDER + 1)
-    c[:3] = z, 0.0, along_z(z, t) / 4 * reach**2
-    free = [0, *range(2, ORDER + 1)]
+def _series(equation: _Equation, z: float, t: float, reach: float, before: _Piece | None) -> _Series:
+    """The smooth solution through a turning, by least squares on z'^2 = Q; `before` is the piece that leads to it, None
+    at the first one, where time begins."""
+    along_z, h = equation.along_z(z, t), 1e-4 * reach
+    x = (
+        (1 - np.cos(np.linspace(0, np.pi, 4 * ORDER))) / 2
+        if before is None
+        else np.cos(np.linspace(0, np.pi, 4 * ORDER))
+    )
+    powers, slopes = _powers(x), np.arange(ORDER + 1) * _powers(x)[:, [0, *range(ORDER)]] / reach
+    c, free, node = np.zeros(ORDER + 1), [0, *range(2, ORDER + 1)], False
+    c[:3] = z, 0.0, along_z / 4 * reach**2
+    if before is not None:
+        q_tt = (equation.along_t(z, t + h) - equation.along_t(z, t - h)) / (2 * h)
+        node = q_tt < 0 < -along_z * before.state[1]
+        c[2] = (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), before.state[1])) / 8 * reach**2
+        if node:
+            y = np.linspace(-min(KNOWN, (t - before.start) / reach), -1, 2 * ORDER)
+            few = [2, 3, 4, 5]  # enough to say which of both curvatures it is
+            c[few] = np.linalg.lstsq(_powers(y)[:, few], before(t + reach * y) - z, rcond=None)[0]
     for _ in range(12):
         speed, place = slopes @ c, powers @ c
-        left = speed**2 - square(place, t + reach * x)
-        change = 2 * speed[:, None] * slopes - along_z(place, t + reach * x)[:, None] * powers
+        left = speed**2 - equation.square(place, t + reach * x)
+        change = 2 * speed[:, None] * slopes - equation.along_z(place, t + reach * x)[:, None] * powers
         c[free] -= np.linalg.lstsq(change[:, free], left, rcond=None)[0]
-    return _Series(t, reach, c)
+    return _Series(t, reach, c, float(along_z * reach**2 / (4 * c[2])), bool(node))
+
+
+def _powers(x: np.ndarray) -> np.ndarray:
+    return np.vander(x, ORDER + 1, increasing=True)
 
 
 def _fill(out: np.ndarray, times: np.ndarray, first: float, last: float, z: Any) -> None:
