@@ -238,7 +238,7 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     -----
     UserWarning
         If it ends early: `mismatch` is above 1e-6, as where rows are too few, or no next turning is found, as where the
-        axis rises without turning (in the canonical inversion after 6.31 s and 316 turnings).
+        axis rises and hardly turns (in the canonical inversion after 6.23 s and 314 turnings).
 
     Notes
     -----

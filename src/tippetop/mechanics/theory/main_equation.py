@@ -34,7 +34,7 @@ CONSTANT = 1e-11  # relative: momenta and energy that vary less than this are co
 
 class Reconstruction(NamedTuple):
     """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning), times of the turnings,
-    the worst mismatch of z where pieces meet, and whether it ends early: pieces do not meet, or a turning is not found."""
+    the worst mismatch of z where pieces meet, and whether it ends early: pieces do not meet, or no turning is found."""
 
     z: np.ndarray
     turnings: np.ndarray
