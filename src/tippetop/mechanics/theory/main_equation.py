@@ -9,7 +9,7 @@ the curvature a = z''. Neighbours leave the solution of curvature a as |t|^p, p 
 - p > 1: both have that sign. They cross at p = 2, in the canonical inversion at 4.41 s. Which of them the motion has,
   the piece before it says: towards such a turning errors fade.
 
-Where a swing slows down without turning, the integration goes on, if it can.
+Where a swing slows down without turning, the integration continues, if it can.
 Where nothing depends on time, Q_t = 0 for every angle, and the equation of second order is all that is needed.
 """
 
@@ -34,7 +34,7 @@ CONSTANT = 1e-11  # relative: momenta and energy that vary less than this are co
 
 class Reconstruction(NamedTuple):
     """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning), times of the turnings,
-    the worst mismatch of z where pieces meet, and whether it ends early: pieces do not meet, or no turning is found."""
+    the worst mismatch of z where pieces meet, and whether it ends early: pieces do not meet, or no turning follows."""
 
     z: np.ndarray
     turnings: np.ndarray
@@ -192,11 +192,11 @@ class _Equation:
             for share in SLOW:
                 if piece.go(end, slow) >= end:
                     return piece, None
-                found = self.turning(piece, here.reach)
+                goal = self.turning(piece, here.reach)
                 # near p = 0 Q and Q_t vanish at two points, and only close to them it shows which is the turning
-                if found is not None and (share < SLOW[0] or found[2] < STEEP):
-                    piece.go(min(end, found[1] - here.reach))
-                    return piece, _series(self, *found[:2], here.reach, piece)
+                if goal is not None and (share < SLOW[0] or goal[2] < STEEP):
+                    piece.go(min(end, goal[1] - here.reach))
+                    return piece, _series(self, *goal[:2], here.reach, piece)
             share *= 1.5  # it slows down, and does not turn
             piece.go(end, (speed, back))
             if way * piece.state[1] <= 0:
@@ -225,8 +225,8 @@ class _Equation:
             z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
             if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(abs(t) + reach):
                 break
-        found = abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach  # what noise leaves; else it has not converged
-        if not (found and start < t < start + 4 * left and abs(z - first) < far):
+        converged = abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach  # what noise leaves; else it has not converged
+        if not (converged and start < t < start + 4 * left and abs(z - first) < far):
             return None
         (along_z, _), (_, q_tt) = jacobian
         return z, t, 2 * along_z / (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), speed))
