@@ -87,7 +87,8 @@ def reconstruct(
                     _fill(out, times, edge, forward.end, forward)
                 return Reconstruction(out, np.array(turnings), mismatch, early)
             last = meet = there.t - reach  # where p > 1 all that comes from before fades into the turning
-            comes, goes = there, forward
+            comes: _Series | _Piece = there
+            goes = forward
             if not there.node:
                 meet, goes = edge if here.node else (here.t + there.t) / 2, _Piece(equation, there, -1.0)
                 comes = here if here.node else forward
@@ -225,7 +226,9 @@ class _Equation:
             z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
             if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(abs(t) + reach):
                 break
-        converged = abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach  # what noise leaves; else it has not converged
+        converged = (
+            abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach
+        )  # noise
         if not (converged and start < t < start + 4 * left and abs(z - first) < far):
             return None
         (along_z, _), (_, q_tt) = jacobian
