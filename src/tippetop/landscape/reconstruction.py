@@ -71,8 +71,8 @@ def reconstruction(
     )
     if solution.early:
         end = float(times[np.isfinite(solution.z)].max())
-        apart = f"its pieces disagree by {solution.mismatch:.1e} in cos(theta)"
-        why = "no turning is found beyond" if solution.mismatch <= main_equation.APART else apart
+        gap = f"its pieces disagree by {solution.mismatch:.1e} in cos(theta)"
+        why = "no turning is found beyond" if solution.mismatch <= main_equation.APART else gap
         warnings.warn(
             f"the reconstruction ends at t = {end:.4g} s: {why}. After it theta is not to be relied on, and not given.",
             stacklevel=3,

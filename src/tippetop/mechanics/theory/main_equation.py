@@ -226,9 +226,7 @@ class _Equation:
             z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
             if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(abs(t) + reach):
                 break
-        converged = (
-            abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach
-        )  # noise
+        converged = abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach  # noise
         if not (converged and start < t < start + 4 * left and abs(z - first) < far):
             return None
         (along_z, _), (_, q_tt) = jacobian
