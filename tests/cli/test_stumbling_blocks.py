@@ -57,6 +57,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "tippe tops only; this is a rolling cylinder.",
         ),
         (["sweep", "inverting", "--out", "s.zarr"], "this is a scenario, not a plan"),
+        (["surface", "inverting", "--out", "f.zarr", "--threads", "0"], "--threads must be at least 1, but is 0."),
         (["surface", "inverting"], "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
     ],
 )

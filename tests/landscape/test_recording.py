@@ -18,6 +18,7 @@ from tippetop.cli import outcome
 from tippetop.landscape import recording, surface
 from tippetop.landscape.recording import Surface
 from tippetop.store import root
+from tippetop_kernels import grid
 
 
 PARAMETERS = {**CANONICAL, "I1": 3.008e-6}
@@ -250,3 +251,12 @@ def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_p
     DAMAGES[damage](tmp_path / ".F.zarr.part")
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert_same(tmp_path / "F.zarr", whole)
+
+
+def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monkeypatch):
+    asked, usual = [], grid.on_threads
+    monkeypatch.setattr(grid, "on_threads", lambda work, n, threads: (asked.append(threads), usual(work, n, threads)))
+    axes = ["--D", "-1e-4:1e-4:3", "--lambda", "0:1e-5:3"]
+    words = ["--out", str(tmp_path / "F.zarr"), "--figure", str(tmp_path / "F.png"), "--threads", "1"]
+    assert outcome(["surface", "inverting", *axes, *words]) == 0
+    assert set(asked) == {1}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,6 +30,7 @@ def surface(
     out: Path | None = None,
     figure: Path | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
+    threads: Whole | None = None,
 ) -> int:
     """The minimal surface F(D, lambda) of a tippe top over a grid of any size; the same command continues an
     unfinished one.
@@ -47,6 +49,8 @@ def surface(
         Draw the surface and the lines of both spinning states on it to this PNG, SVG or PDF.
     overwrite
         Make a store anew that exists, finished or not, and replace an existing picture.
+    threads
+        How many threads compute; by default as many as usable cores.
     """
     import numpy as np
 
@@ -58,6 +62,8 @@ def surface(
     from .text import warn
 
     parameters, system = _tippe_top(scenario)
+    if threads is not None and threads < 1:
+        raise _wrong(f"--threads must be at least 1, but is {threads}.")
     if out is None and figure is None:
         raise _wrong("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
     if figure is not None:
@@ -67,6 +73,7 @@ def surface(
     warn(_far(parameters, float(np.abs(lambdas).max())))
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
+    minimal = partial(surface.minimal_surface, parameters, gradient=False, threads=threads)
     if out is not None and overwrite:
         remove_store(out)
         remove_store(out.with_name(f".{out.name}.part"))
@@ -75,16 +82,16 @@ def surface(
     elif out is not None:
         try:
             few = (Ds[:: max(1, Ds.size - 1)], lambdas[:: max(1, lambdas.size - 1)])
-            awaited(lambda: surface.minimal_surface(parameters, *few, system, gradient=False), COMPILING)
+            awaited(lambda: minimal(*few, system), COMPILING)
             with Bar("chunks") as bar:
                 wanted = recording.Surface.over(parameters, Ds, lambdas, system)
-                recording.write(out, wanted, progress=bar.update)
+                recording.write(out, wanted, threads=threads, progress=bar.update)
         except KeyboardInterrupt:
             print("tippetop: interrupted; the same command continues from here.", file=sys.stderr)
             return 130
     if figure is not None:
         few = tuple(v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas))
-        grid = awaited(lambda: surface.minimal_surface(parameters, *few, system, gradient=False), COMPILING)
+        grid = awaited(lambda: minimal(*few, system), COMPILING)
         drawing.write(_surface(grid, parameters), figure, overwrite=overwrite)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0
