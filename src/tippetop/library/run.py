@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import finite, in_python, path_of
-from ..errors import InputError
+from ..errors import InputError, StoreError
 from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 
 Window = tuple[float | None, float | None]
+
+
+SHOWN = 20_000  # rows of a run whose page a notebook keeps with its table: some 3 MB
 
 
 class Run:
@@ -320,13 +323,22 @@ class Run:
         return "\n".join([self._headline, *(f"{name:16}{text}" for name, text in self._lines())])
 
     def _repr_html_(self) -> str:
-        """The run as a table, for notebooks."""
+        """The run as a table and, to be opened below it, in motion: for notebooks."""
         rows = "".join(
             f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
             f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
             for name, text in self._lines()
         )
-        return f"<b>{html.escape(self._headline)}</b><table>{rows}</table>"
+        return f"<b>{html.escape(self._headline)}</b><table>{rows}</table>{self._closed_page()}"
+
+    def _closed_page(self) -> str:
+        try:
+            if self.trajectory.sizes.get("time", 0) > SHOWN:
+                return ""
+            page = self.view()
+        except (InputError, StoreError):
+            return ""  # it keeps no rows or no orientation, or is not finished
+        return f"<details><summary>See it turn</summary>{page._repr_html_()}</details>"
 
 
 def _meaning(name: str, system: "System", variables: Variables) -> dict[str, str]:

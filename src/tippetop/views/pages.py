@@ -161,7 +161,7 @@ class Page:
     def _repr_html_(self) -> str:
         """The page in a frame, for notebooks."""
         style = "width:100%;height:720px;border:0"
-        return f'<iframe srcdoc="{html.escape(self.text)}" style="{style}" title="tippetop"></iframe>'
+        return f'<iframe loading="lazy" srcdoc="{html.escape(self.text)}" style="{style}" title="tippetop"></iframe>'
 
 
 def write(text: str, path: Path, *, overwrite: bool) -> None:

@@ -1,6 +1,8 @@
 /** The legend of the line of times: what its colours mean, and for how much of the motion. */
 import { cover } from "./palette.js";
 
+/** @typedef {{phase: string, ball: string}} Place */
+
 /** @typedef {import("./palette.js").Palette} Palette */
 /** @typedef {import("./log.js").Log} Log */
 
@@ -58,8 +60,7 @@ function shares(log, [first, last]) {
     kind.share += Math.max(0, Math.min(end, last) - Math.max(start, first)) / (last - first || 1);
     kinds.set(words, kind);
   }
-  const place = (/** @type {{phase: string, ball: string}} */ { phase, ball }) =>
-    ORDER.indexOf(phase) + (ball === "stem" ? ORDER.length : 0);
+  const place = (/** @type {Place} */ { phase, ball }) => ORDER.indexOf(phase) + (ball === "stem" ? ORDER.length : 0);
   return [...kinds.values()].sort((a, b) => place(a) - place(b));
 }
 
