@@ -50,11 +50,16 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
     "mechanics.friction": (f"{CONTACT}/test_coulomb_case.py",),
-    "mechanics.contact.ball": (f"{CONTACT}/test_planar.py", f"{CONTACT}/test_first_slip.py", f"{CONTACT}/test_ball.py"),
+    "mechanics.contact.ball": (
+        *(
+            f"{CONTACT}/{name}"
+            for name in ("test_planar.py", "test_first_slip.py", "test_ball.py", "test_patch_impact.py")
+        ),
+    ),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_ball.py"),
     "mechanics.contact.disc_at_rest": (f"{CONTACT}/test_disc_held.py",),
     "mechanics.contact.drilling": (f"{CONTACT}/test_drilling.py",),
-    "mechanics.contact.impact": (f"{CONTACT}/test_impact.py", "-k", "rates or reference or jumps"),
+    "mechanics.contact.impact": (f"{CONTACT}/test_impact.py", "-m", "not slow"),
     "mechanics.contact.flight": (f"{CONTACT}/test_flight.py",),
     "mechanics.contact.landing": (f"{CONTACT}/test_flight.py", f"{RUNS}/test_reference_cases.py"),
     "mechanics.contact.patch_impact": (f"{CONTACT}/test_patch_impact.py",),
@@ -71,7 +76,13 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.contact.phases.rules": (f"{CONTACT}/test_flight.py", "-k", "stem"),
 }
 """Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge them."""
-COMPILED = ("test_both.py", "test_reference_cases.py", "test_phases_of_runs.py", "test_asymptotics.py")
+COMPILED = (
+    "test_both.py",
+    "test_reference_cases.py",
+    "test_phases_of_runs.py",
+    "test_smooth_impact.py",
+    "test_asymptotics.py",
+)
 """Test files that drive whole runs; of the others numba compiles nothing, which would be most of their time."""
 EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so is its own reciprocal
     "mechanics.theory.thresholds": ("spin: b.R * z",),
