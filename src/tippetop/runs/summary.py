@@ -65,7 +65,7 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(("start", f"where {start['from']} ended, at its t = {start['t_end']:.15g} s"))
     if replay := info.get("replay"):
         part = f"t = {replay['from']:.15g} to {replay['until']:.15g} s, every {replay['step']:.15g} s"
-        result.append(("replay", f"rows and events are of {part}, of {replay['of']}; the rest of its whole run"))
+        result.append(("replay", f"rows and events are of {part}, of {replay['of']}; all else is of the whole run"))
     if "certificate" in info:
         result.append(("certificate", _certificate(info["certificate"])))
     return result
