@@ -41,8 +41,9 @@ def test_the_overview_needs_the_standard_library_alone(words: list[str]) -> None
 
 def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
     """Once its kernels are compiled: no numba, and nothing that draws, labels, sweeps or shows."""
-    for name in ("first", "second"):
-        modules = imported("run", "inverting", "--until", "0.1", "--out", str(tmp_path / f"{name}.zarr"))
+    words = ("run", "inverting", "--until", "0.1", "--overwrite", "--out", str(tmp_path / "a.zarr"))
+    if "numba" in (modules := imported(*words)):
+        modules = imported(*words)
     assert not modules & {"dask", "h5py", "matplotlib", "numba", "pandas", "pint", "rich", "scipy", "xarray"}
     assert not modules & {
         f"tippetop.{room}" for room in ("ensembles", "exchange", "figures", "library", "sweeps", "views")

@@ -12,6 +12,7 @@ import heyoka as hy
 import numpy as np
 
 from tippetop_kernels.compiled_step import MachineCode, call, load
+from tippetop_kernels.dense_rows import UNKNOWN, rounding_of
 
 from ..mechanics.events import Event
 from ..mechanics.system import System
@@ -33,6 +34,8 @@ class Compiled(NamedTuple):
         Where the event functions stand among the variables.
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
+    rounding
+        How its dense output rounds, of one run: see `tippetop_kernels.dense_rows`.
     agrees
         Filled by `is_same_step`: whether the code makes the step that heyoka makes.
     places
@@ -42,6 +45,7 @@ class Compiled(NamedTuple):
     integrator: Any
     rows: EventRows
     machine: MachineCode | None
+    rounding: int
     agrees: list[bool]
     places: threading.local
 
@@ -109,7 +113,8 @@ def compiled(
         options |= {"tol": kind(tolerance), "fp_type": kind}
         integrator = hy.taylor_adaptive(equations, np.zeros(len(equations), dtype=number), **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
-    return Compiled(integrator, event_rows(system.events, sources, axis), machine, [], threading.local())
+    rounding = rounding_of(machine.dense, len(equations), integrator.order) if machine and not lanes else UNKNOWN
+    return Compiled(integrator, event_rows(system.events, sources, axis), machine, rounding, [], threading.local())
 
 
 def _source(

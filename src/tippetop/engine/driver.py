@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tippetop_kernels.compiled_step import call, call_dense, call_step
-from tippetop_kernels.dense_rows import TIMES, VARIABLES, sums
+from tippetop_kernels.dense_rows import TIMES, UNKNOWN, VARIABLES, sums
 from tippetop_kernels.jit import apart, entry, inlined
 
 from .observer import take_step
@@ -45,6 +45,7 @@ class Rows(NamedTuple):
     out: np.ndarray  # (variables,) room for a state
     when: np.ndarray  # (TIMES,) room for times since the beginning of a step
     some: np.ndarray  # (VARIABLES, TIMES) room for values of variables
+    rounding: int  # of the dense output
 
 
 def new_motion(integrator: Any, lanes: int) -> Motion:
@@ -55,10 +56,10 @@ def new_motion(integrator: Any, lanes: int) -> Motion:
     return Motion(state, state.copy(), np.zeros((len(integrator.pars), lanes)), np.zeros((n, order + 1, lanes)), *line)
 
 
-def no_rows(variables: int) -> Rows:
-    """Nothing is asked for."""
+def no_rows(variables: int, rounding: int) -> Rows:
+    """Nothing is asked for, of a dense output that rounds so."""
     room = np.zeros(variables), np.zeros(TIMES), np.zeros((VARIABLES, TIMES))
-    return Rows(np.zeros(0), np.zeros((variables, 0)), np.zeros(1, np.int64), False, *room)
+    return Rows(np.zeros(0), np.zeros((variables, 0)), np.zeros(1, np.int64), False, *room, rounding)
 
 
 @entry
@@ -193,7 +194,7 @@ def _rows(dense, motion, tallies, rows, moved):
                 break
             rows.when[count] = (when - motion.start_high[0]) - motion.start_low[0]
             count += 1
-        if count > FEW:
+        if count > FEW and rows.rounding != UNKNOWN:
             _several(motion.tc, rows, at, count)
         else:
             for k in range(count):
@@ -215,7 +216,7 @@ def _several(tc, rows, at, count):
         rows.when[k] = rows.when[count - 1]
     variables = len(rows.states)
     for first in range(0, variables, VARIABLES):
-        sums(tc, first, rows.when, rows.some)
+        sums(tc, first, rows.when, rows.some, rows.rounding)
         for i in range(min(VARIABLES, variables - first)):
             for k in range(count):
                 rows.states[first + i, at + k] = rows.some[i, k]

@@ -32,8 +32,8 @@ class Place:
         assert compiled.machine is not None
         self.taken_by: Any = None  # a weak reference to a driver
         self.motion, self.room = new_motion(compiled.integrator, 1), new_room(compiled)
-        self.nothing = no_rows(len(self.motion.state))
         machine = compiled.machine
+        self.nothing = no_rows(len(self.motion.state), compiled.rounding)
         self.drive = drive.on(machine.step, machine.dense, self.motion, *self.room)
         self.drive_on = self.drive.on(self.nothing, RULES)
 
