@@ -29,10 +29,7 @@ def landing_within(h: Hop, rounding: float) -> Any:
     number
         0 if the gap does not open at all.
     """
-    amplitude = sqrt(h.even * h.even + h.odd * h.odd)
-    highest = h.start + 2 * amplitude
-    most = amplitude * h.Omega**4  # of the fourth derivative
-    step = (h.rise + sqrt(h.rise * h.rise + 2 * h.g * highest)) / h.g * (1 + 1e-6)  # the gap is negative after it
+    step = latest(h)
     gap, speed, bend, third, _, _ = gap_series(h)
     rooted = 0 if gap != 0 else 1 if speed != 0 else 2 if bend != 0 else 3 if third != 0 else 4
     opens = speed if rooted == 1 else bend if rooted == 2 else third if rooted == 3 else gap
@@ -40,20 +37,43 @@ def landing_within(h: Hop, rounding: float) -> Any:
     if rooted == 4 or opens < 0:
         return t
     while True:
-        if _positive(
-            (gap, speed * step, bend * step**2 / 2, third * step**3 / 6, -most * step**4 / 24), rooted, 4 - rooted
-        ):
+        if _positive(gap_below(h, gap, speed, bend, third, step), rooted, 4 - rooted):
             t, step, rooted = t + step, 2 * step, 0
             gap, speed, bend, third = gap_in_flight(h, t)
             if gap <= 0:  # rounding: the gap closes here
                 return t
             continue
-        falls = (-speed, -(bend * step), -(third * step**2 / 2), -most * step**3 / 6, 0 * t)
-        if rooted == 0 and gap_in_flight(h, t + step)[0] <= 0 and _positive(falls, 0, 3):
+        falls = _positive(fall_below(h, speed, bend, third, step), 0, 3)
+        if rooted == 0 and gap_in_flight(h, t + step)[0] <= 0 and falls:
             return _bracketed(h, t, t + step)
         step = step / 2
         if not step > 4 * rounding * t:  # it touches the plane without crossing it, to rounding
             return t
+
+
+@formula
+def latest(h: Hop) -> Any:
+    """A time after which the gap is negative: a point falls so long from as high as the turning may lift it."""
+    highest = h.start + 2 * sqrt(h.even * h.even + h.odd * h.odd)
+    return (h.rise + sqrt(h.rise * h.rise + 2 * h.g * highest)) / h.g * (1 + 1e-6)
+
+
+@formula
+def greatest_fourth(h: Hop) -> Any:
+    """What the fourth derivative of the gap never exceeds."""
+    return sqrt(h.even * h.even + h.odd * h.odd) * h.Omega**4
+
+
+@formula
+def gap_below(h: Hop, gap: Any, speed: Any, bend: Any, third: Any, step: Any) -> tuple:
+    """The coefficients of a polynomial that the gap exceeds: its time is 1 after `step`."""
+    return gap, speed * step, bend * step**2 / 2, third * step**3 / 6, -greatest_fourth(h) * step**4 / 24
+
+
+@formula
+def fall_below(h: Hop, speed: Any, bend: Any, third: Any, step: Any) -> tuple:
+    """Those of one that the speed at which the gap closes exceeds."""
+    return -speed, -(bend * step), -(third * step**2 / 2), -greatest_fourth(h) * step**3 / 6, 0 * step
 
 
 @formula
