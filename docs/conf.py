@@ -35,6 +35,9 @@ autosummary_generate = True
 html_theme = "furo"
 html_title = f"tippetop {version}"
 html_extra_path = ["playground.html"]
+html_static_path = ["static"]
+html_css_files = ["tables.css"]
+smartquotes = False  # --overwrite is not an en dash
 html_show_sourcelink = False
 exclude_patterns = ["_build"]
 

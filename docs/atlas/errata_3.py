@@ -242,8 +242,8 @@ ERRATA = (
     Erratum(
         18, "chapter 1, section 3.3.3, section 4.2", S,
         r"\lambda>\lambda_s\ \Rightarrow\ \text{only the inverted spin is stable}",
-        r"\lambda>\max(\lambda_s,\lambda_u)\ \Rightarrow\ \text{only the inverted spin is stable};\qquad\lambda_u<"
-        r"\lambda_s\iff\gamma>\gamma_c=\frac{(1-\alpha^2)(1+3\alpha^2)}{1+6\alpha^2+\alpha^4}",
+        r"\begin{gathered}\lambda>\max(\lambda_s,\lambda_u)\ \Rightarrow\ \text{only the inverted spin is stable}\\"
+        r"\lambda_u<\lambda_s\iff\gamma>\gamma_c=\frac{(1-\alpha^2)(1+3\alpha^2)}{1+6\alpha^2+\alpha^4}\end{gathered}",
         "`tt.regime`, `tt.thresholds` (`gamma_c`, `lambda_u`, `lambda_s`)", only_the_inverted_state,
     ),
 )  # fmt: skip

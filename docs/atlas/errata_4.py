@@ -137,8 +137,8 @@ ERRATA = (
         23, "(4.22)", M,
         r"\dot{\tilde E}=mR\big[\sin\theta(\dot\varphi(\alpha-\cos\theta)+\omega_3)(\dot\varphi\nu_x+\dot\nu_y)+\dot"
         r"\theta(1-\alpha\cos\theta)(\dot\nu_x-\dot\varphi\nu_y)\big]",
-        r"\dot{\tilde E}=mR\big[\dots-\dot\theta(1-\alpha\cos\theta)(\dot\nu_x-\dot\varphi\nu_y)\big]\qquad"
-        r"\text{as follows from its vector form, which is right}",
+        r"\begin{gathered}\dot{\tilde E}=mR\big[\dots-\dot\theta(1-\alpha\cos\theta)(\dot\nu_x-\dot\varphi\nu_y)\big]\\"
+        r"\text{as follows from its vector form, which is right}\end{gathered}",
         "the column `modified_energy`", rate_of_modified_energy, TOP,
     ),
     Erratum(

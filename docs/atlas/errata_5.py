@@ -185,8 +185,8 @@ ERRATA = (
     Erratum(
         34, "(5.52) to (5.54)", S,
         r"L_{\hat3}^2>4mglI_1^*\ \Rightarrow\ \text{the upright spinning gliding top is asymptotically stable}",
-        r"(I_1p^2-iL_{\hat3}p-mgl)(p+\mu g)+\mu mgl^2p^2=0\ \text{has a root with}\ \mathrm{Re}\,p>0\ \text{for every}"
-        r"\ \mu>0,\ L_{\hat3}",
+        r"\begin{gathered}(I_1p^2-iL_{\hat3}p-mgl)(p+\mu g)+\mu mgl^2p^2=0\\\text{has a root with}\ \mathrm{Re}\,p>0\ "
+        r"\text{for every}\ \mu>0,\ L_{\hat3}\end{gathered}",
         '`tt.linear_modes`, `tippetop check` of a `gliding-heavy-top`', upright_gliding_heavy_top,
     ),
     Erratum(

@@ -93,13 +93,24 @@ def as_markdown(tables: list[Section], level: int = 2) -> str:
     for section in tables:
         parts += [f"{'#' * level} {_escaped(section.title)}", _escaped(section.text)]
         if section.rows:
-            lines = [section.head, ["---"] * len(section.head), *section.rows]
-            parts.append("\n".join(f"| {' | '.join(_escaped(cell) for cell in line)} |" for line in lines))
+            rows = [
+                [_escaped(_unbroken(c, at)) for c, at in zip(row, section.head, strict=True)] for row in section.rows
+            ]
+            lines = [section.head, ["---"] * len(section.head), *rows]
+            parts.append("\n".join(f"| {' | '.join(line)} |" for line in lines))
     return "\n\n".join(part for part in parts if part)
 
 
+def _unbroken(text: str, head: str) -> str:
+    """A unit stays on one line."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}").replace("-", "\N{NON-BREAKING HYPHEN}") if head == "unit" else text
+
+
 def _escaped(text: str) -> str:
-    return text.replace("|", "\\|").replace("*", "\\*").replace("<", "&lt;").replace("[", "\\[").replace("_", "\\_")
+    """As Markdown; what stands in backticks is written as it is, but for the bars of a table."""
+    plain = str.maketrans({"|": r"\|", "*": r"\*", "<": "&lt;", "[": r"\[", "_": r"\_"})
+    parts = text.split("`")
+    return "`".join(part.replace("|", r"\|") if i % 2 else part.translate(plain) for i, part in enumerate(parts))
 
 
 def new(

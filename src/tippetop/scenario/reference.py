@@ -259,7 +259,10 @@ def columns() -> list[Section]:
 def _columns(system: System) -> list[tuple[str, ...]]:
     names = system.long_names
     angles = [(n, unit.symbol, names.get(n, "")) for n, unit in system.angles._asdict().items()]
-    vectors = [(n, "", f"{names.get(n, '')}, (time, xyz)") for n in system.vectors]
+    vectors = [
+        (n, getattr(system.forms["vector"].units, variables[0]).symbol, f"{names.get(n, '')}, (time, xyz)")
+        for n, variables in system.vectors.items()
+    ]
     turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
     if system.undefined_at_poles:
         turn.insert(0, ("psi", "rad", PSI))
