@@ -6,6 +6,7 @@ import heyoka as hy
 import laws
 import numpy as np
 import pytest
+from nightly import at_night
 
 from tippetop.engine.expressions import equations_of_motion
 from tippetop.mechanics.friction import Frictionless
@@ -103,7 +104,7 @@ def test_chart_commutes_with_the_flow_by_symbolic_jacobian(system: str, form: st
 @pytest.mark.parametrize(
     ("system", "form"),
     [  # numba takes seconds for each: one, and all of them at night
-        pytest.param(s, f, marks=() if (s, f) == ("tippe-top", "vector") else pytest.mark.slow) for s, f in EVERY_FORM
+        (s, f) if (s, f) == ("gliding-cylinder", "angle") else at_night(s, f) for s, f in EVERY_FORM
     ],
 )
 def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.random.Generator) -> None:

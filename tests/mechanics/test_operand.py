@@ -10,6 +10,7 @@ import mpmath as mp
 import numba
 import numpy as np
 import pytest
+from nightly import at_night
 
 from tippetop.mechanics import doubledouble
 from tippetop.mechanics.operand import (
@@ -86,7 +87,7 @@ WORLDS = (
     by_heyoka,
     by_heyoka_with_a_number,
     by_numba,
-    by_numba_arrays,
+    at_night(by_numba_arrays),
 )
 
 

@@ -144,6 +144,7 @@ def test_exact_coulomb_friction_sticks_and_does_not_invert(parameters, start, t,
     assert np.ptp(columns["energy"].values[columns["phase"].values == 1]) < 1e-14
 
 
+@pytest.mark.slow
 def test_drilling_friction_turns_a_top_onto_its_stem():
     """Leine and Glocker's top with Hertz's pressure: on the stem at 1.37081 s; published: it stands until 4.5 s, then
     rocks between sphere and stem, and has both on the plane for 0.8 s, from about 4.6 to 5.4 s."""

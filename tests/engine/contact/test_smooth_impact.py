@@ -5,6 +5,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 import pytest
+from nightly import at_night
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
@@ -50,14 +51,20 @@ def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
 
 
 @pytest.mark.parametrize("restitution", ["energetic", "poisson", "newton"])
-def test_the_works_are_those_of_the_impulse(restitution: str) -> None:
-    """The sum of the works is p.(v- + v+)/2, whatever the law; energetic: of the normal ones e_n^2 comes back."""
+@pytest.mark.parametrize("size", [1.0, at_night(1e-6)])
+def test_the_works_are_those_of_the_impulse(restitution: str, size: float) -> None:
+    """The sum of the works is p.(v- + v+)/2, whatever the law and the speed; energetic: of the normal ones e_n^2 comes
+    back; Poisson: of the normal impulse e_n."""
+    impacts = SmoothImpacts(Coulomb(0.3, 0.1 * size), restitution)
     for K, v in contacts():
-        got = SmoothImpacts(Coulomb(0.3, 0.1), restitution).struck(*v, K, 0.0, 0.5)
+        v = tuple(size * x for x in v)
+        got = impacts.struck(*v, K, 0.0, 0.5)
         p, after = np.array([got.p_e, got.p_2, got.p_z]), np.array([got.v_e, got.v_2, got.v_n])
-        assert got.energy == pytest.approx(p @ (np.array(v) + after) / 2, abs=1e-13)
+        assert got.energy == pytest.approx(p @ (np.array(v) + after) / 2, abs=1e-13 * size**2)
         if restitution == "energetic":
             assert got.work_n == pytest.approx((1 - 0.25) * got.compression, rel=1e-12)
+        if restitution == "poisson":
+            assert got.p_z == pytest.approx(1.5 * impacts.struck(*v, K, 0.0, 0.0).p_z, rel=1e-12)
 
 
 def test_the_regularised_law_tends_to_coulombs() -> None:

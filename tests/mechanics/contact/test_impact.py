@@ -338,13 +338,14 @@ def never_makes_energy(law: str, count: int, rng: np.random.Generator) -> float:
 
 @every_law
 def test_impacts_never_make_energy(law: str, rng: np.random.Generator) -> None:
-    assert never_makes_energy(law, 250, rng) < 0 or law == "newton"
+    assert never_makes_energy(law, 100, rng) < 0 or law == "newton"
 
 
 @pytest.mark.slow
 @every_law
 def test_a_hundred_thousand_impacts_never_make_energy(law: str, rng: np.random.Generator) -> None:
-    assert never_makes_energy(law, 100_000, rng) < 0 or law == "newton"
+    """A third of them by each law."""
+    assert never_makes_energy(law, 33_334, rng) < 0 or law == "newton"
 
 
 @pytest.mark.parametrize("wrong", [{"v_n": 0.1}, {"e_n": 1.2}, {"mu": 50}, {"restitution": "no"}])

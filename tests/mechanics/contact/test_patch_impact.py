@@ -103,6 +103,19 @@ def test_slip_and_drilling_that_stop_together_stick() -> None:
     assert made.energy == pytest.approx(point.energy, rel=1e-12)
 
 
+@pytest.mark.parametrize("theta", [0.5, 2.0])
+def test_what_does_not_slide_is_pushed_so_that_it_stays_at_rest(theta: float) -> None:
+    """Of a slanted body the normal impulse would move the contact, too."""
+    s, z, ball = np.sin(theta), np.cos(theta), BODY._replace(mu=0.6)
+    made, K = patch_struck((0.0, 0.0, -1.0), 0.0, s, z, ball, PATCH, 0.5), mobility(s, z, ball)
+    assert made.mode == "stick"
+    assert (made.v_e, made.v_2, made.Omega_z) == (0, 0, 0)
+    assert abs(K.ez * made.p_z) > 0.1
+    assert K.ee * made.p_e + K.ez * made.p_z == pytest.approx(0, abs=1e-12)
+    assert K.ez * made.p_e + K.zz * made.p_z == pytest.approx(made.v_n + 1, rel=1e-12)
+    assert made.energy == pytest.approx(made.p_z * (made.v_n - 1) / 2, rel=1e-12)
+
+
 @pytest.mark.parametrize("wrong", [{"v": (0.1, 0.1, 0.1)}, {"e_n": -0.1}, {"restitution": "no"}])
 def test_what_is_no_impact_is_refused(wrong: dict) -> None:
     right = {"v": (0.1, 0.1, -0.1), "Omega_z": 1.0, "s": 0.6, "z": 0.8, "ball": BODY, "patch": PATCH, "e_n": 0.5}

@@ -1,0 +1,61 @@
+"""What a row says of a body, and the row that angles make: against vectors and the tensor of inertia."""
+
+import numpy as np
+import pytest
+
+from tippetop.mechanics.contact.phases.legs import Body
+from tippetop.mechanics.contact.phases.row import Angles, Row, free_rates, row_of_angles, row_scalars
+from tippetop.mechanics.friction import Viscous
+
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+def body(rng: np.random.Generator) -> Body:
+    return Body(*rng.uniform(0.5, 2.0, 6), Viscous(0.3), 0.0, 0.0)
+
+
+def contact_velocity(q: Row, b: Body) -> np.ndarray:
+    """Of the lowest point of the ball that the row names."""
+    u, L = np.array([q.ux, q.uy, q.uz]), np.array([q.Lx, q.Ly, q.Lz])
+    omega = np.linalg.solve(b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u), L)
+    return np.array([q.rx_dot, q.ry_dot, q.rz_dot]) + np.cross(omega, q.offset * u - q.radius * Z)
+
+
+def test_scalars_of_a_row_are_those_of_vectors(rng: np.random.Generator) -> None:
+    for _ in range(20):
+        b, q = body(rng), Row._make(rng.uniform(-1, 1, len(Row._fields)))
+        u = rng.normal(size=3)
+        u /= np.linalg.norm(u)
+        q = q._replace(ux=u[0], uy=u[1], uz=u[2])
+        found, v = row_scalars(q, b), contact_velocity(q, b)
+        given = (found.v_u, found.v_n, found.v2, found.rise, found.gap, found.power)
+        wanted = (
+            u[:2] @ v[:2],
+            np.cross(u, v)[2],
+            v[:2] @ v[:2],
+            v[2],
+            q.height - (q.radius * Z - q.offset * u)[2],
+            q.drilled - v[:2] @ [q.Fx, q.Fy],
+        )
+        assert given == pytest.approx(wanted, rel=1e-11, abs=1e-13)
+
+
+def test_the_row_of_angles_has_their_contact_velocity_gap_and_jelletts_integral(rng: np.random.Generator) -> None:
+    for theta in rng.uniform(0.1, 3.0, 20):
+        b = body(rng)
+        e = Angles._make(rng.uniform(-1, 1, len(Angles._fields)))._replace(theta=theta)
+        q = row_of_angles(e, np.sin(theta), np.cos(theta), b)
+        ex = np.array([np.cos(e.phi), np.sin(e.phi), 0.0])
+        v, u = contact_velocity(q, b), np.array([q.ux, q.uy, q.uz])
+        assert (v @ ex, v @ np.cross(Z, ex), v[2]) == pytest.approx((e.nu_x, e.nu_y, e.nu_z), abs=1e-12)
+        assert (q.radius, q.offset) == (b.R, b.c)
+        assert q.height - b.R + b.c * u[2] == pytest.approx(e.gap, abs=1e-13)
+        assert q.jellett_taken == pytest.approx(-np.array([q.Lx, q.Ly, q.Lz]) @ (b.c * u - b.R * Z), abs=1e-13)
+
+
+def test_in_flight_the_centre_of_mass_falls(rng: np.random.Generator) -> None:
+    b, q = body(rng), Row._make(rng.uniform(-1, 1, len(Row._fields)))
+    rates = free_rates(q, b)
+    assert (rates.rx_dot, rates.ry_dot, rates.rz_dot, rates.height) == (0, 0, -b.g, q.rz_dot)
+    assert (rates.Lx, rates.Ly, rates.Lz) == (0, 0, 0)
