@@ -209,7 +209,9 @@ def test_an_axis_that_memory_cannot_hold_is_refused(capsys: pytest.CaptureFixtur
 def test_netcdf_on_a_full_disk_ends_with_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert outcome(["run", "inverting", "--until", "1", "--out", "a"]) == 0
-    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, 1 << 16))"
+    limit = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, 1 << 16));"
+    limit += "sys.dont_write_bytecode = True"  # python would leave half of what it compiles: here, and where it exports
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
     code, err = ended(Forked(["export", "a", "--to", "netcdf", "--out", "a.nc"], limit))
     assert code == 5, err
     assert "`a.nc` must be writable, but" in err

@@ -253,6 +253,7 @@ def test_without_numba_runs_are_the_same_and_ensembles_are_refused(
         tippetop.ensemble("inverting", {"initial.omega3": np.array([120.0, 155.0])}, until=0.1)
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: pytest.FixtureRequest) -> None:
     made = build.load("inverting", None, 0.5)
     varied = {"initial.omega3": np.array([120.0, 155.0, 158.0])}
@@ -266,6 +267,7 @@ def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: py
     assert again.attrs["steps_by"] == "heyoka"
 
 
+@pytest.mark.slow
 def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(request: pytest.FixtureRequest) -> None:
     """Inverting, upright, lifting off in the midst of a step, invalid."""
     varied = {

@@ -99,7 +99,7 @@ def test_a_fit_is_a_scenario_that_runs(fit: tt.Fitted, tmp_path: Path) -> None:
     assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # the motion, not a line from dot to dot
 
 
-@pytest.mark.parametrize("kind", ["theta", "axis", *map(at_night, ("orientation", "place")), "marker"])
+@pytest.mark.parametrize("kind", ["theta", "axis", *map(at_night, ("orientation", "place", "marker"))])
 def test_jacobians_are_those_of_differences(kind: str) -> None:
     """Of every kind of measurement, by numbers of the body, the law, the start and the clock."""
     free = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3", "time.offset", "time.scale"]

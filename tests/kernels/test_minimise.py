@@ -134,6 +134,7 @@ def no_ends(x, y, p, r):
     return False, False
 
 
+@pytest.mark.slow
 def test_grid_of_minima():
     """The grid settles every point, from a good guess by its steps, from a bad one (half of the points) by the bracket.
 

@@ -160,6 +160,7 @@ def minima_along(at_momenta, slopes, D, lam, r):
     return worst
 
 
+@pytest.mark.slow
 def test_no_second_minimum_below_gamma_star():
     """1500 bodies in and out of the inverting class, at points around the marked lines: what `two_wells` rests on."""
     rng, f, found = np.random.default_rng(8), kernels().formulas, 0

@@ -44,6 +44,7 @@ def bands(D, lam, energy):
     return [(theta[a], theta[b - 1]) for a, b in zip(below[::2], below[1::2], strict=True)]
 
 
+@pytest.mark.slow
 def test_both_bands_are_given_and_theta_chooses(two_wells):
     D, lam, theta, V = two_wells
     energy = max(V[0], V[2]) + 0.5 * (V[1] - max(V[0], V[2]))
@@ -97,6 +98,7 @@ def test_the_band_of_a_run_holds_the_run():
     assert (found.other_theta_max.values < theta.min()).all()
 
 
+@pytest.mark.slow
 def test_a_body_with_one_well_has_no_other_band():
     found = turning.turning_angles(oracle.FIGURE, 3e-4, 4e-6, 0.05, theta=1.0)
     assert np.isnan(found.other_theta_min.item())

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from nightly import at_night
 from stores import TURNING, files, short_slices
 
 from tippetop import errors
@@ -132,7 +133,7 @@ def never(*_: object) -> None:
     raise AssertionError("a step was made")
 
 
-@pytest.mark.parametrize("key", ["versions", "cpu"])
+@pytest.mark.parametrize("key", ["versions", at_night("cpu")])
 def test_other_versions_resume_with_a_word_and_the_store_names_both(
     key: str, store: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

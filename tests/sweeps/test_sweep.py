@@ -5,6 +5,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -252,11 +253,14 @@ def test_what_is_damaged_is_made_again(
     assert_same(store, whole)
 
 
-def test_a_full_disk_is_said_and_costs_nothing(whole: Path, file: Path, tmp_path: Path) -> None:
+def test_a_full_disk_is_said_and_costs_nothing(
+    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     store, limits = tmp_path / "S.zarr", resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def full(done: int, of: int) -> None:
         if done == 7:
+            monkeypatch.setattr(sys, "dont_write_bytecode", True)  # python would leave half of what it compiles
             resource.setrlimit(resource.RLIMIT_FSIZE, (64, limits[1]))
 
     try:

@@ -214,7 +214,7 @@ def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
 
 @pytest.mark.parametrize(
     ("preset", "theme"),
-    [at_night("heavy-top", "dark"), ("gliding-cylinder", "light"), at_night("leine-glocker-stem", "dark")],
+    [at_night("heavy-top", "dark"), at_night("gliding-cylinder", "light"), at_night("leine-glocker-stem", "dark")],
 )
 def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) -> None:
     tab = open_page(tt.run(preset, until=0.1).view().text, color_scheme=theme)
