@@ -7,9 +7,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tippetop.mechanics.contact.ball import Ball, mobility
+from tippetop.mechanics.contact.ball import Ball, mobility, spin_mobility
 from tippetop.mechanics.contact.drilling import drag
-from tippetop.mechanics.contact.patch_impact import patch_struck
+from tippetop.mechanics.contact.patch_impact import (
+    P_Z,
+    Patch,
+    bounded,
+    excess,
+    new_room,
+    patch_struck,
+)
 from tippetop.mechanics.contact.struck import RESTITUTIONS, struck
 
 
@@ -73,7 +80,7 @@ def test_a_point_is_a_patch_of_no_size() -> None:
     K = mobility(np.sin(theta), np.cos(theta), BODY)
     point = struck(*v, K, BODY.mu, 0.5)
     errors = []
-    for patch in (1e-4, 1e-5, 0.0):
+    for patch in (1e-4, 1e-5, 1e-9):
         made = patch_struck(v, 50.0, np.sin(theta), np.cos(theta), BODY, patch, 0.5)
         errors.append(abs(made.v_2 - point.v_2) + abs(made.p_e - point.p_e))
     assert errors[1] < errors[0] / 5
@@ -114,6 +121,109 @@ def test_what_does_not_slide_is_pushed_so_that_it_stays_at_rest(theta: float) ->
     assert K.ee * made.p_e + K.ez * made.p_z == pytest.approx(0, abs=1e-12)
     assert K.ez * made.p_e + K.zz * made.p_z == pytest.approx(made.v_n + 1, rel=1e-12)
     assert made.energy == pytest.approx(made.p_z * (made.v_n - 1) / 2, rel=1e-12)
+
+
+@every_law
+@pytest.mark.parametrize("theta", [0.5, 2.6])
+@pytest.mark.parametrize("v_e", [0.0, 1e-3, -1e-3])
+def test_what_friction_cannot_hold_slips_as_a_point_does(v_e: float, theta: float, law: str) -> None:
+    """Without drilling, from rest or back out of it: the normal impulse pushes a slanted body to one side."""
+    s, z, ball = np.sin(theta), np.cos(theta), BODY._replace(mu=0.02)
+    made, point = (
+        patch_struck((v_e, 0.0, -1.0), 0.0, s, z, ball, PATCH, 0.5, law),
+        struck(v_e, 0.0, -1.0, mobility(s, z, ball), ball.mu, 0.5, law),
+    )
+    assert made.mode == "slip"
+    assert abs(point.v_e) > 0.01
+    for name in ("p_e", "p_z", "v_e", "v_n", "work_n", "work_t"):
+        assert getattr(made, name) == pytest.approx(getattr(point, name), rel=1e-10), name
+    assert (made.v_2, made.Omega_z, made.p_2, made.twist) == (0, 0, 0, 0)
+
+
+# --- the steps --------------------------------------------------------------------------------------------------------
+
+every_unit = pytest.mark.parametrize(  # of length, time, mass: powers of two, which no rounding sees
+    "units",
+    [(2.0**20, 1.0, 1.0), (1.0, 2.0**20, 1.0), (1.0, 1.0, 2.0**20), (2.0**-9, 2.0**7, 2.0**13)],
+)
+
+
+def in_units(ball: Ball, L: float, T: float, M: float) -> Ball:
+    """A ball of other units."""
+    inertia = M * L**2
+    numbers = ball.m * M, ball.I1 * inertia, ball.I3 * inertia, ball.g * L / T**2
+    return Ball(*numbers, ball.mu, ball.offset * L, ball.radius * L)
+
+
+def units_of_impact(L: float, T: float, M: float) -> dict[str, float]:
+    """The units of what an impact gives."""
+    p, energy = M * L / T, M * L**2 / T**2
+    speeds, impulses = dict.fromkeys(("v_e", "v_2", "v_n"), L / T), dict.fromkeys(("p_e", "p_2", "p_z"), p)
+    works = dict.fromkeys(("work_n", "work_t", "compression"), energy)
+    return {**speeds, **impulses, **works, "twist": p * L, "Omega_z": 1 / T}
+
+
+@every_law
+@pytest.mark.parametrize(
+    ("v", "Omega_z", "mu"),
+    [
+        ((0.1, -0.2, -0.1), 90.0, 0.3),  # slides
+        ((0.0, 0.0, -1.0), 0.0, 0.02),  # from rest
+        ((0.001, 0.0, -0.3), 0.0, 0.6),  # comes to rest
+        ((-0.01, 0.0, -0.3), 0.0, 0.02),  # slides back
+    ],
+)
+def test_units_do_not_show(v: tuple, Omega_z: float, mu: float, law: str) -> None:
+    ball, s, z, units = BODY._replace(mu=mu), 0.6, 0.8, (2.0**-9, 2.0**7, 2.0**13)
+    L, T, _ = units
+    expected = patch_struck(v, Omega_z, s, z, ball, PATCH, 0.5, law)
+    w = tuple(x * L / T for x in v)
+    made = patch_struck(w, Omega_z / T, s, z, in_units(ball, *units), PATCH * L, 0.5, law)
+    for name, unit in units_of_impact(*units).items():
+        assert getattr(made, name) == getattr(expected, name) * unit, name
+    assert made.mode == expected.mode
+
+
+def test_a_step_ends_no_more_than_half_of_a_motion(rng: np.random.Generator) -> None:
+    for step, still, change in zip(
+        rng.normal(size=50), rng.exponential(size=50), rng.exponential(3, size=50), strict=True
+    ):
+        taken = bounded(step, still, change)
+        assert taken / step > 0
+        assert abs(taken) == pytest.approx(min(abs(step), still / (2 * change)), rel=1e-14)
+        assert bounded(step, 0.0, change) == step
+
+
+def judged(errors: np.ndarray, step: float, eps: float = 2.0**-52, units: tuple = (1.0, 1.0, 1.0)) -> float:
+    """The error of a step that begins an impact, or lies in one."""
+    u, (L, T, _) = units_of_impact(*units), units
+    names = ("v_e", "v_2", "Omega_z", "p_z", "p_e", "p_2", "twist", "work_n", "work_t")
+    scale, ball, room = np.array([u[name] for name in names]), in_units(BODY, *units), new_room(np.float64)
+    p = Patch(mobility(0.6, 0.8, ball), spin_mobility(0.6, 0.8, ball), ball.mu, PATCH * L)
+    room.size[0], room.error[:] = 0.3 * L / T, errors * scale
+    room.y[:] = np.array([0.08, -0.05, 1.0, 0.0, 0.0, 0.0, 0.0, -1e-6, -1e-6]) * scale
+    return excess(room, p, 0.1 * L / T, step * L / T, eps)
+
+
+def test_a_step_is_judged_by_its_largest_error(rng: np.random.Generator) -> None:
+    errors = rng.uniform(1e-18, 1e-17, 9)
+    each = [judged(errors * (np.arange(9) == f), 0.01) for f in range(9)]
+    assert judged(errors, 0.01) == max(each)
+    assert judged(errors, -0.01) == max(each)
+    assert judged(0 * errors, 0.01) == 0
+    assert judged(np.where(np.arange(9) == 4, np.nan, errors), 0.01) == np.inf
+
+
+@every_unit
+@pytest.mark.parametrize("f", range(9))
+def test_each_error_counts(f: int, units: tuple) -> None:
+    """In proportion, more where numbers have more digits, alike in all units."""
+    error = 1e-17 * (np.arange(9) == f)
+    ratio = judged(error, 0.01)
+    assert ratio > 0
+    assert judged(2 * error, 0.01) == judged(error, 0.01, 2.0**-53) == 2 * ratio
+    assert judged(error, 0.01, units=units) == ratio
+    assert (judged(error, 0.02) < ratio) == (f >= P_Z)  # an impulse has grown; velocities have not
 
 
 @pytest.mark.parametrize("wrong", [{"v": (0.1, 0.1, 0.1)}, {"e_n": -0.1}, {"restitution": "no"}])

@@ -1,8 +1,9 @@
 """An impact of a patch that slides and drills: smooth friction, followed through the impact by extrapolation.
 
 As `struck`, with mu f(x) for mu and the torque of drilling beside the force, which couples v_2 and Omega_z. The
-variable is v_n, which rises all along. Where slip and drilling stop together, the patch sticks. Numbers of any kind:
-the results have the digits of the arguments; numba can compile what follows an impact. [contact 3.3, 5]
+variable is v_n, which rises all along. Where slip and drilling stop together, the patch sticks, or slips on where
+friction cannot hold it. Numbers of any kind: the results have the digits of the arguments; numba can compile what
+follows an impact. [contact 3.3, 5]
 """
 
 import math
@@ -68,7 +69,7 @@ def patch_struck(
     ball
         The ball, with mu.
     patch
-        Radius of the patch [m].
+        Radius of the patch [m], above 0.
     e_n, restitution
         As for `struck`.
     room, followed
@@ -181,6 +182,8 @@ def _push(y, p, stuck):
     if stuck:
         return Push(-p.K.ez / p.K.ee, 0 * p.mu, 0 * p.mu)
     turn = p.radius * y[2]
+    if y[0] == 0 and y[1] == 0 and turn == 0:  # it begins to slip where the normal impulse pushes it
+        return Push(-p.mu if p.K.ez > 0 else p.mu, 0 * p.mu, 0 * p.mu)
     by = drag(y[0] * y[0] + y[1] * y[1], turn * turn)
     return Push(-p.mu * by.k * y[0], -p.mu * by.k * y[1], -p.mu * p.radius**2 * by.twist * y[2])
 
@@ -227,27 +230,31 @@ def _extrapolated(room, p, stuck, t, step):
 
 
 @formula
-def _excess(room, p, still, step, eps):
+def bounded(step, still, change):
+    """A step by which at most half of a motion can end, of the rate `change`: one that reverses friction would look
+    exact. From rest any."""
+    return step if change * abs(step) <= still / 2 or still == 0 else step * (still / 2 / (change * abs(step)))
+
+
+@formula
+def excess(room, p, moving, step, eps):
     """The error of a step, of errors that are rounding: of velocities by what is left of them, of the rest by what
     there is."""
-    press = room.y[P_Z] + abs(step) / p.K.zz
-    turn, lever, none = still + 1, press, 0 * still
-    if p.radius > 0:
-        turn, lever = still / p.radius, press * p.radius
-    turn, most = max(abs(room.y[2]), turn), 0.0
+    press, most = room.y[P_Z] + abs(step) / p.K.zz, 0.0
     for f in range(9):
-        size = still + none
+        size = moving
         if f == 2:
-            size = turn
+            size = max(abs(room.y[2]), moving / p.radius)
         elif f == 6:
-            size = lever
+            size = press * p.radius
         elif f >= WORK_N:
             size = press * room.size[0]
         elif f >= P_Z:
             size = press
-        ratio = float(room.error[f] / (135 * eps * size + 1e-14 * eps))
-        if not ratio <= most:
-            most = ratio if ratio == ratio else math.inf
+        if room.error[f] != 0:  # what sticks has no size, and no error
+            ratio = float(room.error[f] / (135 * eps * size))
+            if not ratio <= most:
+                most = ratio if ratio == ratio else math.inf
     return most
 
 
@@ -261,22 +268,23 @@ def follow(room, eps, most):
         if at[V_N] == at[UNTIL]:
             return 1
         still = _speed(y, p.radius)
-        if not at[STUCK] and still < 450 * eps * size and abs(p.K.ez) <= p.mu * p.K.ee:
-            y[0], y[1], y[2], at[STUCK], step = 0 * size, 0 * size, 0 * size, 0 * size + 1, at[UNTIL] - at[V_N]
+        if not at[STUCK] and 0 < still < 450 * eps * size:
+            still, y[0], y[1], y[2], step = 0 * size, 0 * size, 0 * size, 0 * size, at[UNTIL] - at[V_N]
+        if not at[STUCK] and still == 0 and abs(p.K.ez) <= p.mu * p.K.ee:
+            at[STUCK] = 1
         stuck = bool(at[STUCK])
         _rate(room.first, at[V_N], y, p, stuck)
         change = _speed(room.first, p.radius)
-        if change * abs(step) > still / 2 and still > 0:  # a step that reverses friction would look exact
-            step = still / (2 * change) * (1 if step > 0 else -1)
+        step = bounded(step, still, change)
         last = abs(step) >= abs(at[UNTIL] - at[V_N])
         step = at[UNTIL] - at[V_N] if last else step
         _extrapolated(room, p, stuck, at[V_N], step)
-        excess = _excess(room, p, still, step, eps)
-        if not excess <= 1 and abs(step) > 4 * eps * size:
+        error = excess(room, p, max(still, change * abs(step)), step, eps)
+        if not error <= 1:
             step = step / 3
             continue
         for f in range(9):
             y[f] = room.rows[7, f]
         at[V_N] = at[UNTIL] if last else at[V_N] + step
-        step = step * (2 if excess < 0.1 else 1)
+        step = step * (2 if error < 0.1 else 1)
     return 0
