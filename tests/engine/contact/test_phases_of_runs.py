@@ -173,6 +173,18 @@ def test_a_disc_that_does_not_turn_slides_as_coulombs_law_has_it():
         assert drills[name].values[-1] == pytest.approx(expected, rel=1e-4), name
 
 
+def test_a_top_dropped_without_spin_bounces_as_coulombs_law_has_it():
+    """Nothing slides when it lands; the impact pushes it aside."""
+    laws = {"law": "contensou", "mu": 0.05, "patch": 5e-4}, {"law": "coulomb", "mu": 0.05}
+    drop = {"initial": {"theta": 0.5, "omega3": 0.0, "gap": 0.02}, "contact": {"e_n": 0.5}, "until": 0.1}
+    drills, slides = (run(LEINE_GLOCKER, friction=law, **drop) for law in laws)
+    assert drills.status is Status.FINISHED, drills.reason
+    impacts, expected = table_of(drills, "impacts"), table_of(slides, "impacts")
+    assert list(impacts["mode"]) == [0]
+    for name in expected.keys() - {"mode"}:
+        assert impacts[name] == pytest.approx(expected[name], rel=1e-9), name
+
+
 def test_rolling_resistance_takes_energy_that_is_accounted_for():
     friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
     start = {"theta": 1.0, "omega3": 100.0, "phi_dot": 5.0}
