@@ -5,14 +5,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.cli.application import whole
 from tippetop.errors import missing_extra
 from tippetop.figures import catalogue, drawing
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs.summary import lines
+from tippetop.store import root
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 0) -> tuple[str, str]:
@@ -49,7 +52,11 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["plot", "a.zarr", "--out", "f.jpg"], "--out must end with .png, .svg or .pdf, but is `f.jpg`."),
         (["run", "inverting", "--figure", "f.jpg"], "--figure must end with .png, .svg or .pdf, but is `f.jpg`."),
         (["run", "inverting", "--set"], "--set must be followed by a value;"),
-        (["run", "inverting", "--until", "soon"], "--until must be a number, but is `soon`."),
+        (["run", "inverting", "--until", "soon"], "`--until` must be a number, but is 'soon'."),
+        (
+            ["run", "inverting", "--until", "2 m"],
+            '`--until` must be in s or what can be converted to it, but is "2 m".',
+        ),
         (["rum", "inverting"], "unknown command `rum`. Did you mean `run`?"),
         (["run", "invertin"], "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?"),
         (
@@ -68,6 +75,14 @@ def test_wrong_words_get_the_right_ones(
     assert sentence in err
     assert err.count("\n") == 1
     assert out == ""
+
+
+def test_a_time_may_have_a_unit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    a, b = tmp_path / "a.zarr", tmp_path / "b.zarr"
+    printed(capsys, "run", "inverting", "--until", "1/1200 min", "--out", str(a))
+    assert root.attributes(a)["run"]["until"] == 0.05
+    printed(capsys, "replay", str(a), "--from", "10 ms", "--until", "0.02", "--step", "1e3 us", "--out", str(b))
+    np.testing.assert_array_equal(tt.open(b).trajectory.time, 0.01 + np.arange(11) * 0.001)
 
 
 def test_a_file_is_no_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -188,6 +188,20 @@ def test_misuse_is_one_sentence_in_the_words_of_the_call(arguments: tuple, optio
     assert len(found.value.sentences) == 1
 
 
+@pytest.mark.parametrize(
+    ("run", "sentence"),
+    [
+        ({"orientation": False}, "<p>Not shown in motion: "),
+        ({"columns": ["theta"]}, "<p>Not shown in motion: "),
+        ({"output_step": 4e-6}, "<p>In motion: .view() makes the page of its 25001 rows.</p>"),
+    ],
+)
+def test_a_notebook_names_why_a_run_does_not_turn(run: dict, sentence: str) -> None:
+    shown = tt.run("inverting", until=0.1, **run)._repr_html_()
+    assert sentence in shown
+    assert "<iframe" not in shown
+
+
 def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert repr(run) == "<Run of tippe-top: finished at t = 8 s, 1337 steps>"
     assert "inversion" in str(run)

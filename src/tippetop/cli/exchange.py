@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .whole import Whole
+from .numbers import Whole
 
 
 Json = Annotated[bool, Parameter(name="--json", negative=())]

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 from ..figures import drawing
 from ..figures.catalogue import PLAIN, Look
-from .whole import Whole
+from .numbers import Whole
 
 
 Axis = Annotated[str | None, Parameter()]

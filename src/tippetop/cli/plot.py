@@ -10,14 +10,15 @@ from cyclopts import Parameter
 
 from ..figures import catalogue, drawing
 from ..figures.catalogue import Look
+from .numbers import Seconds
 
 
 def plot(
     store: Path,
     *words: Annotated[str, Parameter(help=catalogue.described())],
     out: Path,
-    from_: Annotated[float | None, Parameter(name="--from")] = None,
-    until: float | None = None,
+    from_: Annotated[Seconds | None, Parameter(name="--from")] = None,
+    until: Seconds | None = None,
     title: str | None = None,
     size: str | None = None,
     dpi: float = 150,

@@ -11,18 +11,20 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from .numbers import Seconds
+
 
 def run(
     scenario: str,
     *,
     out: Path | None = None,
-    until: float | None = None,
+    until: Seconds | None = None,
     set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
     figure: Path | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
     certify: Annotated[bool, Parameter(negative=())] = False,
-    window: float | None = None,
+    window: Seconds | None = None,
     columns: str | None = None,
 ) -> int:
     """Integrate a scenario: a TOML file or the name of a preset.
@@ -97,7 +99,7 @@ def run(
 def resume(
     store: Path,
     *,
-    until: float | None = None,
+    until: Seconds | None = None,
     accept_other_version: Annotated[bool, Parameter(negative=())] = False,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
@@ -129,9 +131,9 @@ def resume(
 def replay(
     store: Path,
     *,
-    from_: Annotated[float, Parameter(name="--from")],
-    until: float,
-    step: float,
+    from_: Annotated[Seconds, Parameter(name="--from")],
+    until: Seconds,
+    step: Seconds,
     out: Path,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
     accept_other_version: Annotated[bool, Parameter(negative=())] = False,

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .whole import Whole
+from .numbers import Whole
 
 
 def sweep(

@@ -7,7 +7,7 @@ from typing import Any, get_args
 from cyclopts import CoercionError, CycloptsError, MissingArgumentError, UnknownOptionError, UnusedCliTokensError
 from cyclopts.exceptions import UnknownCommandError
 
-from ..errors import nearest, suggestion
+from ..errors import InputError, nearest, suggestion
 
 
 RUN = ["until", "output_step", "output_times", "output", "keyframe_steps", "stop_when", "events", "on_liftoff"]
@@ -31,6 +31,8 @@ def sentence(error: CycloptsError, commands: list[str]) -> str:
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         return _missing(error, command, help_)
     if isinstance(error, CoercionError) and error.token is not None:
+        if isinstance(error.__cause__, InputError):
+            return " ".join(error.__cause__.sentences)
         name = error.token.keyword or _name_of(error.argument)
         kinds = {error.target_type, *get_args(error.target_type)}  # of `int | None` it is a number all the same
         words = next((words for kind, words in NUMBERS.items() if kind in kinds), "valid")

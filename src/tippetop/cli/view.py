@@ -7,14 +7,16 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from .numbers import Seconds
+
 
 def view(
     store: Path | None = None,
     *,
     playground: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
-    from_: Annotated[float | None, Parameter(name="--from")] = None,
-    until: float | None = None,
+    from_: Annotated[Seconds | None, Parameter(name="--from")] = None,
+    until: Seconds | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
     """Write one HTML file that shows a run in motion, or the map of a sweep, in any browser, without a network.

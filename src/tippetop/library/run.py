@@ -333,11 +333,11 @@ class Run:
 
     def _closed_page(self) -> str:
         try:
-            if self.trajectory.sizes.get("time", 0) > SHOWN:
-                return ""
+            if (rows := self.trajectory.sizes.get("time", 0)) > SHOWN:
+                return f"<p>In motion: .view() makes the page of its {rows} rows.</p>"
             page = self.view()
-        except (InputError, StoreError):
-            return ""  # it keeps no rows or no orientation, or is not finished
+        except (InputError, StoreError) as error:  # it keeps no rows or no orientation, or is not finished
+            return f"<p>Not shown in motion: {html.escape(str(error))}</p>"
         return f"<details><summary>See it turn</summary>{page._repr_html_()}</details>"
 
 

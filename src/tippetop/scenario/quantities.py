@@ -145,10 +145,10 @@ def _named(name: str, key: str, text: str, names: dict[str, Any], under: tuple[s
     if name not in names:
         if name == text.strip():
             raise InputError([f"`{key}` must be a number, but is {text!r}.{suggestion(name, names)}"])
-        known = f"pi and {', '.join(n for n in names if n not in under)}" if names else "pi"
+        known = f", pi and {', '.join(n for n in names if n not in under)}" if names else " and pi"
         raise InputError(
             [
-                f'`{key}` must be a number, or arithmetic of numbers, {known}, but "{text}" has {name!r}.'
+                f'`{key}` must be a number, or arithmetic of numbers{known}, but "{text}" has {name!r}.'
                 f"{suggestion(name, names)}"
             ]
         )
