@@ -231,8 +231,8 @@ def _extrapolated(room, p, stuck, t, step):
 
 @formula
 def bounded(step, still, change):
-    """A step by which at most half of a motion can end, of the rate `change`: one that reverses friction would look
-    exact. From rest any."""
+    """A step by which a motion that changes at the rate `change` loses at most half: one that reverses friction would
+    look exact. From rest there is no bound."""
     return step if change * abs(step) <= still / 2 or still == 0 else step * (still / 2 / (change * abs(step)))
 
 
