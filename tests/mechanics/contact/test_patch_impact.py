@@ -174,7 +174,7 @@ def units_of_impact(L: float, T: float, M: float) -> dict[str, float]:
     ],
 )
 def test_units_do_not_show(v: tuple, Omega_z: float, mu: float, law: str) -> None:
-    ball, s, z, units = BODY._replace(mu=mu), 0.6, 0.8, (2.0**-9, 2.0**7, 2.0**13)
+    ball, s, z, units = BODY._replace(mu=mu), 0.6, 0.8, (2.0**9, 2.0**-7, 2.0**13)
     L, T, _ = units
     expected = patch_struck(v, Omega_z, s, z, ball, PATCH, 0.5, law)
     w = tuple(x * L / T for x in v)

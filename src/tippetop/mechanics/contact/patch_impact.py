@@ -265,19 +265,20 @@ def follow(room, eps, most):
     at, y, p, size = room.at, room.y, _patch(room), room.size[0]
     step = at[UNTIL] - at[V_N]
     for _ in range(most):
-        if at[V_N] == at[UNTIL]:
+        left = at[UNTIL] - at[V_N]
+        if left == 0:
             return 1
         still = _speed(y, p.radius)
         if not at[STUCK] and 0 < still < 450 * eps * size:
-            still, y[0], y[1], y[2], step = 0 * size, 0 * size, 0 * size, 0 * size, at[UNTIL] - at[V_N]
+            still, y[0], y[1], y[2], step = 0 * size, 0 * size, 0 * size, 0 * size, left
         if not at[STUCK] and still == 0 and abs(p.K.ez) <= p.mu * p.K.ee:
             at[STUCK] = 1
         stuck = bool(at[STUCK])
         _rate(room.first, at[V_N], y, p, stuck)
         change = _speed(room.first, p.radius)
         step = bounded(step, still, change)
-        last = abs(step) >= abs(at[UNTIL] - at[V_N])
-        step = at[UNTIL] - at[V_N] if last else step
+        last = abs(step) >= abs(left)
+        step = left if last else step
         _extrapolated(room, p, stuck, at[V_N], step)
         error = excess(room, p, max(still, change * abs(step)), step, eps)
         if not error <= 1:
