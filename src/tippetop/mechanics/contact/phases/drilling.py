@@ -33,8 +33,13 @@ from . import legs, row
 from .legs import ball
 
 
-STILL = 1e-6
-"""Angular velocity, internal units, below which the sign of Omega_z, and the direction of rolling, are smooth."""
+STILL = 1e-9
+"""Speed of the disc's edge, internal units, below which friction on a disc that does not turn is smooth. Where such a
+disc begins to slide, or turns back, the motion differs from that under Coulomb's law by so much."""
+
+
+STOPS_ROLLING = 1e-6
+"""Angular velocity, internal units, below which the direction of rolling is smooth."""
 
 
 RESTS_BELOW = 1e-4
@@ -77,14 +82,15 @@ class Contact(NamedTuple):
 @formula
 def patch_speed2(omega, b):
     """U^2 = (patch Omega_z)^2, never quite zero."""
-    return b.friction.patch**2 * (omega.z * omega.z + STILL**2)
+    turn = b.friction.patch * omega.z
+    return turn * turn + STILL**2
 
 
 @formula
 def per_force(drag, omega, v, b):
     """Of friction per normal force: minus the horizontal force, and the torque, (3,) each."""
     law = b.friction
-    force, rolling = drilling_force(1, v, drag, law.mu), rolling_torque(1, omega, law.mu_r, STILL)
+    force, rolling = drilling_force(1, v, drag, law.mu), rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
     torque = Vector(rolling.x, rolling.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))
     return Vector(-force.x, -force.y, 0 * omega.z), torque
 
@@ -189,14 +195,15 @@ def normal_force(s, b):
 @formula
 def speed_beyond_rest(s, b):
     """w^2 + U^2 beyond that of a disc that comes to rest."""
-    return s.v2 + s.U2 - (b.friction.patch * RESTS_BELOW) ** 2
+    return s.v2 + s.U2 - STILL**2 - (b.friction.patch * RESTS_BELOW) ** 2
 
 
 RESTS = Event("rests", "the contact's disc neither slides nor turns", speed_beyond_rest, -1, "rests")
 COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH, RESTS)
 REGIONS = {"inside": inside, "between": between, "outside": outside}
-EDGE = 1 + 1e-6
-"""x = w/U from which `between` holds: its slope has a root at 1, and `inside` is still right there to 1e-15."""
+EDGE = 1 + 1e-5
+"""x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where U is
+least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
 
 BORDERS: dict[str, tuple[tuple[str, float, int, str], ...]] = {
     "inside": (("faster", EDGE, 1, "between"),),
@@ -226,7 +233,7 @@ def stays_at_rest(u: Vector, L: Vector, velocity: Vector, b: Any) -> bool:
     """Whether friction can hold the disc of a body, once it is at rest."""
     touching = ball(b)
     L, _ = stopped(u, L, velocity, touching)
-    rolling = rolling_torque(1, angular_velocity(u, L, touching), b.friction.mu_r, STILL)
+    rolling = rolling_torque(1, angular_velocity(u, L, touching), b.friction.mu_r, STOPS_ROLLING)
     return holds(holding(u, L, rolling, touching), b.friction.mu, b.friction.patch)
 
 
