@@ -217,9 +217,9 @@ class Integration:
             return f"an event of the system ended the run at t = {t:.9g} s: {self._last_ending()}"
         domains = self.view.domains(self.last)
         meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
-        stiff = "no singularity is near, so the equations are too stiff (large mu, small eps)"
+        stiff = "the coordinates are regular there, so the friction law is singular or too stiff (large mu, small eps)"
         if t == 0 and status is Status.NON_FINITE:
-            stiff = "no singularity is near, so a number of the start, the body or the law is too large"
+            stiff += ", or a number of the start, the body or the law is too large"
         what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
         return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
 

@@ -173,6 +173,24 @@ def test_a_disc_that_does_not_turn_slides_as_coulombs_law_has_it():
         assert drills[name].values[-1] == pytest.approx(expected, rel=1e-4), name
 
 
+@pytest.mark.parametrize(
+    ("alpha", "mu", "patch", "start"),
+    [
+        (0.1156, 0.0212, 1.08e-4, {"theta": 2.5712, "nu_x": -0.0448, "theta_dot": 2.407}),
+        (0.1478, 0.0425, 2.90e-4, {"theta": 1.3067, "nu_x": -0.0212, "theta_dot": -6.414}),
+        (0.3808, 0.0196, 2.62e-4, {"theta": 2.1392, "nu_x": -0.0053, "theta_dot": 3.689}),
+        (0.2179, 0.0200, 3.20e-4, {"theta": 0.2797, "nu_x": -0.2179, "theta_dot": 24.61}),
+    ],
+)
+def test_a_disc_that_does_not_turn_turns_back_as_coulombs_law_has_it(alpha, mu, patch, start):
+    """The slip passed its rest within a step, and friction was that of before: theta differed by 2e-2."""
+    numbers = {"m": 0.02, "R": 0.02, "alpha": alpha, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
+    for disc in (patch, 100 * patch):
+        laws = {"law": "contensou", "mu": mu, "patch": disc * 0.02}, {"law": "coulomb", "mu": mu}
+        drills, slides = (run(numbers, friction=law, initial=start).columns()["theta"].values for law in laws)
+        assert drills[-1] == pytest.approx(slides[len(drills) - 1], abs=1e-7)
+
+
 def test_a_top_dropped_without_spin_bounces_as_coulombs_law_has_it():
     """Nothing slides when it lands; the impact pushes it aside."""
     laws = {"law": "contensou", "mu": 0.05, "patch": 5e-4}, {"law": "coulomb", "mu": 0.05}

@@ -38,6 +38,11 @@ STILL = 1e-9
 disc begins to slide, or turns back, the motion differs from that under Coulomb's law by so much."""
 
 
+SLOW = 1e-6
+"""Sliding speed, internal units, at which a step ends: a longer one may pass the rest of a disc that hardly turns, as
+short as STILL, and not see it."""
+
+
 STOPS_ROLLING = 1e-6
 """Angular velocity, internal units, below which the direction of rolling is smooth."""
 
@@ -187,6 +192,11 @@ def _beyond(x: float) -> Callable:
 
 
 @formula
+def _beyond_slow(s, b):
+    return s.v2 - SLOW**2
+
+
+@formula
 def normal_force(s, b):
     """Normal force [N]."""
     return s.force
@@ -205,17 +215,17 @@ EDGE = 1 + 1e-5
 """x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where U is
 least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
 
-BORDERS: dict[str, tuple[tuple[str, float, int, str], ...]] = {
-    "inside": (("faster", EDGE, 1, "between"),),
-    "between": (("slower", EDGE, -1, "inside"), ("faster", OUTSIDE_FROM, 1, "outside")),
-    "outside": (("slower", OUTSIDE_FROM, -1, "between"),),
+BORDERS: dict[str, tuple[tuple[str, Callable, int, str], ...]] = {
+    "inside": (("faster", _beyond(EDGE), 1, "between"),),
+    "between": (("slower", _beyond(EDGE), -1, "inside"), ("faster", _beyond(OUTSIDE_FROM), 1, "outside")),
+    "outside": (("slower", _beyond(OUTSIDE_FROM), -1, "between"), ("slow", _beyond_slow, -1, "outside")),
 }
-"""Of each region: name of the event in which it ends, x, direction, and the region that follows."""
+"""Of each region: name of the event in which it ends, its function, direction, and the region that follows."""
 
 
-def border(word: str, x: float, direction: int, follows: str) -> Event:
+def border(word: str, function: Callable, direction: int, follows: str) -> Event:
     """The event in which a region ends."""
-    return Event(word, "sliding against turning", _beyond(x), direction, word)
+    return Event(word, "sliding against turning", function, direction, word)
 
 
 def _kind(name: str) -> legs.Kind:
