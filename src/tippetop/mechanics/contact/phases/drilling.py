@@ -212,8 +212,8 @@ RESTS = Event("rests", "the contact's disc neither slides nor turns", speed_beyo
 COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH, RESTS)
 REGIONS = {"inside": inside, "between": between, "outside": outside}
 EDGE = 1 + 1e-5
-"""x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where U is
-least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
+"""x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where
+U is least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
 
 BORDERS: dict[str, tuple[tuple[str, Callable, int, str], ...]] = {
     "inside": (("faster", _beyond(EDGE), 1, "between"),),
