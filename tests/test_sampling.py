@@ -72,3 +72,10 @@ def test_given_times_are_counted_as_given(inclusive: bool) -> None:
         [0, 1, 2, 3, 3] if inclusive else [0, 0, 2, 2, 3]
     )
     assert given_times[1:].tolist() == [0.7, 2.0]
+
+
+@pytest.mark.parametrize("step", [0.5, 1.0, 1e10, 1e308])
+def test_a_step_beyond_the_end_keeps_the_start(step: float) -> None:
+    times = EvenTimes(step, 0.75, 0.25)
+    assert list(times[0 : len(times)]) == [0.25, 0.75]
+    assert len(EvenTimes(step, 0.25, 0.25)) == 1

@@ -1,6 +1,7 @@
 """What people stumbled over: each wrong word on the command line gets a sentence that says what to write instead."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -57,6 +58,12 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
             ["run", "inverting", "--until", "2 m"],
             '`--until` must be in s or what can be converted to it, but is "2 m".',
         ),
+        (["run", "inverting", "--certify", "--window=-1"], "--window must be greater than 0 and finite, but is -1."),
+        (
+            ["run", "inverting", "--certify", "--window", "nan"],
+            "--window must be greater than 0 and finite, but is nan.",
+        ),
+        (["check", "inverting", "--until", "2 min"], "write --set 'run.until=2 min'."),
         (["rum", "inverting"], "unknown command `rum`. Did you mean `run`?"),
         (["run", "invertin"], "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?"),
         (
@@ -83,6 +90,29 @@ def test_a_time_may_have_a_unit(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert root.attributes(a)["run"]["until"] == 0.05
     printed(capsys, "replay", str(a), "--from", "10 ms", "--until", "0.02", "--step", "1e3 us", "--out", str(b))
     np.testing.assert_array_equal(tt.open(b).trajectory.time, 0.01 + np.arange(11) * 0.001)
+
+
+@pytest.mark.parametrize(
+    ("times", "sentence"),
+    [
+        (("0", "0.1", "inf"), "`step` must be greater than 0 and finite, but is inf."),
+        (("0.1", "0.05", "0.01"), "the rows must end after they begin, but are from 0.1 to 0.05 s."),
+        (("0", "0.2", "0.01"), "the rows must be within 0 and 0.1 s, but are from 0 to 0.2 s."),
+    ],
+)
+def test_times_of_a_replay(times: tuple, sentence: str, stores: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = [word for pair in zip(("--from", "--until", "--step"), times, strict=True) for word in pair]
+    out = stores / "part.zarr"
+    assert sentence in printed(capsys, "replay", str(stores / "tippe.zarr"), *words, "--out", str(out), code=2)[1]
+    assert not out.exists()
+
+
+def test_a_picture_of_a_chunk_that_is_gone_is_refused(stores: Path, tmp_path: Path) -> None:
+    shutil.copytree(stores / "tippe.zarr", tmp_path / "a.zarr")
+    run = tt.open(tmp_path / "a.zarr")
+    (tmp_path / "a.zarr/trajectory/theta/c/0").unlink()
+    with pytest.raises(tt.StoreError, match="a chunk of `theta` is missing"):
+        run.plot("theta")
 
 
 def test_a_file_is_no_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

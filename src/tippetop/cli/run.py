@@ -56,10 +56,12 @@ def run(
     from ..errors import InputError
     from ..progress import Bar
     from ..runs import attributes, starting
+    from ..runs.certificate import refuse_window
     from ..scenario.suspicions import suspicions
     from ..store import root
     from .text import following, warn
 
+    refuse_window(window, "--window")
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
     try:
         problem = starting.load(scenario, [*(set_ or []), *kept], until)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import Any, get_args
 
 from cyclopts import CoercionError, CycloptsError, MissingArgumentError, UnknownOptionError, UnusedCliTokensError
@@ -68,7 +69,7 @@ def _unknown_option(error: UnknownOptionError, command: str, help_: str) -> str:
         joined = next((w for w in words if w.startswith(f"{option}=")), "")
         value = value if equals else joined.partition("=")[2] or (after[0] if after else "")
         given = value if value and not value.startswith("--") else "VALUE"
-        return f"unknown option {option}: write --set {key}={given}."
+        return f"unknown option {option}: write --set {shlex.quote(f'{key}={given}')}."
     near = nearest(option, known) if option.startswith("--") else None
     return f"unknown option {option}{f'; did you mean {near}?' if near else ';'} {help_}."
 

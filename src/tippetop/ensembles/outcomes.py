@@ -128,7 +128,8 @@ def _conclude(outcomes: Outcomes) -> None:
     if len(which):
         values = values_of(tops, outcomes.final[:, ended], which)
         theta = columns["theta_end"][ended] = values["theta"]
-        omega3 = values["omega3"] / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
+        spin = values.get("omega3", np.full(len(which), np.nan))  # not every system has a spin
+        omega3 = spin / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
         body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
         classes = classes_of(tops.base.system, theta, omega3, outcomes.settled[ended], body)
         kind[ended] = with_phases(classes, theta, values)

@@ -152,6 +152,8 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
         As `turning_angles`.
     """
     names = landscape_of(system)[1].columns
+    if not isinstance(run, xr.Dataset):
+        raise InputError([f"`run` must be the trajectory of a run, a Dataset, but is {run!r:.60}."])
     require(names, run, "the band along a run")
     first, second, energy = (run[name] for name in names)
     angles = turning_angles(parameters, first, second, energy, system, theta=run.get("theta"))

@@ -176,6 +176,7 @@ def _names(wrt: Any) -> tuple[str, ...]:
     """The names as a tuple of texts. Raises InputError."""
     if isinstance(wrt, str):
         return (wrt,)
-    if isinstance(wrt, Path) or not hasattr(wrt, "__iter__") or not all(isinstance(name, str) for name in wrt):
+    listed = hasattr(wrt, "__iter__") and not isinstance(wrt, Path) and getattr(wrt, "ndim", 1) == 1
+    if not listed or not all(isinstance(name, str) for name in wrt):
         raise InputError([f"`wrt` must be names such as friction.mu, but is {wrt!r:.60}."])
     return tuple(wrt)

@@ -47,7 +47,7 @@ class Integral:
         form, `carried`.
     start
         start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value of the same name in
-        the record of angles.
+        the record of angles, 0 where it has none.
     """
 
     name: str

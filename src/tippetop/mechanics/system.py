@@ -7,7 +7,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from ..errors import unknown_key
+from ..errors import suggestion, unknown_key
 from .events import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
 from .parameter import Alternative, Parameter
@@ -264,7 +264,13 @@ class System:
         return self.phase.events
 
     def replace(self, **changes: Any) -> "System":
-        """The system with other fields; `forms`, `quantities` and `events` are those of the first phase."""
+        """The system with other fields; `forms`, `quantities` and `events` are those of the first phase.
+
+        What theory says of a start (`outlook`) stays unless it is replaced too: None where the equations are others.
+        """
+        known = {"forms", "quantities", "events", "exits", *(field.name for field in dataclasses.fields(self))}
+        if unknown := [name for name in changes if name not in known]:
+            raise TypeError(f"a System has no field `{unknown[0]}`.{suggestion(unknown[0], sorted(known))}")
         name, phase = next(iter(self.phases.items()))
         of_phase = {key: changes.pop(key) for key in ("forms", "quantities", "events", "exits") if key in changes}
         changes.setdefault("phases", {**self.phases, name: dataclasses.replace(phase, **of_phase)})

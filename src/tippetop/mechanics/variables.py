@@ -97,7 +97,7 @@ class Variables:
     def start(self, data: dict[str, Any], angles: Any, s: Any, z: Any, b: Any) -> tuple[Any, Any]:
         """State and integrals at the start, in the units of the initial data."""
         carried = [
-            integral.start(data, s, z) if integral.start else getattr(angles, integral.name)
+            integral.start(data, s, z) if integral.start else getattr(angles, integral.name, 0 * z)
             for integral in self.integrals
         ]
         return self.form.of_angles(angles, s, z, b), self.carried(*carried)

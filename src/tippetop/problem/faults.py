@@ -1,7 +1,7 @@
 """What is wrong with the numbers of problems, in sentences: keys that vary, what breaks together, starts,
 formulas of the user."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -192,4 +192,15 @@ def _of_law(problems: "Problems") -> list[tuple[str, np.ndarray]]:
             must = "be at least 0, or friction feeds energy," if np.isfinite(value) else "be finite,"
             at = f"{value:g} s/m at |v_A| = {v2**0.5:g} m/s, cos(theta) = {z:g}"
             return [(f"the coefficient k of {words} must {must} but is {at}.", bad)]
+    if (rough := _has_no_slope(lambda v2: np.zeros(n) + SLIP[kind](v2 + np.zeros(n), np.ones(n), law))).any():
+        smooth = "must be smooth in v2 = |v_A|^2 at rest (sqrt(v2 + v_0^2) for |v_A|), but its slope is infinite there."
+        return [(f"the coefficient k of {words} {smooth}", rough)]
     return []
+
+
+def _has_no_slope(k: Callable) -> np.ndarray:
+    """Where a function of v2 rises from 0 as a power below 1, by its imaginary part at imaginary v2: to no difference's
+    rounding."""
+    with np.errstate(all="ignore"):
+        far, near = (np.abs(np.imag(k(1j * v2))) for v2 in (1e-200, 1e-204))
+    return (far > 0) & (far < 5e3 * near)

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from .one import Problem
 
 
+FOLDED = 1e-9  # rounding of what a system says of its units
+
+
 @dataclass(frozen=True, eq=False)
 class Problems:
     """n runs that differ in numbers only: `columns` has arrays (n,), SI, under dotted keys like `friction.mu`.
@@ -121,8 +124,21 @@ class Problems:
         """Leaves of the bodies in internal units, (leaves, n), in the working precision."""
         units = leaves(self.base.system.body_units(self.base.law.units()))
         scaled = iter([value / self.scales.of(unit) for value, unit in zip(leaves(self._body), units, strict=True)])
-        body = refill(self._body, scaled)._replace(**self.base.system.folds(self.base.form))
-        return self._rounded(leaves(body))
+        body, folds = refill(self._body, scaled), self.base.system.folds(self.base.form)
+        self._refuse_false(folds, body)
+        return self._rounded(leaves(body._replace(**folds)))
+
+    def _refuse_false(self, folds: dict[str, float], body: Any) -> None:
+        """Raises InputError where what is folded into the equations is another number in internal units."""
+        for name, value in folds.items():
+            found = np.broadcast_to(getattr(body, name), (self.n,)).astype(float)
+            if len(wrong := found[~(abs(found - value) <= FOLDED)]):
+                raise InputError(
+                    [
+                        f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
+                        f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} there, not {value:g}."
+                    ]
+                )
 
     @cached_property
     def parameters(self) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import InputError
 from ..problem import Problem
 from ..sampling import ListedTimes
 from .patience import warning
@@ -50,12 +51,19 @@ def remedy(attrs: dict[str, Any]) -> str:
     return f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: take form = "{better}".'
 
 
+def refuse_window(window: float | None, name: str = "`window`") -> None:
+    """Raises InputError for what is no part of a run [s] from its start on."""
+    if window is not None and not 0 < window < math.inf:
+        raise InputError([f"{name} must be greater than 0 and finite, but is {window:g}."])
+
+
 def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]:
     """Repeats the run from its start over `window` seconds (all of it if None) in this precision and in the next wider
     one, and compares them: largest error of theta and of the state, and of the times of the turnings they share. The
     window ends where the run does, if that is before."""
     if problem.precision not in WIDER:
         return {"against": None, "reason": "no wider precision than quad"}
+    refuse_window(window)
     until = min(problem.until, window or problem.until)
     times = np.linspace(0.0, until, SAMPLES)
     plain = dataclasses.replace(problem, until=until, times=ListedTimes(times), output="times", stop_when="until")

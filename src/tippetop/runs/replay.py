@@ -152,10 +152,12 @@ def _integration(path: Path, times: EvenTimes, accept_other_version: bool, known
 def _refuse(times: EvenTimes, end: float) -> None:
     """Raises InputError for times that are not within a run up to `end`, or that are too many."""
     start, until, step = times.start, times.until, times.step
+    if start > until:
+        raise InputError([f"the rows must end after they begin, but are from {start:g} to {until:g} s."])
     if not 0 <= start <= until <= end:
         raise InputError([f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s."])
-    if not step > 0:
-        raise InputError([f"`step` must be greater than 0, but is {step:g}."])
+    if not 0 < step < math.inf:
+        raise InputError([f"`step` must be greater than 0 and finite, but is {step:g}."])
     if not step >= 8 * math.ulp(until):
         least = f"{8 * math.ulp(until):.3g} s, eight times the distance of doubles at {until:g} s"
         raise InputError([f"`step` must be at least {least}, but is {step:g}."])

@@ -23,9 +23,11 @@ def body_of(attrs: dict[str, Any]) -> Body:
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
     law = getattr(system.laws.get(friction.get("law")), "record", Frictionless)
     body = system.body_of(attrs["parameters"], law(**{name: friction[name] for name in law._fields}))
-    if not isinstance(body, Body):
-        raise InputError([f"only tops and cylinders can be shown; this is {a_system(attrs['system'])}."])
-    return body
+    missing = [name for name in Body._fields if not hasattr(body, name)]
+    if missing:
+        what = f"a body that is shown must have {', '.join(Body._fields)}"
+        raise InputError([f"{what}, but that of {a_system(attrs['system'])} has no {missing[0]}."])
+    return Body(*(getattr(body, name) for name in Body._fields))
 
 
 def is_planar(attrs: dict[str, Any]) -> bool:

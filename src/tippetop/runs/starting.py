@@ -22,7 +22,7 @@ SAME = ("system", "form", "parameters")  # tables that a run shares with the one
 TAKEN = (*SAME, "friction", "contact", "stem")  # tables that are those of the other run where none are given
 
 
-def load(source: str | Path, assignments: list[str] | None = None, until: float | None = None) -> Problem:
+def load(source: str | Path, assignments: list[str] | None = None, until: float | str | None = None) -> Problem:
     """The checked Problem of a TOML file or a preset.
 
     Parameters
@@ -31,8 +31,8 @@ def load(source: str | Path, assignments: list[str] | None = None, until: float 
         A TOML file, or the name of a preset.
     assignments : list of str, optional
         `table.key=value` texts, as the command line's `--set` takes them.
-    until : float, optional
-        Another end of the run [s]; output times beyond it go.
+    until : float or str, optional
+        Another end of the run [s], or a text with a unit, "2 min"; output times beyond it go.
 
     Returns
     -------

@@ -182,8 +182,9 @@ def _turnings(info: Mapping[str, Any]) -> str:
     counts, band = info["event_counts"], info["nutational_band"]
     if not counts.get("turning"):
         return "none logged"
-    noise = counts["turning"] - counts["turning_significant"]
-    text = f"{counts['turning_significant']} logged"
+    significant = counts.get("turning_significant", counts["turning"])  # of an event without a sense all are
+    noise = counts["turning"] - significant
+    text = f"{significant} logged"
     if band["theta_min"] is not None:
         low, high = (f"{band[name]:.6g}" for name in ("theta_min", "theta_max"))
         text += f", at theta = {low} rad" if low == high else f", theta between {low} and {high} rad"

@@ -15,7 +15,7 @@ from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
-from ..mechanics.units import Unit
+from ..mechanics.units import SECOND, Unit
 from ..problem import (
     AUTO,
     KEYFRAME_STEPS,
@@ -32,7 +32,7 @@ from ..problem import (
 )
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
-from .numbers import plain
+from .numbers import measured, plain
 from .own_records import other_records
 from .quantities import worked_out
 from .reading import override, read
@@ -166,9 +166,10 @@ def load(source: str | Path, assignments: list[str] | None = None, until: float 
     return problem(tables if until is None else ending(tables, until))
 
 
-def ending(tables: dict[str, Any], until: float) -> dict[str, Any]:
-    """The tables with another `run.until`; output times beyond it go."""
-    tables = override(tables, [f"run.until={float(until)!r}"])
+def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
+    """The tables with another `run.until`, which may be a text with a unit; output times beyond it go."""
+    until = measured("until", until, SECOND)
+    tables = override(tables, [f"run.until={until!r}"])
     times = tables["run"].get("output_times")
     if isinstance(times, list):
         tables["run"]["output_times"] = [t for t in times if isinstance(t, int | float) and t <= until]

@@ -206,10 +206,19 @@ def pieces(
     total = min((array.shape[0] for array in arrays.values()), default=0)
     total = total if last is None else min(total, last)
     for start in range(first, total, rows):
+        end = min(start + rows, total)
         try:
-            yield {name: array[start : min(start + rows, total)] for name, array in arrays.items()}
+            yield {name: _rows(array, start, end) for name, array in arrays.items()}
         except Exception as error:  # codecs raise what they like
-            raise StoreError(f"`{path}` must be readable in rows {start} to {start + rows}, but: {error}.") from None
+            raise StoreError(f"`{path}` must be readable in rows {start} to {end}, but: {error}.") from None
+
+
+def _rows(array: Any, start: int, end: int) -> np.ndarray:
+    """Rows of an array. Raises OSError where a chunk is missing, which zarr would fill, and what codecs raise."""
+    for first in range(start // array.chunks[0] * array.chunks[0], end, array.chunks[0]):
+        if not chunk_file(array, first).is_file():
+            raise OSError(f"a chunk of `{array.basename}` is missing")
+    return array[start:end]
 
 
 def digest(

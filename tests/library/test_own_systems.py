@@ -1,0 +1,105 @@
+"""Records of one's own that say something wrong, or less than those of the package: a sentence, or they work."""
+
+import dataclasses
+from collections import namedtuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.ensembles import outcomes
+from tippetop.mechanics import friction, systems
+from tippetop.mechanics.contact.body import Body
+from tippetop.mechanics.form import Integral
+from tippetop.mechanics.operand import formula, sqrt
+from tippetop.mechanics.units import JOULE, NEWTON, SECOND_PER_METRE
+
+
+BASE = tt.SYSTEMS["tippe-top"]
+
+
+@pytest.fixture(autouse=True)
+def _registered_here_only(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setattr(friction, "LAWS", friction.LAWS)
+    known = dict(systems.SYSTEMS), dict(friction.LAWS), dict(friction.SLIP)
+    yield
+    for registry, before in zip((systems.SYSTEMS, friction.LAWS, friction.SLIP), known, strict=True):
+        registry.clear()
+        registry.update(before)
+
+
+def registered(**changes: Any) -> str:
+    """The name of a tippe top with other fields."""
+    tt.register(BASE.replace(name="own-top", **changes))
+    return "own-top"
+
+
+@pytest.mark.parametrize("wrong", [{"g": 1.0}, {"I1": 1.0}, {"c": 0.0}])
+def test_what_is_folded_must_hold(wrong: dict) -> None:
+    """Another body was integrated, and every check of the run passed."""
+    name = registered(normalised_to={**BASE.normalised_to, **wrong})
+    with pytest.raises(tt.InputError, match=f"`normalised_to` of `own-top` must hold.*`{next(iter(wrong))}` is"):
+        tt.run("inverting", system=name, until=0.1)
+
+
+def test_a_turning_without_a_sense_is_an_event_as_any_other() -> None:
+    turning = tt.Event("turning", "theta' = 0", formula(lambda s, b: s.z_dot))
+    run = tt.run("inverting", system=registered(events=(turning,)), until=0.5)
+    assert run.summary.event_counts.turning > 10
+    assert f"{run.summary.event_counts.turning} logged" in str(run)
+
+
+def test_an_integral_without_a_start_begins_at_zero() -> None:
+    vector = BASE.forms["vector"]
+    rate = formula(lambda q, carried, b: 0 * q.uz + b.m)
+    more = dataclasses.replace(vector, integrals=(*vector.integrals, Integral("passed", JOULE, "m t", rate)))
+    name = registered(forms={**BASE.forms, "vector": more})
+    run, plain = tt.run("inverting", system=name, until=0.5), tt.run("inverting", until=0.5)
+    np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
+
+
+def test_tops_without_a_spin_have_a_class(monkeypatch: pytest.MonkeyPatch) -> None:
+    values = outcomes.values_of
+
+    def without(*given: Any) -> dict[str, np.ndarray]:
+        return {name: value for name, value in values(*given).items() if name != "omega3"}
+
+    axes = {"initial.theta": [0.2, 0.3]}
+    expected = tt.ensemble("heavy-top", axes, until=0.2)["class"].values
+    monkeypatch.setattr(outcomes, "values_of", without)
+    assert (tt.ensemble("heavy-top", axes, until=0.2)["class"].values == expected).all()
+
+
+def test_a_field_that_is_none_is_named() -> None:
+    with pytest.raises(TypeError, match=r"has no field `outlok`\. Did you mean `outlook`"):
+        BASE.replace(outlok=None)
+
+
+def law(name: str, coefficient: Any) -> Any:
+    """The record of a law that is registered."""
+    rule = tt.Parameter(SECOND_PER_METRE, "a number", least=0)
+    record = NamedTuple(name, [("mu", float)])  # type: ignore[misc]  # noqa: UP014
+    return tt.register(tt.Law(record, {"mu": rule}, "F = ...", formula(coefficient))).record
+
+
+def test_a_law_must_have_a_slope_at_rest() -> None:
+    """Whether the run began was up to rounding: |v_A| at the start."""
+    rough = law("Rough", lambda v2, z, law: law.mu / (1 + sqrt(v2)))
+    with pytest.raises(tt.InputError, match="k of the friction law `rough` must be smooth in v2"):
+        tt.run("inverting", rough(mu=0.3), until=0.1)
+    for name, tiny in (("Smooth", 1e-2), ("Sharp", 1e-12)):
+        smooth = law(name, lambda v2, z, law, v_0=tiny: law.mu / (1 + sqrt(v2 + v_0**2)))
+        assert tt.run("inverting", smooth(mu=0.3), until=0.1).summary.status == "finished"
+
+
+def test_a_top_with_more_in_its_body_is_shown() -> None:
+    Windy: Any = namedtuple("Windy", (*Body._fields, "W"))  # type: ignore[misc]
+    name = registered(
+        parameters={**BASE.parameters, "W": tt.Parameter(NEWTON, "wind", default=0.0)},
+        body=lambda p, f: Windy(*BASE.body({k: v for k, v in p.items() if k != "W"}, f), p["W"]),
+        body_units=lambda f: Windy(*BASE.body_units(f), NEWTON),
+    )
+    run = tt.run("inverting", system=name, until=0.2, parameters={"W": 1e-3})
+    assert "<html" in run.view().text
