@@ -38,6 +38,11 @@ def test_landscapes_rows_and_replays_take_texts_too(tmp_path: Path) -> None:
     assert (problem.times[:].tolist(), problem.sensitivities) == ([0.001, 0.002], ("friction.mu",))
     run = tt.run("inverting", until="10 ms", output="keyframes", out=tmp_path / "run.zarr")
     assert run.replay("0 s", "10 ms", "5 ms").time.values.tolist() == [0.0, 0.005, 0.01]
+    rows = tt.run("inverting", until="10 ms")
+    (line, *_) = rows.plot.theta(start="5 ms", until="10 ms").lines
+    assert line.get_xdata()[[0, -1]].tolist() == pytest.approx([0.005, 0.01])
+    assert "<html" in rows.view(start="5 ms").text
+    assert tt.load("inverting", until="20 ms").until == 0.02
 
 
 def test_an_ensemble_varies_texts() -> None:

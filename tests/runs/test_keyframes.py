@@ -146,7 +146,7 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(kept: 
     [
         (["--from", "-1", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
         (["--from", "39", "--until", "40.1", "--step", "0.1"], "must be within 0 and 40"),
-        (["--from", "2", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
+        (["--from", "2", "--until", "1", "--step", "0.1"], "must end after they begin"),
         (["--from", "1", "--until", "2", "--step", "0"], "must be greater than 0"),
         (["--from", "1", "--until", "2", "--step", "1e-13"], "at most 1e"),
         (["--from", "1", "--until", "1.00000000000001", "--step", "1e-15"], "must be at least 1.78e-15 s"),

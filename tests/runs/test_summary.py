@@ -87,8 +87,8 @@ def test_what_cannot_invert_ends_at_an_angle() -> None:
     ("counts", "band", "sentence"),
     [
         ((0, 0), (None, None), "none logged"),
-        ((9, 9), (0.125, 2.5), "9 logged, theta between 0.125 and 2.5 rad"),
-        ((9, 7), (0.125, 2.5), "7 logged, theta between 0.125 and 2.5 rad; 2 more below the rounding floor"),
+        ((9, 9), (0.125, 2.5), "9 logged, at theta between 0.125 and 2.5 rad"),
+        ((9, 7), (0.125, 2.5), "7 logged, at theta between 0.125 and 2.5 rad; 2 more below the rounding floor"),
         ((3, 0), (None, None), "0 logged; 3 more below the rounding floor"),
     ],
 )

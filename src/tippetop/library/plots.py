@@ -8,6 +8,8 @@ from ..arguments import finite, flag, path_of
 from ..errors import InputError
 from ..figures import catalogue, drawing
 from ..figures.catalogue import FIGURES, Look
+from ..mechanics.units import SECOND
+from ..scenario.numbers import measured
 
 
 if TYPE_CHECKING:
@@ -111,8 +113,8 @@ class Plots:
         """Draws; `options` are what is left of them: the window."""
         given = (options.pop("start", None), options.pop("until", None))
         window = (
-            None if given[0] is None else finite("start", given[0]),
-            None if given[1] is None else finite("until", given[1]),
+            None if given[0] is None else measured("start", given[0], SECOND),
+            None if given[1] is None else measured("until", given[1], SECOND),
         )
         if options:
             raise InputError([f"a figure has no option `{next(iter(options))}`."])

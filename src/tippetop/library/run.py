@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, in_python, path_of
+from ..arguments import in_python, path_of
 from ..errors import InputError, StoreError
 from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables
@@ -238,13 +238,13 @@ class Run:
         """The tables that figures are made of; of a store the rows of this window [s], and the first."""
         return self._datasets
 
-    def view(self, start: float | None = None, until: float | None = None) -> "Page":
+    def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":
         """The run in motion: an HTML file that needs no network, which a notebook shows.
 
         Parameters
         ----------
-        start, until : float, optional
-            The part that is shown [s]; by default all of it, as far as one file can hold it.
+        start, until : float or str, optional
+            The part that is shown [s], or texts with a unit; by default all of it, as far as one file can hold it.
 
         Returns
         -------
@@ -260,7 +260,7 @@ class Run:
         """
         from ..views.pages import Page
 
-        span = [None if t is None else finite(name, t) for name, t in (("start", start), ("until", until))]
+        span = [None if t is None else measured(name, t, SECOND) for name, t in (("start", start), ("until", until))]
         with in_python():
             return Page(self._page(*span))
 

@@ -270,7 +270,7 @@ class Integration:
         """
         number, driver = self.problem.number, kept["driver"]
         if kept["equations"] != fingerprint(self.driver):
-            raise ValueError("the equations must be those of the checkpoint, but this release has others")
+            raise ValueError("the equations must be those of the checkpoint, but are others here")
         state = np.array([hexfloat.from_hex(text, number) for text in driver["state"]], dtype=number)
         clock = [hexfloat.from_hex(text, number) for text in driver["time"]]
         rest = {name: hexfloat.decode(value) for name, value in driver.items() if name not in ("state", "time")}

@@ -188,7 +188,7 @@ def _take_up(path: Path, integration: Integration, start: float) -> None:
     for array in arrays.values():
         chunks.readable(array, at // array.chunks[0] * array.chunks[0])
     if arrays["state"].attrs.get("equations") != fingerprint(integration.driver):
-        raise StoreError(f"`{path}` must be of the equations of this release to be replayed, but is of others.")
+        raise StoreError(f"`{path}` must be of the equations that are installed to be replayed, but is of others.")
     try:
         keyframes.restore(integration, {name: array[at] for name, array in arrays.items()})
     except (ValueError, IndexError, TypeError) as error:

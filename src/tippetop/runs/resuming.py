@@ -129,5 +129,5 @@ def put_back(target: Path, integration: Integration, kept: dict[str, Any]) -> No
         integration.restore(kept)
     except (ValueError, LookupError, TypeError, AttributeError) as error:
         raise StoreError(
-            f"`{target}` must have a whole checkpoint of this release to be resumed, but: {error}."
+            f"`{target}` must have a whole checkpoint that fits what is installed to be resumed, but: {error}."
         ) from None

@@ -187,5 +187,5 @@ def _turnings(info: Mapping[str, Any]) -> str:
     text = f"{significant} logged"
     if band["theta_min"] is not None:
         low, high = (f"{band[name]:.6g}" for name in ("theta_min", "theta_max"))
-        text += f", at theta = {low} rad" if low == high else f", theta between {low} and {high} rad"
+        text += f", at theta = {low} rad" if low == high else f", at theta between {low} and {high} rad"
     return text + (f"; {noise} more below the rounding floor" if noise else "")

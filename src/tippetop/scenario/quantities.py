@@ -95,8 +95,8 @@ def _tree(source: str, key: str, text: str, quiet: bool = False) -> ast.expr | N
 
 def _wrong(key: str, text: str) -> str:
     return (
-        f'`{key}` must be a number, arithmetic of numbers and parameters such as "2/5*m*R^2", or a number with a unit '
-        f'such as "20 g", but is "{text}".'
+        f'`{key}` must be a number, arithmetic of numbers (and of parameters, where there are any: "2/5*m*R^2"), '
+        f'or a number with its unit ("20 g", "2 min"), but is "{text}".'
     )
 
 

@@ -85,7 +85,8 @@ def read(folder: Path, attributes: dict[str, Any], name: str = CHECKPOINT) -> di
     except FileNotFoundError:
         raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise StoreError(f"`{folder}` must have a whole {what} of this release to be {to_be}, but: {error}.") from None
+        whole = f"`{folder}` must have a whole {what}, as this release writes it, to be {to_be}"
+        raise StoreError(f"{whole}, but: {error}.") from None
     if scenario != (digest_of_finished if name == END else digest)(attributes):
         raise StoreError(
             f"`{folder}` must have the scenario and versions of its {what}, but its root attributes were changed."

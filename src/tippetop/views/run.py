@@ -126,6 +126,8 @@ def gathered(
                 f"This is the run up to {last:.6g} s, as much as a page holds: --from and --until choose another part."
             )
             break
+    if last is None and start is None and until is None:
+        raise InputError(["a page must have rows, but this run has kept none."])
     if last is None:
         raise InputError([f"a page must have rows between {begin:g} and {end:g} s, but this run has none there."])
     return np.concatenate(times), np.concatenate(kept), rough, notes
