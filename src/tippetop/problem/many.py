@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .one import Problem
 
 
-FOLDED = 1e-9  # rounding of what a system says of its units
+ROUNDING = 1e-9  # of what a system says of its units
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,10 +129,10 @@ class Problems:
         return self._rounded(leaves(body._replace(**folds)))
 
     def _refuse_false(self, folds: dict[str, float], body: Any) -> None:
-        """Raises InputError where what is folded into the equations is another number in internal units."""
+        """Raises InputError where what the equations take for 0 or 1 is another number in internal units."""
         for name, value in folds.items():
-            found = np.broadcast_to(getattr(body, name), (self.n,)).astype(float)
-            if len(wrong := found[~(abs(found - value) <= FOLDED)]):
+            scaled = np.broadcast_to(getattr(body, name), (self.n,)).astype(float)
+            if len(wrong := scaled[abs(scaled - value) > ROUNDING]):  # what is no number is refused elsewhere
                 raise InputError(
                     [
                         f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
