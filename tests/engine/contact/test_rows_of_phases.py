@@ -1,5 +1,7 @@
 """What a row says of the forces, in each phase of the contact: against what they do to energy and momentum."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -8,8 +10,10 @@ from test_phases_of_runs import LEINE_GLOCKER, run
 
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact.phases.both import BOTH_KINDS, stem
+from tippetop.mechanics.contact.phases.drilling import RESTS_BELOW, Scalars, patch_speed2, speed_beyond_rest
 from tippetop.mechanics.contact.phases.legs import Body
 from tippetop.mechanics.friction import Viscous
+from tippetop.mechanics.operand import Vector
 
 
 VISCOUS = {"law": "viscous", "mu": 2.0}
@@ -68,3 +72,14 @@ def test_a_disc_that_neither_slides_nor_turns_ends_its_run() -> None:
     done = run(LEINE_GLOCKER, friction=DRILLING, initial=start, until=1.0)
     assert done.status is Status.ENDED
     assert "disc comes to rest" in done.reason
+
+
+@pytest.mark.parametrize("patch", [1e-7, 1e-3])
+@pytest.mark.parametrize("turns", [False, True])
+def test_a_disc_rests_below_a_speed_of_its_size(patch: float, turns: bool) -> None:
+    """Of its sliding, or of its edge; also where that is less than the speed below which its friction is smooth."""
+    b = SimpleNamespace(friction=SimpleNamespace(patch=patch))
+    for share in (0.999, 1.001):
+        slides, turning = (0.0, share * RESTS_BELOW) if turns else (share * RESTS_BELOW * patch, 0.0)
+        s = Scalars(0.0, 0.0, 1.0, slides**2, patch_speed2(Vector(0.0, 0.0, turning), b))
+        assert np.sign(speed_beyond_rest(s, b)) == np.sign(share - 1)
