@@ -191,6 +191,14 @@ def test_a_disc_that_does_not_turn_turns_back_as_coulombs_law_has_it(alpha, mu, 
         assert drills[-1] == pytest.approx(slides[len(drills) - 1], abs=1e-7)
 
 
+def test_no_slide_without_spin_stalls(rng):
+    """The step that ends where the slip is slow begins there, on the zero of its own event."""
+    for _ in range(8):
+        law = {"law": "contensou", "mu": 10 ** rng.uniform(-2, -0.3), "patch": 0.02 * 10 ** rng.uniform(-4, -1.3)}
+        start = {"theta": rng.uniform(0.1, 3.0), "nu_x": rng.normal() * 0.1}
+        assert run(friction=law, initial=start).status in (Status.FINISHED, Status.ENDED)
+
+
 def test_a_top_dropped_without_spin_bounces_as_coulombs_law_has_it():
     """Nothing slides when it lands; the impact pushes it aside."""
     laws = {"law": "contensou", "mu": 0.05, "patch": 5e-4}, {"law": "coulomb", "mu": 0.05}

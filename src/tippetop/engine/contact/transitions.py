@@ -126,7 +126,7 @@ class Transitions(Sliding, Standing):
             Of the functions of the axis.
         """
         if (kind, end) in ALIKE:  # the same phase in other words
-            return self._on_disc(Change(ALIKE[kind, end], ball, moment, "", signs=signs, passed=BACK.get(end, "")))
+            return self._on_disc(Change(ALIKE[kind, end], ball, moment, "", signs=signs, passed=BACK.get(end, end)))
         if end in ("clear", RESTS.name) or (end == "landing" and kind != "flight"):  # the latter: to be asked again
             passed = end if end == RESTS.name else ""
             return self._on_disc(Change(kind, ball, moment, "", signs=signs, passed=passed))
