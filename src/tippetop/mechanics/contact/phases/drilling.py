@@ -35,7 +35,7 @@ from .legs import ball
 
 STILL = 1e-9
 """Speed of the disc's edge, internal units, below which friction on a disc that does not turn is smooth. Where such a
-disc begins to slide, or turns back, the motion differs from that under Coulomb's law by so much."""
+disc begins to slide, or turns back, the motion differs from that under Coulomb's law by about so much."""
 
 
 SLOW = 1e-6
