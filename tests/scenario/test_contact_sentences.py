@@ -57,6 +57,7 @@ def sentences(base: dict[str, Any], changes: dict[str, Any]) -> list[str]:
         ({"friction.eps": 0.01, "contact": None, "run.on_liftoff": "stop"}, ["`initial.gap` must stand with"]),
         ({"initial.gap": 1e300}, ["`initial.gap` must be at most 1e+06 times the body"]),
         ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1e-300}}, ["`friction.patch` must be from"]),
+        ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1.9e-7}}, ['1.9e-07. A smaller disc slides as a point']),
         ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1.0}}, ["`friction.patch` must be from"]),
         ({"friction.mu": 1.46}, ["`friction.mu` must be less than 1.4595", "Painleve"]),
         ({"initial.gap": -3e-4}, ["`initial.gap` must be", "-0.0003"]),

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from ..errors import InputError
+from ..mechanics.contact.phases.drilling import LEAST_PATCH
 from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
 from ..mechanics.contact.uniqueness import painleve_bound
 from ..mechanics.friction import LAWS, Contensou, SetValued
@@ -68,7 +69,6 @@ def contact_tables(problem: Problem) -> dict[str, dict[str, Any]]:
 
 
 HIGHEST = 1e6  # gap of a start, by the radius: beyond it a landing has no digits
-LEAST_PATCH = 1e-9  # radius of the contact disc, by that of the sphere
 
 
 def contact_faults(problem: Problem) -> list[str]:
@@ -91,9 +91,10 @@ def contact_faults(problem: Problem) -> list[str]:
     if gap > HIGHEST * R:
         faults.append(f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, but is {gap:g}.")
     if isinstance(problem.friction, Contensou) and not LEAST_PATCH * R <= problem.friction.patch <= R:
+        small = ' A smaller disc slides as a point does: `law = "coulomb"`.' if problem.friction.patch < R else ""
         faults.append(
             f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to parameters.R = {R:.6g}, but is "
-            f"{problem.friction.patch:g}."
+            f"{problem.friction.patch:g}.{small}"
         )
     rules = problem.contact
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):

@@ -10,7 +10,13 @@ from test_phases_of_runs import LEINE_GLOCKER, run
 
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact.phases.both import BOTH_KINDS, stem
-from tippetop.mechanics.contact.phases.drilling import RESTS_BELOW, Scalars, patch_speed2, speed_beyond_rest
+from tippetop.mechanics.contact.phases.drilling import (
+    LEAST_PATCH,
+    RESTS_BELOW,
+    Scalars,
+    patch_speed2,
+    speed_beyond_rest,
+)
 from tippetop.mechanics.contact.phases.legs import Body
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import Vector
@@ -74,10 +80,10 @@ def test_a_disc_that_neither_slides_nor_turns_ends_its_run() -> None:
     assert "disc comes to rest" in done.reason
 
 
-@pytest.mark.parametrize("patch", [1e-7, 1e-3])
+@pytest.mark.parametrize("patch", [LEAST_PATCH, 1e-3])
 @pytest.mark.parametrize("turns", [False, True])
 def test_a_disc_rests_below_a_speed_of_its_size(patch: float, turns: bool) -> None:
-    """Of its sliding, or of its edge; also where that is less than the speed below which its friction is smooth."""
+    """Of its sliding, or of its edge; also where that is the speed below which its friction is smooth."""
     b = SimpleNamespace(friction=SimpleNamespace(patch=patch))
     for share in (0.999, 1.001):
         slides, turning = (0.0, share * RESTS_BELOW) if turns else (share * RESTS_BELOW * patch, 0.0)

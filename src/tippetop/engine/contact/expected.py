@@ -7,7 +7,7 @@ from ...mechanics.events import ON_ZERO
 from ..tallies import ON_ZERO as BEGINS_ON_ZERO
 from ..tallies import SIGN
 from .legs import Followed
-from .transitions import BACK, Change
+from .transitions import BACK, WITHIN, Change
 
 
 def expect(phase: Followed, change: Change, functions: Callable[[], dict[str, float]]) -> None:
@@ -37,7 +37,7 @@ def expect(phase: Followed, change: Change, functions: Callable[[], dict[str, fl
                 sign, zero = sign if event.direction == 0 else 1.0, False
             elif name in BACK:  # by the region that was chosen: as small as U, they are not zero
                 sign, zero = -float(event.direction), name == change.passed
-            elif name in (RESTS.name, "slow", "stem-slow"):  # as small as U too
+            elif name == RESTS.name or name in WITHIN:  # as small as U too
                 sign, zero = (-1.0, True) if name == change.passed else (sign, False)
             elif name == "touch" and zero:
                 sign = 1.0

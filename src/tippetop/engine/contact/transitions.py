@@ -41,6 +41,8 @@ ALIKE = FOLLOWS | BOTH_FOLLOWS
 BACK = {f"{ball}{there}": f"{ball}{back}" for ball in ("", "stem-")
         for there, back in (("faster", "slower"), ("slower", "faster"))}  # fmt: skip
 """By the event in which a region of friction that drills ends, the event of the way back."""
+WITHIN = {word for (kind, word), follows in ALIKE.items() if kind == follows}
+"""Events that end a step and nothing else."""
 
 
 @dataclass

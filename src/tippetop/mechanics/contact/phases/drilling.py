@@ -49,7 +49,12 @@ STOPS_ROLLING = 1e-6
 
 RESTS_BELOW = 1e-4
 """Angular velocity, internal units, below which a disc comes to rest, if friction can hold it: what is left of its
-turning lasts some hundredths of internal time, and what is made smooth does not yet show."""
+turning lasts some hundredths of internal time."""
+
+
+LEAST_PATCH = STILL / RESTS_BELOW
+"""Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than STILL, where smooth
+friction lets it creep: it would never come to rest."""
 
 
 class State(NamedTuple):
