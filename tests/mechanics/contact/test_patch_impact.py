@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from tippetop.mechanics.contact import patch_impact
 from tippetop.mechanics.contact.ball import Ball, mobility, spin_mobility
 from tippetop.mechanics.contact.drilling import drag
 from tippetop.mechanics.contact.patch_impact import (
@@ -98,6 +99,27 @@ def test_an_impact_has_the_digits_of_its_numbers(number: Any, digits: float) -> 
     )
     assert abs(made.energy - energy) < digits * abs(made.compression)
     assert abs(made.work_n - made.compression * 3 / 4) < digits * abs(made.compression)
+
+
+@pytest.mark.parametrize("theta", [0.8, 1.2])
+def test_a_velocity_whose_square_is_no_number_is_none(theta: float) -> None:
+    """Where friction can hold the patch, and where it cannot."""
+    ball, s, z = BODY._replace(mu=0.05), np.sin(theta), np.cos(theta)
+    least, none = (patch_struck((v, 0.0, -1.0), v, s, z, ball, PATCH, 0.5) for v in (1e-170, 0.0))
+    assert least == none
+
+
+def test_what_is_no_number_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps are cut until they do not show, not 20 000 times."""
+    steps, extrapolated = [], patch_impact._extrapolated
+    monkeypatch.setattr(patch_impact, "_extrapolated", lambda *given: steps.append(given[-1]) or extrapolated(*given))
+    with pytest.raises(ArithmeticError, match="did not end"):
+        patch_struck((np.nan, 0.0, -1.0), 0.0, 0.8, 0.6, BODY, PATCH, 0.5)
+    assert len(steps) == 1
+    monkeypatch.setattr(patch_impact, "excess", lambda *given: 2.0)
+    with pytest.raises(ArithmeticError, match="did not end"):
+        patch_struck((0.1, 0.0, -1.0), 0.0, 0.8, 0.6, BODY, PATCH, 0.5)
+    assert 30 < len(steps) < 50  # 3**-34 is rounding
 
 
 def test_slip_and_drilling_that_stop_together_stick() -> None:

@@ -269,7 +269,8 @@ def follow(room, eps, most):
         if left == 0:
             return 1
         still = _speed(y, p.radius)
-        if not at[STUCK] and 0 < still < 450 * eps * size:
+        moves = y[0] != 0 or y[1] != 0 or y[2] != 0  # even where its square is no number
+        if not at[STUCK] and moves and still < 450 * eps * size:
             still, y[0], y[1], y[2], step = 0 * size, 0 * size, 0 * size, 0 * size, left
         if not at[STUCK] and still == 0 and abs(p.K.ez) <= p.mu * p.K.ee:
             at[STUCK] = 1
@@ -283,6 +284,8 @@ def follow(room, eps, most):
         error = excess(room, p, max(still, change * abs(step)), step, eps)
         if not error <= 1:
             step = step / 3
+            if step != step or at[V_N] + step == at[V_N]:
+                return 0
             continue
         for f in range(9):
             y[f] = room.rows[7, f]
