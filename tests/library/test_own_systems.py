@@ -13,7 +13,7 @@ from tippetop.ensembles import outcomes
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.contact.body import Body
 from tippetop.mechanics.form import Integral
-from tippetop.mechanics.operand import formula, sqrt
+from tippetop.mechanics.operand import atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, NEWTON, SECOND_PER_METRE
 
 
@@ -42,6 +42,15 @@ def test_what_is_folded_must_hold(wrong: dict) -> None:
     name = registered(normalised_to={**BASE.normalised_to, **wrong})
     with pytest.raises(tt.InputError, match=f"`normalised_to` of `own-top` must hold.*`{next(iter(wrong))}` is"):
         tt.run("inverting", system=name, until=0.1)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [({"mass": 1.0}, r"must name fields of its body \(m, R, .*\), but has `mass`"), ({"m": "1"}, "must hold numbers")],
+)
+def test_what_is_folded_must_be_numbers_of_the_body(wrong: dict, sentence: str) -> None:
+    with pytest.raises(tt.InputError, match=f"`normalised_to` of `own-top` {sentence}"):
+        tt.run("inverting", system=registered(normalised_to={**BASE.normalised_to, **wrong}), until=0.1)
 
 
 def test_a_turning_without_a_sense_is_an_event_as_any_other() -> None:
@@ -89,9 +98,14 @@ def test_a_law_must_have_a_slope_at_rest() -> None:
     rough = law("Rough", lambda v2, z, law: law.mu / (1 + sqrt(v2)))
     with pytest.raises(tt.InputError, match="k of the friction law `rough` must be smooth in v2"):
         tt.run("inverting", rough(mu=0.3), until=0.1)
+    upright = law("Upright", lambda v2, z, law: law.mu / (1 + (1 + z) / 2 * v2 + (1 - z) / 2 * v2**0.99))
+    with pytest.raises(tt.InputError, match=r"its slope is infinite there, at cos\(theta\) = 0"):
+        tt.run("inverting", upright(mu=0.3), until=0.1)
     for name, tiny in (("Smooth", 1e-2), ("Sharp", 1e-12)):
         smooth = law(name, lambda v2, z, law, v_0=tiny: law.mu / (1 + sqrt(v2 + v_0**2)))
         assert tt.run("inverting", smooth(mu=0.3), until=0.1).summary.status == "finished"
+    angle = law("Angle", lambda v2, z, law: law.mu * atan2(0.1, 1 + v2))  # which has no imaginary numbers
+    assert tt.run("inverting", angle(mu=0.3), until=0.1).summary.status == "finished"
 
 
 def test_a_top_with_more_in_its_body_is_shown() -> None:

@@ -1,6 +1,7 @@
 """Checks that the records of a system do not contradict one another."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 from .events import Event
@@ -93,6 +94,13 @@ def _shapeless(system: System) -> list[str]:
     for name, kind, words in KINDS:
         if not isinstance(getattr(system, name), kind):
             faults.append(f"`{name}` of `{system.name}` must be {words}, but is {getattr(system, name)!r:.60}.")
+    normal: dict[str, Any] = {}
+    normal |= system.normalised_to if isinstance(system.normalised_to, Mapping) else {}
+    faults += [
+        f"`normalised_to` of `{system.name}` must hold numbers, but `{name}` is {value!r:.60}."
+        for name, value in normal.items()
+        if not isinstance(value, Real)
+    ]
     for name in CALLED:
         if not callable(getattr(system, name) or len):
             faults.append(f"`{name}` of `{system.name}` must be a function or None, but is {getattr(system, name)!r}.")

@@ -130,6 +130,13 @@ class Problems:
 
     def _refuse_false(self, folds: dict[str, float], body: Any) -> None:
         """Raises InputError where what the equations take for 0 or 1 is another number in internal units."""
+        if strange := [name for name in folds if name not in body._fields]:
+            raise InputError(
+                [
+                    f"`normalised_to` of `{self.base.system.name}` must name fields of its body "
+                    f"({', '.join(body._fields)}), but has `{strange[0]}`."
+                ]
+            )
         for name, value in folds.items():
             scaled = np.broadcast_to(getattr(body, name), (self.n,)).astype(float)
             if len(wrong := scaled[abs(scaled - value) > ROUNDING]):  # what is no number is refused elsewhere
