@@ -21,14 +21,17 @@ def _whole(_: Any, tokens: Sequence[Token]) -> int:
 
 def _seconds(_: Any, tokens: Sequence[Token]) -> float:
     """The time that is written [s]: a number, arithmetic, or a number with a unit. Raises InputError."""
-    text, option = tokens[0].value, tokens[0].keyword
+    text, option = tokens[0].value, str(tokens[0].keyword)
     try:
         return float(text)
     except ValueError:
         from ..mechanics.units import SECOND
         from ..scenario.quantities import number_of
 
-        return number_of(text, str(option), SECOND)
+        try:
+            return number_of(text, option, SECOND)
+        except InputError as error:
+            raise InputError([s.replace(f"`{option}`", option) for s in error.sentences]) from None
 
 
 Whole = Annotated[int, Parameter(converter=_whole)]

@@ -36,7 +36,7 @@ def run(
     out
         Store to write, a zarr folder; must not exist yet (or say --overwrite).
     until
-        End of the run [s], instead of the scenario's.
+        End of the run [s, or with a unit: 2min], instead of the scenario's.
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
     figure
@@ -62,6 +62,8 @@ def run(
     from .text import following, warn
 
     refuse_window(window, "--window")
+    if window is not None and not certify:
+        raise InputError(["--window must stand with --certify, whose part it is."])
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
     try:
         problem = starting.load(scenario, [*(set_ or []), *kept], until)

@@ -46,7 +46,9 @@ def _missing(error: MissingArgumentError, command: str, help_: str) -> str:
     name, words, argument = _name_of(error.argument), error.root_input_tokens or [], error.argument
     given = next((n for n in argument.names if n in words), None) if argument is not None else None
     if given is not None:
-        return f"{given} must be followed by a value; {help_}."
+        after = words[words.index(given) + 1 :]
+        instead = f", but is followed by `{after[0]}`" if after else ""
+        return f"{given} must be followed by a value{instead}; {help_}."
     example = " ".join(["tippetop", *words, name, *(["..."] if name.startswith("-") else [])])
     return f"{name} is missing: write {example}; {help_}."
 
