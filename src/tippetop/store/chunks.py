@@ -215,8 +215,10 @@ def pieces(
 
 def _rows(array: Any, start: int, end: int) -> np.ndarray:
     """Rows of an array. Raises OSError where a chunk is missing, which zarr would fill, and what codecs raise."""
-    for first in range(start // array.chunks[0] * array.chunks[0], end, array.chunks[0]):
-        if not chunk_file(array, first).is_file():
+    begins = start // array.chunks[0] * array.chunks[0]
+    further = (range(0, n, c) for n, c in zip(array.shape[1:], array.chunks[1:], strict=True))
+    for first in itertools.product(range(begins, end, array.chunks[0]), *further):
+        if not chunk_file(array, *first).is_file():
             raise OSError(f"a chunk of `{array.basename}` is missing")
     return array[start:end]
 
