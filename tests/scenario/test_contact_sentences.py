@@ -77,6 +77,12 @@ def test_bad_input_is_one_sentence(changes: dict[str, Any], words: list[str]) ->
     assert [word for word in words if word not in found[0]] == [], found
 
 
+def test_the_least_disc_may_be_written() -> None:
+    for R in (0.02, 0.03, 0.1, 1.0):
+        friction = {"law": "contensou", "mu": 1e-3, "patch": float(f"{R}e-5")}
+        assert sentences(BOUNCE, {"parameters.R": R, "friction": friction}) == [], R
+
+
 def test_the_bound_is_that_of_the_ball_that_has_the_least() -> None:
     assert sentences(BOUNCE, {"friction.mu": 1.4}) == []
     (sentence,) = sentences(BOUNCE, {"friction.mu": 1.4, "stem": {"r": 0.004, "h": 0.022}})

@@ -90,7 +90,8 @@ def contact_faults(problem: Problem) -> list[str]:
     R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
     if gap > HIGHEST * R:
         faults.append(f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, but is {gap:g}.")
-    if isinstance(problem.friction, Contensou) and not LEAST_PATCH * R <= problem.friction.patch <= R:
+    least = (1 - 1e-12) * LEAST_PATCH * R  # which may be written
+    if isinstance(problem.friction, Contensou) and not least <= problem.friction.patch <= R:
         small = ' A smaller disc slides as a point does: `law = "coulomb"`.' if problem.friction.patch < R else ""
         faults.append(
             f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to parameters.R = {R:.6g}, but is "
