@@ -284,7 +284,7 @@ def follow(room, eps, most):
         error = excess(room, p, max(still, change * abs(step)), step, eps)
         if not error <= 1:
             step = step / 3
-            if step != step or at[V_N] + step == at[V_N]:
+            if step != step:  # however short: friction is stiff where hardly anything turns
                 return 0
             continue
         for f in range(9):
