@@ -46,7 +46,12 @@ def test_what_is_folded_must_hold(wrong: dict) -> None:
 
 @pytest.mark.parametrize(
     ("wrong", "sentence"),
-    [({"mass": 1.0}, r"must name fields of its body \(m, R, .*\), but has `mass`"), ({"m": "1"}, "must hold numbers")],
+    [
+        ({"mass": 1.0}, r"must name numbers of its body \(m, R, [^f]*\), but has `mass`"),
+        ({"friction": 1.0}, r"must name numbers of its body \(m, R, [^f]*\), but has `friction`"),
+        ({"m": "1"}, "must hold finite numbers"),
+        ({"m": np.nan}, "must hold finite numbers, but `m` is nan"),
+    ],
 )
 def test_what_is_folded_must_be_numbers_of_the_body(wrong: dict, sentence: str) -> None:
     with pytest.raises(tt.InputError, match=f"`normalised_to` of `own-top` {sentence}"):
@@ -98,12 +103,19 @@ def test_a_law_must_have_a_slope_at_rest() -> None:
     rough = law("Rough", lambda v2, z, law: law.mu / (1 + sqrt(v2)))
     with pytest.raises(tt.InputError, match="k of the friction law `rough` must be smooth in v2"):
         tt.run("inverting", rough(mu=0.3), until=0.1)
+    rooted = law("Rooted", lambda v2, z, law: law.mu * (1 + (v2 * v2) ** 0.25))
+    with pytest.raises(tt.InputError, match="its slope is infinite there"):
+        tt.run("inverting", rooted(mu=0.3), until=0.1)
     upright = law("Upright", lambda v2, z, law: law.mu / (1 + (1 + z) / 2 * v2 + (1 - z) / 2 * v2**0.99))
     with pytest.raises(tt.InputError, match=r"its slope is infinite there, at cos\(theta\) = 0"):
         tt.run("inverting", upright(mu=0.3), until=0.1)
     for name, tiny in (("Smooth", 1e-2), ("Sharp", 1e-12)):
         smooth = law(name, lambda v2, z, law, v_0=tiny: law.mu / (1 + sqrt(v2 + v_0**2)))
         assert tt.run("inverting", smooth(mu=0.3), until=0.1).summary.status == "finished"
+    # the slope of this one is 0 but for rounding
+    even = law("Even", lambda v2, z, law: law.mu * sqrt(v2 + 1e-6) / sqrt(v2 + 1e-6))
+    mus = np.linspace(0.01, 1.0, 100)
+    assert (tt.ensemble("inverting", {"friction.mu": mus}, even(mu=0.3), until=1e-3).status == 1).all()
     angle = law("Angle", lambda v2, z, law: law.mu * atan2(0.1, 1 + v2))  # which has no imaginary numbers
     assert tt.run("inverting", angle(mu=0.3), until=0.1).summary.status == "finished"
 

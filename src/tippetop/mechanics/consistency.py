@@ -1,7 +1,7 @@
 """Checks that the records of a system do not contradict one another."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from numbers import Real
+from math import isfinite
 from typing import Any
 
 from .events import Event
@@ -97,9 +97,9 @@ def _shapeless(system: System) -> list[str]:
     normal: dict[str, Any] = {}
     normal |= system.normalised_to if isinstance(system.normalised_to, Mapping) else {}
     faults += [
-        f"`normalised_to` of `{system.name}` must hold numbers, but `{name}` is {value!r:.60}."
+        f"`normalised_to` of `{system.name}` must hold finite numbers, but `{name}` is {value!r:.60}."
         for name, value in normal.items()
-        if not isinstance(value, Real)
+        if not (isinstance(value, int | float) and isfinite(value))
     ]
     for name in CALLED:
         if not callable(getattr(system, name) or len):

@@ -203,12 +203,12 @@ def _of_law(problems: "Problems") -> list[tuple[str, np.ndarray]]:
 
 def _has_no_slope(k: Callable) -> np.ndarray:
     """Where a function of v2 rises from 0 as a power below 1, by its imaginary part at imaginary v2: to no difference's
-    rounding."""
+    rounding, and by powers of two, so that where the slope is 0 the rounding of both is the same."""
     try:
         with np.errstate(all="ignore"):
-            far, near = (np.abs(np.imag(k(1j * v2))) for v2 in (1e-100, 1e-200))
+            far, near = (np.abs(np.imag(k(1j * v2))) for v2 in (2.0**-166, 2.0**-332))
     except InputError as error:
         if isinstance(error.__cause__, TypeError):  # atan2 takes no complex numbers
             return np.zeros(1, bool)
         raise
-    return (far > 0) & (far < 9e99 * near)
+    return (far > 0) & (far < 0.9 * 2.0**166 * near)

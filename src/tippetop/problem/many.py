@@ -130,11 +130,12 @@ class Problems:
 
     def _refuse_false(self, folds: dict[str, float], body: Any) -> None:
         """Raises InputError where what the equations take for 0 or 1 is another number in internal units."""
-        if strange := [name for name in folds if name not in body._fields]:
+        numbers = [name for name, value in body._asdict().items() if not isinstance(value, tuple)]
+        if strange := [name for name in folds if name not in numbers]:
             raise InputError(
                 [
-                    f"`normalised_to` of `{self.base.system.name}` must name fields of its body "
-                    f"({', '.join(body._fields)}), but has `{strange[0]}`."
+                    f"`normalised_to` of `{self.base.system.name}` must name numbers of its body "
+                    f"({', '.join(numbers)}), but has `{strange[0]}`."
                 ]
             )
         for name, value in folds.items():
