@@ -114,7 +114,7 @@ def resume(
     store
         The store of the run.
     until
-        A later end of the run [s]: what is finished is continued too.
+        A later end of the run [s, or with a unit: 2min]: what is finished is continued too.
     accept_other_version
         Continue also what other versions or another processor began: bits may differ, and the store names both.
     as_json
@@ -150,7 +150,7 @@ def replay(
     store
         The store of a finished run: with keyframes (run.output = "keyframes"), or so short that its start is near.
     from_
-        Time of the first row [s].
+        Time of the first row [s, or with a unit: 10ms].
     until
         Time of the last row [s].
     step

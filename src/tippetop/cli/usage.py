@@ -46,9 +46,11 @@ def _missing(error: MissingArgumentError, command: str, help_: str) -> str:
     name, words, argument = _name_of(error.argument), error.root_input_tokens or [], error.argument
     given = next((n for n in argument.names if n in words), None) if argument is not None else None
     if given is not None:
-        after = words[words.index(given) + 1 :]
-        instead = f", but is followed by `{after[0]}`" if after else ""
-        return f"{given} must be followed by a value{instead}; {help_}."
+        after = words[len(words) - words[::-1].index(given) :]  # the last one: those before have their values
+        if not after:
+            return f"{given} must be followed by a value; {help_}."
+        instead = "" if after[0].startswith("--") else f" (if that is the value: {given}={shlex.quote(after[0])})"
+        return f"{given} must be followed by a value, but is followed by `{after[0]}`{instead}; {help_}."
     example = " ".join(["tippetop", *words, name, *(["..."] if name.startswith("-") else [])])
     return f"{name} is missing: write {example}; {help_}."
 
