@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import zarr
 from stores import assert_same, files
 
 from tippetop.columns import Column
@@ -54,6 +55,18 @@ def assert_holds(path: Path, rows: int = ROWS) -> None:
     assert set(found) == {"time", "axis", "flag"}
     for name, column in columns(slice(rows)).items():
         np.testing.assert_array_equal(found[name], column.values, err_msg=name)
+
+
+def test_each_chunk_of_a_row_must_be_there(tmp_path: Path) -> None:
+    """Whatever the axis: zarr would fill it."""
+    root = zarr.create_group(tmp_path / "a")
+    array = root.create_array("values", shape=(4, 6), chunks=(2, 3), dtype=float)
+    array[:] = np.arange(24.0).reshape(4, 6)
+    np.testing.assert_array_equal(chunks._rows(array, 1, 3), array[1:3])
+    chunks.chunk_file(array, 2, 3).unlink()
+    np.testing.assert_array_equal(chunks._rows(array, 0, 2), array[:2])
+    with pytest.raises(OSError, match="a chunk of `values` is missing"):
+        chunks._rows(array, 1, 3)
 
 
 def test_columns_are_kept_with_their_types_names_and_attributes(tmp_path: Path) -> None:

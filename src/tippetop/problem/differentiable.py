@@ -19,8 +19,9 @@ MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 def derivative_faults(problem: "Problem") -> list[str]:
     """Why a run has no derivatives, or none that is computed; empty if it has."""
     if problem.contact is not None:
-        set_valued = isinstance(problem.friction, SetValued | Contensou)
-        why = "sticks and slips under a set-valued law" if set_valued else "may open and close"
+        law = problem.friction
+        why = "sticks and slips under a set-valued law" if isinstance(law, SetValued) else "may open and close"
+        why = "is a disc, which may come to rest" if isinstance(law, Contensou) else why
         return [
             f"the contact must never change for derivatives to exist along the run, but this one {why}: give a smooth "
             'law (a Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'

@@ -92,10 +92,14 @@ def contact_faults(problem: Problem) -> list[str]:
         faults.append(f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, but is {gap:g}.")
     least = (1 - 1e-12) * LEAST_PATCH * R  # which may be written
     if isinstance(problem.friction, Contensou) and not least <= problem.friction.patch <= R:
-        small = ' A smaller disc slides as a point does: `law = "coulomb"`.' if problem.friction.patch < R else ""
+        small = (
+            ' A smaller disc slides as a point does: `law = "coulomb"`, without patch and mu_r.'
+            if problem.friction.patch < R
+            else ""
+        )
         faults.append(
             f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to parameters.R = {R:.6g}, but is "
-            f"{problem.friction.patch:g}.{small}"
+            f"{problem.friction.patch:.9g}.{small}"
         )
     rules = problem.contact
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
