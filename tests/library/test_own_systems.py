@@ -14,7 +14,7 @@ from tippetop.mechanics import friction, systems
 from tippetop.mechanics.contact.body import Body
 from tippetop.mechanics.form import Integral
 from tippetop.mechanics.operand import atan2, formula, sqrt
-from tippetop.mechanics.units import JOULE, NEWTON, SECOND_PER_METRE
+from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, NEWTON, ONE, SECOND_PER_METRE
 
 
 BASE = tt.SYSTEMS["tippe-top"]
@@ -94,30 +94,75 @@ def test_a_field_that_is_none_is_named() -> None:
 def law(name: str, coefficient: Any) -> Any:
     """The record of a law that is registered."""
     rule = tt.Parameter(SECOND_PER_METRE, "a number", least=0)
-    record = NamedTuple(name, [("mu", float)])  # type: ignore[misc]  # noqa: UP014
-    return tt.register(tt.Law(record, {"mu": rule}, "F = ...", formula(coefficient))).record
+    speed = tt.Parameter(METRE_PER_SECOND, "a speed", above=0, default=1.0)
+    record = NamedTuple(name, [("mu", float), ("v", float)])  # type: ignore[misc]  # noqa: UP014
+    record.__new__.__defaults__ = (1.0,)
+    return tt.register(tt.Law(record, {"mu": rule, "v": speed}, "F = ...", formula(coefficient))).record
 
 
 def test_a_law_must_have_a_slope_at_rest() -> None:
     """Whether the run began was up to rounding: |v_A| at the start."""
-    rough = law("Rough", lambda v2, z, law: law.mu / (1 + sqrt(v2)))
+    rough = law("Rough", lambda v2, z, law: law.mu / (1 + sqrt(v2) / law.v))
     with pytest.raises(tt.InputError, match="k of the friction law `rough` must be smooth in v2"):
         tt.run("inverting", rough(mu=0.3), until=0.1)
-    rooted = law("Rooted", lambda v2, z, law: law.mu * (1 + (v2 * v2) ** 0.25))
+    rooted = law("Rooted", lambda v2, z, law: law.mu * (1 + (v2 * v2) ** 0.25 / law.v))
     with pytest.raises(tt.InputError, match="its slope is infinite there"):
         tt.run("inverting", rooted(mu=0.3), until=0.1)
-    upright = law("Upright", lambda v2, z, law: law.mu / (1 + (1 + z) / 2 * v2 + (1 - z) / 2 * v2**0.99))
+    upright = law("Upright", lambda v2, z, law: law.mu / (1 + (1 + z) / 2 * v2 + (1 - z) / 2 * (v2 / law.v**2) ** 0.99))
     with pytest.raises(tt.InputError, match=r"its slope is infinite there, at cos\(theta\) = 0"):
         tt.run("inverting", upright(mu=0.3), until=0.1)
     for name, tiny in (("Smooth", 1e-2), ("Sharp", 1e-12)):
-        smooth = law(name, lambda v2, z, law, v_0=tiny: law.mu / (1 + sqrt(v2 + v_0**2)))
+        smooth = law(name, lambda v2, z, law, v_0=tiny: law.mu / (1 + sqrt(v2 / law.v**2 + v_0**2)))
         assert tt.run("inverting", smooth(mu=0.3), until=0.1).summary.status == "finished"
     # the slope of this one is 0 but for rounding
-    even = law("Even", lambda v2, z, law: law.mu * sqrt(v2 + 1e-6) / sqrt(v2 + 1e-6))
+    even = law("Even", lambda v2, z, law: law.mu * sqrt(v2 + law.v**2) / sqrt(v2 + law.v**2))
     mus = np.linspace(0.01, 1.0, 100)
     assert (tt.ensemble("inverting", {"friction.mu": mus}, even(mu=0.3), until=1e-3).status == 1).all()
-    angle = law("Angle", lambda v2, z, law: law.mu * atan2(0.1, 1 + v2))  # which has no imaginary numbers
+    angle = law("Angle", lambda v2, z, law: law.mu * atan2(0.1, 1 + v2 / law.v**2))  # which has no imaginary numbers
     assert tt.run("inverting", angle(mu=0.3), until=0.1).summary.status == "finished"
+
+
+def test_numbers_with_a_unit_are_parameters_of_a_law() -> None:
+    """Another law was integrated: a number in it is one in the units of the integration."""
+    for name, k in (("Fixed", lambda v2, z, law: law.mu / (1 + v2 / 0.01)), ("Bare", lambda v2, z, law: 0.3 + 0 * v2)):
+        with pytest.raises(tt.InputError, match=f"`{name.lower()}` must be the same in all units, but at .* parameter"):
+            tt.run("inverting", law(name, k)(mu=0.3), until=0.1)
+    kept = law("Kept", lambda v2, z, law: law.mu * law.v / sqrt(v2 + 1e-16))  # keeps a root from 0
+    assert tt.run("inverting", kept(mu=0.3, v=1e-4), until=0.1).summary.status == "finished"
+
+
+def test_a_cell_of_a_notebook_may_run_again() -> None:
+    """What it defines takes the place of what it defined; the same record with another law would keep the old one."""
+    ends = []
+    for share in (1.0, 0.5):
+        again = law("Again", lambda v2, z, law, share=share: share * law.mu + 0 * v2)
+        name = registered(title=f"{share}")
+        ends.append([tt.run("inverting", again(mu=mu), system=name, until=1.0).summary.theta_end for mu in (0.3, 0.15)])
+    assert ends[0][1] == ends[1][0] != ends[0][0]
+    assert tt.LAWS["again"].record is again
+    assert tt.SYSTEMS["own-top"].title == "0.5"
+    with pytest.raises(tt.InputError, match="must be new"):
+        tt.register(dataclasses.replace(tt.LAWS["again"], coefficient=formula(lambda v2, z, law: law.mu)), "again")
+    with pytest.raises(tt.InputError, match="must be new"):
+        tt.register(dataclasses.replace(tt.LAWS["viscous"], record=again), "viscous")
+    with pytest.raises(tt.InputError, match="must be new"):
+        tt.register(BASE.replace(title="another"))
+
+
+@pytest.mark.parametrize("name", ["phase", "ball"])
+def test_a_column_of_ones_own_is_not_where_the_contact_is(name: str) -> None:
+    column = tt.Quantity(name, "p", ONE, "mine", formula(lambda s, b: s.z))
+    with pytest.raises(tt.InputError, match=f"where the contact is, but is `{name}`"):
+        tt.run("inverting", until=0.1, columns=[column])
+
+
+def test_an_end_by_an_event_of_ones_own_is_named() -> None:
+    for ends in ("fallen", "liftoff"):
+        tilted = tt.Event("tilted", "theta = 30 deg", formula(lambda s, b: s.z - 0.75**0.5), ends=ends)
+        run = tt.run("inverting", until=8.0, events=[tilted])
+        assert run.summary.reason.startswith(f"`tilted` ended the run as {ends} at t = 4.872")
+    lifted = tt.run("inverting", start={"omega3": 300.0}, events=[tilted], until=2.0, output_step=0.01)
+    assert ("tilted" in lifted.summary.reason) == (abs(lifted.summary.theta_end - np.pi / 6) < 1e-6)
 
 
 def test_a_top_with_more_in_its_body_is_shown() -> None:

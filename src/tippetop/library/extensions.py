@@ -135,6 +135,8 @@ def _names(subject: str, names: list[Any], system: System, known: set[str], othe
             faults.append(f"{subject} must be letters, digits and _, and begin with no digit, but is {name!r:.60}.")
         elif name in known:
             faults.append(f"`{name}` must be a new name, but `{system.name}` has it.")
+        elif name in ("phase", "ball"):
+            faults.append(f"{subject} must not be phase or ball, which say where the contact is, but is `{name}`.")
         elif re.fullmatch(r"state_.*|final_.*|drift_.*|.*_lo", name):
             faults.append(f"{subject} must not be one of state_..., final_..., drift_... or ..._lo, but is `{name}`.")
         elif name in seen:

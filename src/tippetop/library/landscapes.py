@@ -102,7 +102,7 @@ def potential(
     Returns
     -------
     xarray.Dataset
-        V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN outside (-1, 1).
+        V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN at z = -1 and 1.
 
     Raises
     ------

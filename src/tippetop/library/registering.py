@@ -53,7 +53,9 @@ def register(record: System | Law, name: str | None = None) -> Any:
     Raises
     ------
     InputError
-        If the name is taken, or the record cannot be a law or a system.
+        If the name is taken, or the record cannot be a law or a system. What this process registered itself may be
+        registered anew, as where a notebook's cell runs once more: a system of the same name, and a law whose record is
+        defined again.
 
     Notes
     -----

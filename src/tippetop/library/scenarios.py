@@ -195,7 +195,7 @@ def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
         times = base.get("output_times")
         tables["run"]["until"] = until
         if isinstance(times, list) and isinstance(until, int | float):
-            tables["run"]["output_times"] = [t for t in times if isinstance(t, int | float) and t <= until]
+            tables["run"]["output_times"] = reading.times_until(times, until)
 
 
 def _needs_law(top: Top) -> str:

@@ -10,6 +10,7 @@ from ..errors import InputError, suggestion
 from ..mechanics.contact.phases.rules import ContactLaw
 from ..mechanics.friction import LAWS, SLIP
 from ..mechanics.system import Form, System
+from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
 from ..mechanics.variables import INTEGRAL_SCALE
 from ..sampling import EvenTimes, ListedTimes
 
@@ -125,6 +126,10 @@ def together(problems: "Problems", valid: np.ndarray) -> list[tuple[int, str]]:
     return faults
 
 
+LARGEST = 1e150
+"""Of quantities at the start, in internal units: the square of more is no number, nor is what a run reports of it."""
+
+
 def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     """What may be wrong with a start, and where it is, (n,): numbers that are finite one by one may overflow
     together, or the model may have no solution."""
@@ -143,8 +148,8 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
         [(e.formula, e.formula(scalars, body)) for e in base.system.events if _owner(e.formula)], finite
     )
     for _, value in quantities:
-        finite = finite & np.isfinite(np.asarray(value, dtype=float))
-    overflow = "`parameters` and `initial` must stay finite together, but they overflow."
+        finite = finite & (np.abs(np.asarray(value, dtype=float)) < LARGEST)
+    overflow = "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     moving, names = problems.variables.moving, problems.variables.names
     return [
         *own,
@@ -198,6 +203,28 @@ def _of_law(problems: "Problems") -> list[tuple[str, np.ndarray]]:
             must = "be smooth in v2 = |v_A|^2 at rest (sqrt(v2 + v_0^2) for |v_A|)"
             at = f"its slope is infinite there, at cos(theta) = {z:g}"
             return [(f"the coefficient k of {words} must {must}, but {at}.", rough)]
+    return _of_units(problems, words, law)
+
+
+SAME = 1e-6
+"""Relative difference by which what keeps a root from 0 may show, such as sqrt(v2 + 1e-20)."""
+
+
+def _of_units(problems: "Problems", words: str, law: Any) -> list[tuple[str, np.ndarray]]:
+    """Where the coefficient of a law of the user is another in the units of the integration: it has a number in it that
+    has a unit."""
+    kind, scales, n = type(law), problems.scales, problems.n
+    units = problems.base.law.units()
+    scaled = kind._make(v / scales.of(u).astype(float) for v, u in zip(law, units, strict=True))
+    speed, slowness = (scales.of(unit).astype(float) for unit in (METRE_PER_SECOND, SECOND_PER_METRE))
+    for v2, z in PLACES[3:]:  # at rest, what keeps a root from 0 decides
+        there = np.full(n, z)
+        k = SLIP[kind](np.full(n, v2), there, law) + np.zeros(n)
+        again = (SLIP[kind](v2 / speed**2, there, scaled) + np.zeros(n)) * slowness
+        if (bad := ~(abs(k - again) <= SAME * abs(k))).any():
+            what = f"at |v_A| = {v2**0.5:g} m/s it is {k[bad][0]:g} s/m, and {again[bad][0]:g} s/m in those of the run"
+            cause = "a number that has a unit must be a parameter of the law"
+            return [(f"the coefficient k of {words} must be the same in all units, but {what}: {cause}.", bad)]
     return []
 
 

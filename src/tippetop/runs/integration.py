@@ -13,6 +13,7 @@ from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays, with_phas
 from ..engine.slices import STEPS_PER_SLICE, Slice
 from ..engine.status import Status
 from ..engine.taylor import driver_of, fingerprint
+from ..mechanics.events import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..store import hexfloat
@@ -209,6 +210,8 @@ class Integration:
         if status is Status.SETTLED:
             settled = self.log.settled_since(self.last)
             return f"settled: sliding died at t = {settled:.6g} s, stopped at t = {t:.6g} s{beyond}"
+        if status in (Status.LIFTOFF, Status.FALLEN) and (own := self._own_ending()):
+            return f"`{own.name}` ended the run as {status.value} at t = {t:.9g} s: {own.long_name}"
         if status is Status.LIFTOFF:
             return f"the body lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
         if status is Status.FALLEN:
@@ -226,6 +229,13 @@ class Integration:
     def _may_lift_off(self) -> bool:
         """Whether the model of this system ends at liftoff (a fixed tip holds on)."""
         return any(event.ends == Status.LIFTOFF.value for event in self.problem.system.events)
+
+    def _own_ending(self) -> Event | None:
+        """The event of the user that ended the run, if it was one: of those that may have, the nearest to its zero."""
+        scalars, body = self.view.scalars(self.last), self.view.body
+        events = [e for e in self.problem.system.events if e.ends and Status.of_event(e.ends) is self.status]
+        last = min(events, key=lambda e: abs(float(np.min(e.formula(scalars, body)))))
+        return last if hasattr(last.formula, "of") else None
 
     def _last_ending(self) -> str:
         """What the system says of the event that ended the run."""

@@ -42,10 +42,12 @@ def add(system: System, *, here: bool = False) -> None:
         raise InputError(
             [f"the name of a system must be letters, digits, - and _, and begin with no digit, but is {name!r:.60}."]
         )
-    if SYSTEMS.get(name, system) is not system:
+    before = SYSTEMS.get(name, system)
+    again = here and before in REGISTERED_HERE  # as where a notebook's cell runs once more
+    if before is not system and not again:
         raise InputError([f"the name of a system must be new, but `{name}` is known."])
     check(system)
-    _note(system, here=here, new=name not in SYSTEMS)
+    _note(system, here=here, new=again or name not in SYSTEMS)
     SYSTEMS[name] = system
 
 
@@ -59,11 +61,29 @@ def add_law(name: str, law: friction.Law, *, here: bool = False) -> None:
     """Registers a friction law under a name that no law has, of no system either. `here`: in this process. Raises
     InputError."""
     new = name not in friction.LAWS if isinstance(name, str) else False
+    if here and isinstance(name, str) and not new and _defined_again(friction.LAWS[name].record, law.record):
+        before = friction.LAWS.pop(name)
+        try:
+            add_law(name, law, here=True)
+        except InputError:
+            friction.LAWS[name] = before
+            raise
+        return
     for system in SYSTEMS.values():
         if name in system.laws and name not in friction.LAWS:
             raise InputError([f"the name of a law must be new, but `{name}` is one of {system.name}."])
     friction.add(name, law)
     _note(law.record, here=here, new=new)
+
+
+def _defined_again(before: Any, record: Any) -> bool:
+    """Whether a record is that of a law of this process whose class statement has run once more: code that is compiled
+    belongs to a class, so that the same one with another coefficient would keep the old."""
+    same = (before.__module__, before.__qualname__) == (
+        getattr(record, "__module__", ""),
+        getattr(record, "__qualname__", ""),
+    )
+    return same and before is not record and before in REGISTERED_HERE
 
 
 def _note(record: Any, *, here: bool, new: bool) -> None:
