@@ -77,6 +77,8 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ),
         (["sweep", "inverting", "--out", "s.zarr"], "this is a scenario, not a plan"),
         (["surface", "inverting", "--out", "f.zarr", "--threads", "0"], "--threads must be at least 1, but is 0."),
+        (["surface", "inverting", "--D", "0:1e300:5", "--out", "f.zarr"], "`--D` and `--lambda` must leave V within"),
+        (["run", "inverting", "--set", "initial.omega3=1e150"], "must stay finite together, but they overflow."),
         (["surface", "inverting"], "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
     ],
 )

@@ -75,6 +75,7 @@ def test_columns_that_are_not_known_are_one_sentence(tmp_path: Path) -> None:
         ("t [s], theta [rad]\n0,1\n1\n", "row 2 must have 2 cells"),
         ("t [s], theta [rad]\n0,1\n1,much\n", "row 2 must have numbers, but has 'much'"),
         ("t [s]\n0\n1\n", "a column beside `t`"),
+        ("t [s],theta [rad]\n0,1\n1e18,1\n", r"times must be within 1e\+16 s, but are from 0 to 1e\+18 s"),
     ],
 )
 def test_what_is_wrong_is_a_sentence(tmp_path: Path, text: str, words: str) -> None:

@@ -60,6 +60,7 @@ def sentences(base: dict[str, Any], changes: dict[str, Any]) -> list[str]:
         ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1.9e-7}}, ['1.9e-07. A smaller disc slides as a point']),
         ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1.0}}, ["`friction.patch` must be from"]),
         ({"friction.mu": 1.46}, ["`friction.mu` must be less than 1.4595", "Painleve"]),
+        ({"initial.nu_z": -1e4}, ["`initial.nu_z` must be within 626.", "fall from 1e+06 times the body", "-10000."]),
         ({"initial.gap": -3e-4}, ["`initial.gap` must be", "-0.0003"]),
         ({"run.on_liftoff": "continue"}, ['`run.on_liftoff` must be "fly" or "stop"']),
         ({"run.on_liftoff": "jump"}, ["`run.on_liftoff`", "'fly'", "'jump'"]),

@@ -4,12 +4,14 @@ import copy
 import json
 import math
 import string
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import tippetop as tt
 from tippetop.errors import InputError
 from tippetop.scenario.reading import override, presets, read
 
@@ -115,3 +117,18 @@ def test_what_asks_for_rows_takes_the_place_of_what_did() -> None:
     kept = override({"run": {"output": "keyframes", "keyframe_steps": 64}}, ["run.output_step=0.1"])["run"]
     assert kept == {"output_step": 0.1}
     assert tables == {"run": {"until": 8.0, "output_step": 0.01}}
+
+
+@pytest.mark.parametrize("times", [[math.nan], [3, 2], [1, math.nan], [0.005, 0.005], ["soon"]])
+def test_times_that_are_none_are_refused_whatever_the_end(times: list) -> None:
+    """They were dropped as times beyond the end, and no row was left."""
+    with pytest.raises(tt.InputError, match="output_times"):
+        tt.run("inverting", until=0.01, output_times=times)
+    with pytest.raises(tt.InputError, match="output_times"):
+        tt.load("inverting", [f"run.output_times={times}".replace("'", '"')], until=0.01)
+
+
+def test_a_scenario_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(presets()["inverting"], encoding="utf-8-sig")
+    assert tt.load(path).initial == tt.load("inverting").initial

@@ -73,16 +73,17 @@ def surface(
     warn(_far(parameters, float(np.abs(lambdas).max())))
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
-    minimal = partial(surface.minimal_surface, parameters, gradient=False, threads=threads)
+    minimal = partial(surface.minimal_surface, parameters, system=system, gradient=False, threads=threads)
     if out is not None and overwrite:
         remove_store(out)
         remove_store(out.with_name(f".{out.name}.part"))
     if out is not None and _is_finished(out, parameters, Ds, lambdas):
         print(f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).", file=sys.stderr)
     elif out is not None:
+        corners = (Ds[:: max(1, Ds.size - 1)], lambdas[:: max(1, lambdas.size - 1)])
         try:
-            few = (Ds[:: max(1, Ds.size - 1)], lambdas[:: max(1, lambdas.size - 1)])
-            awaited(lambda: minimal(*few, system), COMPILING)
+            if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
+                raise _wrong("`--D` and `--lambda` must leave V within the doubles, but at their ends do not.")
             with Bar("chunks") as bar:
                 wanted = recording.Surface.over(parameters, Ds, lambdas, system)
                 recording.write(out, wanted, threads=threads, progress=bar.update)
@@ -91,7 +92,7 @@ def surface(
             return 130
     if figure is not None:
         few = tuple(v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas))
-        grid = awaited(lambda: minimal(*few, system), COMPILING)
+        grid = awaited(lambda: minimal(*few), COMPILING)
         drawing.write(_surface(grid, parameters), figure, overwrite=overwrite)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
     return 0

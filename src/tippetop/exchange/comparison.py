@@ -79,6 +79,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     table = read(path, wrapped=bool(problem.system.vectors))
     given = motion(table, convention)
     t = given.t
+    if len(t) < 2:
+        raise InputError([f"`{path}`: at least two rows must have a number to compare, but {len(t)} has."])
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
             [f"`{path}`: times must begin at 0, the start of the reference, or later, but begin at {t[0]:g} s."]

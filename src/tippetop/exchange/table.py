@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..problem.one import UNTIL
 from .headers import Heading, heading
 
 
@@ -96,6 +97,8 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool) -> list[str]:
     if not (np.diff(t) > 0).all():
         row = int(np.flatnonzero(~(np.diff(t) > 0))[0]) + 2
         return [f"times must ascend, but that of row {row}, {t[row - 1]:.9g} s, follows {t[row - 2]:.9g} s."]
+    if max(-t[0], t[-1]) > UNTIL.most:
+        return [f"times must be within {UNTIL.most:g} s, but are from {t[0]:g} to {t[-1]:g} s."]
     if len(columns) == 1:
         return ["a column beside `t` must be there, but none is."]
     faults = []

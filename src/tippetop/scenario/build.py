@@ -35,7 +35,7 @@ from .contact import contact_faults, contact_tables, on_stem, rules_of, system_w
 from .numbers import measured, plain
 from .own_records import other_records
 from .quantities import worked_out
-from .reading import override, read
+from .reading import override, read, times_until
 from .schema import RunTable, scenario_model
 from .sentences import scenario_sentence
 
@@ -172,7 +172,7 @@ def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
     tables = override(tables, [f"run.until={until!r}"])
     times = tables["run"].get("output_times")
     if isinstance(times, list):
-        tables["run"]["output_times"] = [t for t in times if isinstance(t, int | float) and t <= until]
+        tables["run"]["output_times"] = times_until(times, until)
     return tables
 
 

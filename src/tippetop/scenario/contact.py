@@ -90,6 +90,12 @@ def contact_faults(problem: Problem) -> list[str]:
     R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
     if gap > HIGHEST * R:
         faults.append(f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, but is {gap:g}.")
+    fastest = math.sqrt(2 * body.g * HIGHEST * R)  # of a fall from there
+    if not abs(problem.initial.get("nu_z", 0.0)) <= fastest:
+        faults.append(
+            f"`initial.nu_z` must be within {fastest:.6g} m/s, that of a fall from {HIGHEST:g} times the body, but is "
+            f"{problem.initial['nu_z']:g}."
+        )
     least = (1 - 1e-12) * LEAST_PATCH * R  # which may be written
     if isinstance(problem.friction, Contensou) and not least <= problem.friction.patch <= R:
         small = (

@@ -1,9 +1,11 @@
 """TOML text becomes tables: files, presets, and `--set` assignments."""
 
+import math
 import re
 import tomllib
 from collections.abc import Mapping
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +56,7 @@ def read(source: str) -> dict[str, Any]:
                     ]
                 )
             return tomllib.loads(known[source])
-        return _parsed(path.read_text(encoding="utf-8"))
+        return _parsed(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
@@ -118,6 +120,14 @@ def without_output(run: dict[str, Any], given: Mapping[str, Any]) -> dict[str, A
     if not any(name in OUTPUT and (name, given[name]) != ("output", "times") for name in given):
         return run
     return {key: value for key, value in run.items() if key in given or key not in (*OUTPUT, "keyframe_steps")}
+
+
+def times_until(times: list[Any], until: Any) -> list[Any]:
+    """Output times up to another end. What is no ascending list of numbers stays, for the check to say so."""
+    numbers = all(isinstance(t, int | float) and math.isfinite(t) for t in times)
+    if not numbers or any(b <= a for a, b in pairwise(times)):
+        return times
+    return [t for t in times if t <= until]
 
 
 def _short(text: str) -> str:
