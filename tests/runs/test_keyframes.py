@@ -224,7 +224,7 @@ def test_keyframes_need_a_store_and_a_picture_rows(
     assert outcome([*words, "--figure", str(tmp_path / "a.png")]) == 2
     assert "must keep rows" in capsys.readouterr().err
     assert outcome(["plot", str(kept), "theta", "--out", str(tmp_path / "a.png")]) == 2
-    assert "keeps none" in capsys.readouterr().err
+    assert "has none: replay a part" in capsys.readouterr().err
     assert outcome(words) == 0
 
 

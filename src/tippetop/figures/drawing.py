@@ -66,7 +66,7 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
     if chosen.needs not in groups["trajectory"]:
         raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."])
     if not len(groups["trajectory"]["time"].values):
-        raise InputError([f"`{kind}` is drawn of rows, and this run keeps none: replay a part of it."])
+        raise InputError([f"`{kind}` is drawn of rows, and this run has none: replay a part of it, or resume it."])
     if ax is not None and (kind == "surface") != (getattr(ax, "name", "") == "3d"):
         raise InputError([f"`ax` of `{kind}` must be {'in 3-D' if kind == 'surface' else 'flat'}, but is not."])
     attrs = with_units(attrs) | {"handed_over": handed_over(groups)}
@@ -120,7 +120,7 @@ def several(
             words = FIGURES[kind].drawn_for
             raise InputError([f"`{kind}` is drawn for {words} only; one of these is {a_system(attrs['system'])}."])
         if not len(trajectory["time"].values):
-            raise InputError([f"`{kind}` is drawn of rows, and one of these runs keeps none: replay a part of it."])
+            raise InputError([f"`{kind}` is drawn of rows, and one of these runs has none: replay or resume it."])
     with styled(dark=look.dark, size=look.size):
         axes = overlay(kind, [(run, with_units(attrs)) for run, attrs in runs], [*map(literal, names)], ax)
         _finish(axes, look, own=ax is None)

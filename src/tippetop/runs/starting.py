@@ -45,6 +45,8 @@ def load(source: str | Path, assignments: list[str] | None = None, until: float 
     StoreError
         If `initial.from` names no store that a run can start from.
     """
+    if isinstance(assignments, str):
+        raise InputError([f"`assignments` must be a list of texts, but is {assignments!r:.60}."])
     tables = reading.override(reading.read(str(path_of("source", source))), assignments or [])
     return problem(tables if until is None else build.ending(tables, until), folder_of(source))
 

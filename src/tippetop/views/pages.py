@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..arguments import flag, path_of
+from ..arguments import flag, in_python, path_of
 from ..errors import StoreError
 from ..store.files import replacing, writing
 from . import rotations
@@ -152,7 +152,8 @@ class Page:
             If something is there already, or cannot be written.
         """
         place = path_of("path", path)
-        write(self.text, place, overwrite=overwrite)
+        with in_python():
+            write(self.text, place, overwrite=overwrite)
         return place
 
     def __repr__(self) -> str:
