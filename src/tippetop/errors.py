@@ -43,7 +43,6 @@ def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = ()
     here = {k: f"{table}.{k}" if table else k for k in known}
     near = elsewhere.get(name) or here.get(nearest(name, here) or "")
     near = near or elsewhere.get(nearest(name, elsewhere, VERY_NEAR) or "")
-    near = "" if near == key else near
     meant = f": {belongs}." if belongs else f"; did you mean `{near}`?" if near else "."
     return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
 

@@ -232,8 +232,10 @@ class Integration:
 
     def _own_ending(self) -> Event | None:
         """The event of the user that ended the run, if it was one: of those that may have, the nearest to its zero."""
-        scalars, body = self.view.scalars(self.last), self.view.body
         events = [e for e in self.problem.system.events if e.ends and Status.of_event(e.ends) is self.status]
+        if not any(hasattr(e.formula, "of") for e in events):
+            return None
+        scalars, body = self.view.scalars(self.last), self.view.body
         last = min(events, key=lambda e: abs(float(np.min(e.formula(scalars, body)))))
         return last if hasattr(last.formula, "of") else None
 
