@@ -84,6 +84,7 @@ def test_only_integrators_at_the_rounding_unit_add_up_in_two_numbers(
 ) -> None:
     """It costs a quarter, and a fit asks for 1e-9."""
     asked = []
+    monkeypatch.setenv("TIPPETOP_CACHE_DIR", "")
     monkeypatch.setattr(hy, "taylor_adaptive_batch", lambda *_, **options: asked.append(options["high_accuracy"]))
     kind = Numbers(tt.load("heavy-top")).kind(1)
     variational.compiled_motion.__wrapped__(kind, 1, True, tolerance, kind.variables.names)

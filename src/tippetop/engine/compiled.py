@@ -18,6 +18,7 @@ from ..mechanics.events import Event
 from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
+from .code_cache import compiled_once
 from .expressions import equations_of_motion
 from .opt_level import opt_level
 from .tallies import EventRows, event_rows
@@ -65,8 +66,7 @@ def compiled(
     compact: bool,
     orientation: bool,
 ) -> Compiled:
-    """The integrator of a system in a form with a friction law: compiled once per process (and cached on disk by
-    heyoka).
+    """The integrator of a system in a form with a friction law: compiled once, then loaded from disk.
 
     Parameters
     ----------
@@ -107,11 +107,13 @@ def compiled(
     level = opt_level() if sum(len(hy.expression(0.0) + rate) for _, rate in equations) < HUGE else 0
     options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact, "opt_level": level}
     if lanes:
-        integrator = hy.taylor_adaptive_batch(equations, np.zeros((len(equations), lanes)), tol=tolerance, **options)
+        zero = np.zeros((len(equations), lanes))
+        integrator = compiled_once(hy.taylor_adaptive_batch, equations, zero, tol=tolerance, **options)
     else:
         kind = float if number is np.float64 else number
         options |= {"tol": kind(tolerance), "fp_type": kind}
-        integrator = hy.taylor_adaptive(equations, np.zeros(len(equations), dtype=number), **options)
+        zero = np.zeros(len(equations), dtype=number)
+        integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
     rounding = rounding_of(machine.dense, len(equations), integrator.order) if machine and not lanes else UNKNOWN
     return Compiled(integrator, event_rows(system.events, sources, axis), machine, rounding, [], threading.local())

@@ -8,6 +8,7 @@ import heyoka as hy
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.variables import Variables
+from .code_cache import compiled_once
 from .opt_level import opt_level
 
 
@@ -111,7 +112,8 @@ def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
     form = system.forms[form_name]
     q, carried, body, rates = equations_of_motion(system, Variables(form), friction)
     outputs = [hy.expression(0.0) + value for value in orientation_of(form, q, carried, body)]
-    return hy.cfunc(outputs, vars=[variable for variable, _ in rates], opt_level=opt_level())
+    symbols = [variable for variable, _ in rates]
+    return compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())
 
 
 @lru_cache(maxsize=32)
@@ -128,4 +130,5 @@ def compile_observables(
     values = observed(system, form, q, carried, body)
     polar = near_poles(form, q, body) if system.undefined_at_poles else []
     outputs = [hy.expression(0.0) + value for value in (*values.values(), *polar)]
-    return tuple(values), hy.cfunc(outputs, vars=[variable for variable, _ in rates], opt_level=opt_level())
+    symbols = [variable for variable, _ in rates]
+    return tuple(values), compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())

@@ -19,6 +19,7 @@ from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.units import Scales
 from ..mechanics.variables import Variables
+from .code_cache import compiled_once
 from .expressions import observed, orientation_of
 
 
@@ -137,7 +138,7 @@ def compiled_starts(kind: Kind) -> Any:
     angles = kind.system.start(data, s, z, body)
     values = kind.variables.join(*kind.variables.start(data, angles, s, z, body))
     outputs = [e for row in line.derivatives(values, kind.order) for e in row]
-    return hy.cfunc(outputs, vars=[*numbers, *ways])
+    return compiled_once(hy.cfunc, outputs, vars=[*numbers, *ways])
 
 
 @lru_cache(maxsize=16)
@@ -152,9 +153,9 @@ def compiled_motion(kind: Kind, lanes: int, compact: bool, tolerance: float, wan
     pairs = [(hy.expression("d_" * k + names[i]), rates[k][i]) for k in range(kind.order + 1) for i in keep]
     places = [k * len(names) + i for k in range(kind.order + 1) for i in keep]
     careful = tolerance < COARSE  # sums of steps keep what rounding takes: a quarter of the cost
-    integrator = hy.taylor_adaptive_batch(
-        pairs, np.zeros((len(pairs), lanes)), tol=tolerance, high_accuracy=careful, compact_mode=compact
-    )
+    zero = np.zeros((len(pairs), lanes))
+    options = {"tol": tolerance, "high_accuracy": careful, "compact_mode": compact}
+    integrator = compiled_once(hy.taylor_adaptive_batch, pairs, zero, **options)
     return integrator, np.array(places)
 
 
@@ -224,4 +225,5 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None, timed: tuple[st
     names_of = variables.names
     needs = set().union(*(hy.get_variables(e) for e in outputs)) & set(names_of)
     inputs = [hy.expression("d_" * k + name) for k in range(kind.order + 1) for name in names_of]
-    return Readings(names, timed, tuple(sorted(needs)), hy.cfunc(outputs, vars=inputs, compact_mode=True))
+    function = compiled_once(hy.cfunc, outputs, vars=inputs, compact_mode=True)
+    return Readings(names, timed, tuple(sorted(needs)), function)

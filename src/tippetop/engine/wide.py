@@ -13,6 +13,7 @@ import numpy as np
 
 from ..mechanics.operand import leaves
 from ..problem import Problem
+from .code_cache import without_heyokas_cache
 from .compiled import Compiled
 from .observer import follow
 from .slices import STATUSES, Driver, Passages, Request, Slice, new_room
@@ -44,7 +45,8 @@ class SliceDriver(Driver):
         """Makes at most so many steps."""
         integrator = self.integrator
         before, state = int(self.tally["steps"]), self.state.copy()
-        outcome, *_, output, _ = integrator.propagate_until(self.end, max_steps=most, c_output=True)
+        with without_heyokas_cache():  # its dense output is compiled for each number of steps
+            outcome, *_, output, _ = integrator.propagate_until(self.end, max_steps=most, c_output=True)
         if output is None:  # not one step was possible
             broken = outcome == hy.taylor_outcome.err_nf_state
             none, no_states = np.zeros(0, int), np.zeros((0, len(state)), state.dtype)
