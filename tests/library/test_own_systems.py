@@ -12,8 +12,8 @@ import tippetop as tt
 from tippetop.ensembles import outcomes
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.contact.body import Body
-from tippetop.mechanics.form import Integral
-from tippetop.mechanics.operand import atan2, formula, sqrt
+from tippetop.mechanics.form import Exit, Integral
+from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, NEWTON, ONE, SECOND_PER_METRE
 
 
@@ -174,3 +174,50 @@ def test_a_top_with_more_in_its_body_is_shown() -> None:
     )
     run = tt.run("inverting", system=name, until=0.2, parameters={"W": 1e-3})
     assert "<html" in run.view().text
+
+
+class Spin(NamedTuple):
+    """A state that is written with a vector."""
+
+    u: Any
+
+
+PHASE = BASE.phase
+UP = tt.Event("up", "z = 1/2", formula(lambda s, b: s.z - 0.5))
+VECTORIAL = dataclasses.replace(PHASE.forms["vector"], units=Spin(Vector(ONE, ONE, ONE)))
+LIFTOFF = next(event for event in BASE.events if event.name == "liftoff")
+WITHOUT_WORK = namedtuple("WithoutWork", [n for n in BASE.angles._fields if n != "work"])
+WITHOUT_RATE = namedtuple("WithoutRate", [n for n in BASE.angles._fields if n != "theta_dot"])
+
+
+def without(record: Any) -> Any:
+    """`angles` with the fields of another record."""
+    return record._make(getattr(BASE.angles, name) for name in record._fields)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"phases": {"slip": PHASE, "fly": PHASE}}, "`phases` of `own-top` must be one Phase without exits, but are s"),
+        ({"exits": (Exit("liftoff", ("slip",), None),)}, "`phases` of `own-top` must be one Phase without exits"),
+        ({"laws": tt.LAWS}, "`laws` of `own-top` must be a dict of Law records by name, but is viscous"),
+        ({"forms": {"vector": VECTORIAL}, "vectors": {}}, "of the form `vector` .* must be numbers, .* `u` is Vector"),
+        ({"long_names": {}}, "`long_names` of `own-top` must describe each .* but lacks theta, theta_dot"),
+        ({"angles": without(WITHOUT_RATE)}, "`angles` of `own-top` must have the field `theta_dot`"),
+        ({"angles": without(WITHOUT_WORK)}, "the field `work`, .* for the form `vector` integrates it"),
+        ({"quantities": (), "integrals": ()}, "`quantities` of `own-top` must have `energy`"),
+        ({"vectors": {"axis": ("kx", "ky")}}, "`vectors` .* it lacks kx, ky"),
+        ({"events": (dataclasses.replace(LIFTOFF, kept=()),)}, "`kept` of the event `liftoff` .* `lifted_at`"),
+    ],
+)
+def test_what_a_run_would_stumble_over_is_refused_when_it_is_registered(changes: dict, message: str) -> None:
+    with pytest.raises(tt.InputError, match=message):
+        registered(**changes)
+    assert "viscous" in tt.LAWS
+    assert "own-top" not in tt.SYSTEMS
+
+
+def test_a_heavy_top_may_end_by_an_event_called_liftoff() -> None:
+    ending = dataclasses.replace(UP, name="above", ends="liftoff")
+    run = tt.run("heavy-top", start={"theta": 0.3}, events=[ending], on_liftoff="continue", until=0.3)
+    assert run.summary.status == "finished"

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tippetop.mechanics.consistency import inconsistencies
+from tippetop.mechanics.consistency import inconsistencies, unmet_requirements
 from tippetop.mechanics.system import Event, Exit, Form, Phase, System
 from tippetop.mechanics.systems import SYSTEMS, tippe_top
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND
@@ -52,6 +52,11 @@ BALL = dataclasses.replace(
 @pytest.mark.parametrize("system", [*SYSTEMS.values(), BALL], ids=lambda system: system.name)
 def test_systems_are_consistent(system: System) -> None:
     assert inconsistencies(system) == []
+
+
+@pytest.mark.parametrize("system", SYSTEMS.values(), ids=lambda system: system.name)
+def test_systems_of_the_package_have_what_a_run_needs(system: System) -> None:
+    assert unmet_requirements(system) == []
 
 
 def test_the_first_phase_speaks_for_a_system() -> None:

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
+from types import MappingProxyType
 from typing import Any
 
 from .events import Event
 from .parameter import rules_faults
 from .system import Exit, Form, Landscape, Phase, Quantity, System
+from .units import Unit
 
 
 ONCE = {
@@ -58,11 +60,53 @@ def inconsistencies(system: System) -> list[str]:
     return faults
 
 
+def unmet_requirements(system: System) -> list[str]:
+    """Return what a run needs and a consistent system lacks: one message each."""
+    of, phase, named = f"of `{system.name}`", system.phase, system.angles._fields
+    if len(system.phases) > 1 or phase.exits:
+        return [
+            f"`phases` {of} must be one Phase without exits, but are {', '.join(system.phases)}: exits are not "
+            "executed, so a run would stay in its first phase."
+        ]
+    faults = [
+        f"`angles` {of} must have the field `{name}`, which the event log reads, but has {', '.join(named)}."
+        for name in ("theta", "theta_dot")
+        if name not in named
+    ]
+    if lacking := [name for name in (*named, *system.vectors) if name not in system.long_names]:
+        faults.append(
+            f"`long_names` {of} must describe each field of `angles` and `vectors`, but lacks {', '.join(lacking)}."
+        )
+    if "energy" not in {quantity.name for quantity in phase.quantities}:
+        faults.append(f"`quantities` {of} must have `energy`, which the energy balance reads, but have not.")
+    for form in phase.forms.values():
+        faults += [
+            f"the state of the form `{form.name}` {of} must be numbers, each filled with its Unit, but `{name}` is "
+            f"{type(unit).__name__}: give the components of a vector one field each."
+            for name, unit in form.units._asdict().items()
+            if not isinstance(unit, Unit)
+        ]
+        if "work" not in named and any(integral.name == "work" for integral in form.integrals):
+            faults.append(
+                f"`angles` {of} must have the field `work`, which the energy balance reads, for the form "
+                f"`{form.name}` integrates it."
+            )
+    components = {name for names in system.vectors.values() for name in names}
+    known = phase.forms["vector"].units._fields if "vector" in phase.forms else ()
+    if missing := sorted(components.difference(known)):
+        faults.append(f"`vectors` {of} must be variables of a form `vector`, but it lacks {', '.join(missing)}.")
+    return faults + [
+        f"`kept` of the event `{event.name}` {of} must have a Kept of the name `lifted_at`, for it ends runs as liftoff."
+        for event in phase.events
+        if event.ends == "liftoff" and "lifted_at" not in [kept.name for kept in event.kept]
+    ]
+
+
 KINDS = (
     ("title", str, "a text"),
     ("source", str, "a text"),
     ("phases", Mapping, "Phase records by name"),
-    ("laws", Mapping, "Law records by name"),
+    ("laws", MappingProxyType, "a dict of Law records by name"),
     ("normalised_to", Mapping, "numbers by name"),
     ("long_names", Mapping, "texts by name"),
     ("integrals", (tuple, list), "a tuple of names"),

@@ -1,6 +1,7 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
 import dataclasses
+from collections import ChainMap
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -147,7 +148,7 @@ class System:
 
     def __post_init__(self) -> None:
         freeze(self, "parameters", "initial", "normalised_to", "phases", "long_names", "vectors")
-        if isinstance(self.laws, Mapping) and not isinstance(self.laws, MappingProxyType):  # a view: LAWS may grow
+        if isinstance(self.laws, dict | ChainMap):  # a view: friction.LAWS may grow
             object.__setattr__(self, "laws", MappingProxyType(self.laws))
 
     def __repr__(self) -> str:

@@ -199,7 +199,7 @@ class Integration:
     def reason(self) -> str:
         """The sentence that the user reads about the end."""
         t, status = self.t_end, self.status
-        lifted = self.log.tally.kept["lifted_at"] if self._may_lift_off() else None
+        lifted = self.log.tally.kept.get("lifted_at") if self._may_lift_off() else None
         beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
         if status is None:
             return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"

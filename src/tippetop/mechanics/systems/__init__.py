@@ -14,7 +14,7 @@ from typing import Any
 
 from ...errors import InputError
 from .. import friction
-from ..consistency import inconsistencies
+from ..consistency import inconsistencies, unmet_requirements
 from ..system import System
 from .answers import wrong_answers
 from .cylinder import GLIDING_CYLINDER
@@ -52,8 +52,8 @@ def add(system: System, *, here: bool = False) -> None:
 
 
 def check(system: System) -> None:
-    """Raises InputError for a system whose records contradict one another, or that has no body."""
-    if faults := inconsistencies(system) or wrong_answers(system):
+    """Raise InputError for a system whose records contradict one another, or that cannot be run."""
+    if faults := inconsistencies(system) or unmet_requirements(system) or wrong_answers(system):
         raise InputError(faults)
 
 
