@@ -54,6 +54,6 @@ def test_a_cylinder_has_no_inversion_and_passages_are_counted() -> None:
 
 
 def test_an_exponent_of_no_inversion_is_undefined() -> None:
-    sets = ["friction.law=coulomb", "friction.eps=1e-3", "initial.omega3=20.0"]
+    sets = ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3", "initial.omega3=20.0"]
     text = dict(lines(tippetop.run("inverting", sets, until=0.2).summary))["regularisation"]
     assert "exponent d log t/d log eps undefined" in text

@@ -152,8 +152,32 @@ def test_psi_dot_stands_for_omega3() -> None:
 
 
 def test_coulomb_law_is_built_with_its_units() -> None:
-    problem = build.load("inverting", ["friction.law=coulomb", "friction.eps=1e-3"])
+    problem = build.load("inverting", ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3"])
     assert problem.friction == Coulomb(0.3, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("preset", "assignments", "stale"),
+    [
+        ("inverting", ["friction.law=coulomb"], True),
+        ("inverting", ["friction.law=stribeck", "friction.eps=1e-3"], True),
+        ("inverting", ["friction.mu=0.3", "friction.law=coulomb"], False),
+        ("inverting", ["friction.law=latitude", "friction.mu_stem=0.2"], False),  # mu stays in s/m
+        ("cohen-coulomb", ["friction.law=viscous"], True),
+        ("inverting", ['friction={law="none"}'], False),
+    ],
+)
+def test_a_number_of_another_unit_does_not_pass_to_another_law(
+    preset: str, assignments: list[str], stale: bool
+) -> None:
+    try:
+        changed = reading.override(reading.read(preset), assignments)
+    except InputError as error:
+        assert stale
+        assert "`friction.mu` must be given anew: the law" in str(error)
+    else:
+        assert not stale
+        assert changed["friction"]["law"] != reading.read(preset)["friction"]["law"]
 
 
 def attempt(tables: dict) -> tuple[Problem | None, list[str]]:

@@ -150,6 +150,14 @@ def test_set_changes_the_law_too() -> None:
     assert of.problem(1).friction._asdict() == {"mu": 0.2, "eps": 2e-3}
 
 
+def test_a_law_of_another_unit_takes_no_number_from_the_scenario() -> None:
+    """Unless an axis gives it."""
+    change = {"friction": {"law": "coulomb", "eps": 1e-3}}
+    with pytest.raises(InputError, match="`friction.mu` must be given anew"):
+        made(OMEGA, set=change)
+    assert made({"of": "friction.mu", "values": [0.1, 0.2]}, set=change).n == 2
+
+
 OMEGA = {"of": "initial.omega3", "values": [100.0]}
 DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
 

@@ -17,6 +17,7 @@ from ..errors import InputError
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches
+from ..scenario.law_change import refuse_other_units
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived
@@ -219,12 +220,16 @@ def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
     else:
         beside = folder / shape.scenario
         tables = reading.read(str(beside) if beside.is_file() else shape.scenario)
+    before = dict(tables)
     for name, value in shape.set.items():
         old = tables.get(name)
         if isinstance(old, dict) and isinstance(value, dict):
             tables[name] = {**(reading.without_output(old, value) if name == "run" else old), **value}
         else:
             tables[name] = value
+    numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
+    law = shape.set.get("friction")
+    refuse_other_units(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
     initial = tables.get("initial")
     if isinstance(initial, dict) and "from" in initial:
         raise InputError(["`initial.from` must be the start of a single run, but many are asked for."])
