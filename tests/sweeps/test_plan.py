@@ -153,7 +153,7 @@ def test_set_changes_the_law_too() -> None:
 def test_a_law_of_another_unit_takes_no_number_from_the_scenario() -> None:
     """Unless an axis gives it."""
     change = {"friction": {"law": "coulomb", "eps": 1e-3}}
-    with pytest.raises(InputError, match="`friction.mu` must be given anew"):
+    with pytest.raises(InputError, match=r"`friction\.mu` must be given anew"):
         made(OMEGA, set=change)
     assert made({"of": "friction.mu", "values": [0.1, 0.2]}, set=change).n == 2
 

@@ -65,15 +65,16 @@ def unmet_requirements(system: System) -> list[str]:
     of, phase, named = f"of `{system.name}`", system.phase, system.angles._fields
     if len(system.phases) > 1 or phase.exits:
         return [
-            f"`phases` {of} must be one Phase without exits, but are {', '.join(system.phases)}: exits are not "
-            "executed, so a run would stay in its first phase."
+            f"`phases` {of} must be one Phase without exits, but are {', '.join(system.phases)}: "
+            "exits are not executed, so a run would stay in its first phase."
         ]
     faults = [
         f"`angles` {of} must have the field `{name}`, which the event log reads, but has {', '.join(named)}."
         for name in ("theta", "theta_dot")
         if name not in named
     ]
-    if lacking := [name for name in (*named, *system.vectors) if name not in system.long_names]:
+    lacking = [name for name in (*named, *system.vectors) if name not in system.long_names]
+    if lacking:
         faults.append(
             f"`long_names` {of} must describe each field of `angles` and `vectors`, but lacks {', '.join(lacking)}."
         )
@@ -81,8 +82,8 @@ def unmet_requirements(system: System) -> list[str]:
         faults.append(f"`quantities` {of} must have `energy`, which the energy balance reads, but have not.")
     for form in phase.forms.values():
         faults += [
-            f"the state of the form `{form.name}` {of} must be numbers, each filled with its Unit, but `{name}` is "
-            f"{type(unit).__name__}: give the components of a vector one field each."
+            f"the state of the form `{form.name}` {of} must be numbers, each filled with its Unit, "
+            f"but `{name}` is {type(unit).__name__}: give each component of a vector its own field."
             for name, unit in form.units._asdict().items()
             if not isinstance(unit, Unit)
         ]
@@ -93,10 +94,12 @@ def unmet_requirements(system: System) -> list[str]:
             )
     components = {name for names in system.vectors.values() for name in names}
     known = phase.forms["vector"].units._fields if "vector" in phase.forms else ()
-    if missing := sorted(components.difference(known)):
-        faults.append(f"`vectors` {of} must be variables of a form `vector`, but it lacks {', '.join(missing)}.")
+    missing = ", ".join(sorted(components.difference(known)))
+    if missing:
+        faults.append(f"`vectors` {of} must be variables of a form `vector`, but it lacks {missing}.")
     return faults + [
-        f"`kept` of the event `{event.name}` {of} must have a Kept of the name `lifted_at`, for it ends runs as liftoff."
+        f"`kept` of the event `{event.name}` {of} must have a Kept of the name `lifted_at`, for it "
+        "ends runs as liftoff."
         for event in phase.events
         if event.ends == "liftoff" and "lifted_at" not in [kept.name for kept in event.kept]
     ]

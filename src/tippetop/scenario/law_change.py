@@ -26,21 +26,22 @@ def refuse_other_units(before: Mapping[str, Any], after: Mapping[str, Any], give
     InputError
         One sentence for each such number.
     """
-    name, other = (_law_name(tables) for tables in (before, after))
-    if name is None or other is None or name == other:
+    names = _law_name(before), _law_name(after)
+    if None in names or names[0] == names[1]:
         return
-    old, new = _law(before, name), _law(after, other)
+    old, new = _law(before, names[0]), _law(after, names[1])
     if old is None or new is None:
         return
-    numbers = after["friction"]
-    kept = [name for name in new.parameters if name in old.parameters and name in numbers and name not in given]
-    faults = [
-        f"`friction.{name}` must be given anew: the law `{other}` takes it {_in(new.parameters[name].unit)}, "
-        f"but {numbers[name]} is that of `{name}`, {_in(old.parameters[name].unit)} "
-        f"(--set friction.{name}=...)."
-        for name in kept
-        if new.parameters[name].unit != old.parameters[name].unit
-    ]
+    numbers, faults = after["friction"], []
+    for name, rule in new.parameters.items():
+        if name not in old.parameters or name not in numbers or name in given:
+            continue
+        unit = old.parameters[name].unit
+        if rule.unit != unit:
+            faults.append(
+                f"`friction.{name}` must be given anew: `{names[1]}` takes it {_in(rule.unit)}, but "
+                f"{numbers[name]} is that of `{names[0]}`, {_in(unit)} (--set friction.{name}=...)."
+            )
     if faults:
         raise InputError(faults)
 
@@ -51,12 +52,12 @@ def _law_name(tables: Mapping[str, Any]) -> str | None:
     return name if isinstance(name, str) else None
 
 
-def _law(tables: Mapping[str, Any], name: str) -> "Law | None":
+def _law(tables: Mapping[str, Any], name: str | None) -> "Law | None":
     """Return a law of the system of a scenario; None if the system or the law is not known."""
     from ..mechanics.systems import find, laws_of  # half a second, which scenarios that keep their law do without
 
     system = find(tables["system"]) if isinstance(tables.get("system"), str) else None
-    return laws_of(system).get(name) if system is not None else None
+    return laws_of(system).get(name or "") if system is not None else None
 
 
 def _in(unit: Unit) -> str:
