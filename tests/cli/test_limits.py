@@ -126,6 +126,11 @@ def test_numbers_at_the_ends_of_the_doubles(
     assert (code == 0) == (not capsys.readouterr().err)
 
 
+def test_a_run_whose_thousandth_underflows_has_its_ends() -> None:
+    problem = build.load("inverting", ["run.output_step="], 4e-322)
+    assert list(problem.times[:]) == [0.0, 4e-322]
+
+
 @pytest.mark.parametrize(
     ("precision", "tolerance"), [("double", 1e-22), ("double", 1e-60), ("longdouble", 1e-30), ("quad", 1e-300)]
 )

@@ -51,6 +51,14 @@ def test_steps_of_friction_that_drills_grow_as_its_disc_slows(speed: float) -> N
     assert forecast.cost(replace(problem, until=100.0)) == forecast.cost(problem) | {"megabytes": ANY}
 
 
+def test_a_disc_without_sliding_friction_costs_what_one_with_hardly_any_does() -> None:
+    sets = ["friction.mu_r=1e-4", "friction.mu={}"]
+    none, hardly = (
+        cost(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0)) for mu in (0.0, 1e-12)
+    )
+    assert none == hardly
+
+
 def test_cost_is_proportional_to_what_is_asked_for() -> None:
     """To the time, to the spin, to the rows; wider numbers cost more for each step."""
     base = forecast.cost(build.load("inverting", until=100.0))

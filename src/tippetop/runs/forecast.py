@@ -177,6 +177,8 @@ def drilling(problem: Problem) -> tuple[float, float]:
     turn = max(abs(float(angular_velocity(u, L, ball).z)), RESTS_BELOW)
     drag, weight = inside(0.0, float(law.patch * turn) ** 2), float(body.m * body.g)
     slowing = -float(drilling_torque(weight, turn, drag, law.mu, law.patch) * turning(u, ball).own)
+    if slowing == 0:  # mu = 0: the disc does not slow the spin
+        return math.inf, 0.0
     rate = float(law.mu * weight * drag.k * mobility(math.sin(math.acos(u.z)), u.z, ball).ee)
     rest = SHARE * turn / slowing
     left = max(turn * (1 - problem.until / second / rest), RESTS_BELOW)

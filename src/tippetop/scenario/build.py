@@ -321,7 +321,8 @@ def _times(run: RunTable) -> EvenTimes | ListedTimes:
     """Times of the rows [s]; a grid always ends with `until` itself."""
     if run.output_times is not None:
         return ListedTimes(np.array(run.output_times, dtype=float))
-    return EvenTimes(run.output_step or run.until / 1000, run.until)
+    step = run.output_step or run.until / 1000 or run.until  # a thousandth may underflow
+    return EvenTimes(step, run.until)
 
 
 assert set(PRECISIONS) == set(get_args(RunTable.model_fields["precision"].annotation))
