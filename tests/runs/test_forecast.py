@@ -54,7 +54,7 @@ def test_steps_of_friction_that_drills_grow_as_its_disc_slows(speed: float) -> N
 def test_a_disc_without_sliding_friction_costs_what_one_with_hardly_any_does() -> None:
     sets = ["friction.mu_r=1e-4", "friction.mu={}"]
     none, hardly = (
-        cost(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0)) for mu in (0.0, 1e-12)
+        forecast.cost(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0)) for mu in (0.0, 1e-12)
     )
     assert none == hardly
 
@@ -93,7 +93,7 @@ def test_advice_is_given_to_long_runs_in_double_only() -> None:
 
 def test_only_regularised_friction_of_what_inverts_speaks_of_eps() -> None:
     """A long run is not made thrice to say it: the sentence comes without times."""
-    coulomb = ["friction.law=coulomb", "friction.eps=1e-3"]
+    coulomb = ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3"]
     found = forecast.assessment(build.load("inverting", coulomb, until=1e6))
     assert "eps decides" in found["regularisation"]
     assert "inversion_by_eps" not in found

@@ -178,6 +178,14 @@ def test_a_number_of_another_unit_does_not_pass_to_another_law(
         reading.override(reading.read(preset), assignments)
 
 
+@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top"])
+def test_no_rigid_body_has_more_axial_inertia_than_twice_the_transverse(preset: str) -> None:
+    disc = build.load(preset, ["parameters.I1=2e-5", "parameters.I3=4e-5"])
+    assert disc.parameters["I3"] == 2 * disc.parameters["I1"]
+    with pytest.raises(InputError, match=r"`parameters\.I3` must be at most 2\*I1 = 4e-05"):
+        build.load(preset, ["parameters.I1=2e-5", "parameters.I3=4.001e-5"])
+
+
 def attempt(tables: dict) -> tuple[Problem | None, list[str]]:
     try:
         return build.problem(tables), []

@@ -1,10 +1,11 @@
 """Warnings: what is allowed, but hardly meant; and an eps that has not converged."""
 
 import json
+from pathlib import Path
 
 import pytest
 
-from tippetop.cli import main
+from tippetop.cli import main, outcome
 from tippetop.runs import forecast
 from tippetop.scenario import build, reading
 from tippetop.scenario.suspicions import suspicions
@@ -27,6 +28,8 @@ def test_a_top_that_begins_below_its_plane_is_suspicious() -> None:
         (["initial.omega3="], "`initial.omega3` is not given: this top does not spin"),
         (["initial.theta="], "`initial.theta` is not given"),
         (["parameters.m=35.0", "parameters.I1=5.2e-3", "parameters.I3=5.6e-3"], "looks like grams"),
+        (["parameters.I1=9e-5", "parameters.I3=9e-5"], "`parameters.I1` is 9e-05 kg m2, 11.2 times m R^2"),
+        (["parameters.I1=3e-9", "parameters.I3=3e-9"], "`parameters.I3` is 3e-09 kg m2, 0.000375 times m R^2"),
         (["parameters.R=25.0", "parameters.I1=4.7", "parameters.I3=5.0"], "looks like millimetres"),
     ],
 )
@@ -41,6 +44,16 @@ def test_a_suspicion_is_said_and_changes_no_exit_code(sets: list[str], word: str
     assert any(word in sentence for sentence in json.loads(said.out)["warnings"])
     assert "tippetop: warning: " in said.err
     assert word in said.err
+
+
+def test_check_takes_another_end(capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["check", "rolling", "--until", "1 min", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["run"]["until"] == 60.0
+
+
+def test_check_of_a_plan_takes_no_end(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["check", str(file), "--until", "1"]) == 2
+    assert "`--until` cannot be used with a plan" in capsys.readouterr().err
 
 
 def test_a_potential_beyond_the_doubles_is_refused(capsys) -> None:

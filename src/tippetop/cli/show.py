@@ -8,6 +8,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from .numbers import Seconds
+
 
 Json = Annotated[bool, Parameter(name="--json", negative=())]
 
@@ -87,6 +89,7 @@ def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
 def check(
     scenario: str,
     *,
+    until: Seconds | None = None,
     set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
     try_: Annotated[bool, Parameter(name="--try", negative=())] = False,
     as_json: Json = False,
@@ -99,6 +102,8 @@ def check(
     ----------
     scenario
         TOML file, or preset (see `tippetop presets`), or the plan of a sweep.
+    until
+        End of the run [s, or with a unit: 2min], instead of the scenario's.
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
     try_
@@ -108,6 +113,7 @@ def check(
     """
     from rich.table import Table
 
+    from ..errors import InputError
     from ..runs import forecast, starting
     from ..runs.measuring import measured
     from ..runs.summary import form_sentence, regularisation
@@ -120,7 +126,11 @@ def check(
     if plan.is_plan(tables):
         from . import sweep
 
+        if until is not None:
+            raise InputError(["`--until` cannot be used with a plan: give `set.run.until` in it."])
         return sweep.examine(tables, Path(scenario).parent, as_json)
+    if until is not None:
+        tables = build.ending(tables, until)
     problem = starting.problem(tables, starting.folder_of(scenario))
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
     facts["warnings"] = warn(suspicions(problem))

@@ -120,7 +120,7 @@ class HeavyTop(Top):
     l : float
         Distance from the tip to the centre of mass [m], positive.
     I1, I3 : float
-        Transverse and axial moment of inertia about the centre of mass [kg m^2], positive.
+        Transverse and axial moment of inertia about the centre of mass [kg m^2], positive, I3 <= 2 I1.
     g : float
         Acceleration of gravity [m/s^2], positive.
 

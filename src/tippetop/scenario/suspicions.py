@@ -2,7 +2,7 @@
 
 import math
 
-from ..mechanics.units import KILOGRAM, METRE
+from ..mechanics.units import INERTIA, KILOGRAM, METRE
 from ..problem import Problem
 
 
@@ -12,10 +12,13 @@ LARGEST = {
 }
 """By unit: above it, a parameter of a top that stands on a table looks like another unit."""
 
+PLAUSIBLE = {"R": (0.01, 4.0), "l": (0.0, 100.0)}
+"""Moments of inertia over mass times this size squared: of a sphere with a stem; of a disc on a long or short leg."""
+
 
 def suspicions(problem: Problem) -> list[str]:
     """One sentence for everything that is suspicious; empty for most scenarios."""
-    return [*_left_out(problem), *_fallen(problem), *_other_units(problem)]
+    return [*_left_out(problem), *_fallen(problem), *_other_units(problem), *_odd_inertia(problem)]
 
 
 def _fallen(problem: Problem) -> list[str]:
@@ -48,3 +51,19 @@ def _other_units(problem: Problem) -> list[str]:
                 f"`parameters.{name}` is {value:g} {rule.unit.symbol}, which looks like {other}: units are SI."
             )
     return sentences
+
+
+def _odd_inertia(problem: Problem) -> list[str]:
+    """Return a sentence for each moment of inertia that no body of this mass and size can have."""
+    given, rules = problem.parameters, problem.system.parameters
+    size = next((name for name in PLAUSIBLE if name in given), None)
+    if size is None or "m" not in given:
+        return []
+    least, most = PLAUSIBLE[size]
+    whole = given["m"] * given[size] ** 2
+    return [
+        f"`parameters.{name}` is {given[name]:g} kg m2, {given[name] / whole:.3g} times m {size}^2 = "
+        f"{whole:.3g} kg m2: hardly a body of this mass and size; units are SI."
+        for name, rule in rules.items()
+        if rule.unit == INERTIA and not least * whole <= given[name] <= most * whole
+    ]

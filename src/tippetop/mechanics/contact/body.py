@@ -1,5 +1,6 @@
 """The gliding body and the functions of its state that do not depend on the form. [T 3.3, 4.1, 5.1]"""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..friction import slip_coefficient
@@ -22,6 +23,14 @@ class Body(NamedTuple):
 def body_units(friction: Any) -> Body:
     """The units of a Body."""
     return Body(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
+
+
+def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
+    """Return a sentence if I3 exceeds 2 I1: about its centre of mass, no rigid body has more."""
+    I1, I3 = parameters["I1"], parameters["I3"]
+    if I3 > 2 * I1:
+        return [f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but is {I3:.6g}."]
+    return []
 
 
 class Scalars(NamedTuple):

@@ -312,6 +312,7 @@ COMMON: dict[str, Any] = {
     "body_units": contact.body_units,
     "scales": lambda b: (b.m, -b.c),
     "normalised_to": {"m": 1.0, "R": 0.0, "c": -1.0},
+    "checks": contact.inertia_faults,
     "vectors": gliding.VECTORS,
     "potential": potential,
     "theta_inertia": theta_inertia,

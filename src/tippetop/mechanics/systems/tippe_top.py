@@ -52,14 +52,6 @@ def body(parameters, friction) -> Body:
     return Body(m, R, alpha * R, I1, I3, g, friction)
 
 
-def checks(parameters) -> list[str]:
-    """What the parameters break together."""
-    I1, I3 = parameters["I1"], parameters["I3"]
-    if I3 > 2 * I1:
-        return [f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but is {I3:.6g}."]
-    return []
-
-
 @formula
 def d(z, b):
     """d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit; D = L_3 sqrt(d). [T 4.7]"""
@@ -190,7 +182,7 @@ TIPPE_TOP = of_one_phase(
     long_names=gliding.LONG_NAMES,
     vectors=gliding.VECTORS,
     undefined_at_poles=gliding.UNDEFINED_AT_POLES,
-    checks=checks,
+    checks=contact.inertia_faults,
     laws=LAWS,
     potential=potential,
     theta_inertia=theta_inertia,
