@@ -1,5 +1,7 @@
 """F, its minimiser and its gradient against 60 digits: at random, next to the marked lines, for extreme bodies."""
 
+from functools import partial
+
 import landscape_oracle as oracle
 import mpmath as mp
 import numba
@@ -92,9 +94,9 @@ def test_gradient_is_that_of_the_exact_surface(points, count):
             near = (1 - found.z.item()) / (1 + found.z.item())
             if not 1e-8 < near < 1e8:  # z does not tell q
                 continue
-            z, D, lam = oracle.z_of(oracle.minimum(x, y, b, near)[1]), mp.mpf(x), mp.mpf(y)
-            by_D = mp.diff(lambda s, z=z, D=D, lam=lam: oracle.potential(z, D * s, lam, b), 1) / D
-            by_lam = mp.diff(lambda s, z=z, D=D, lam=lam: oracle.potential(z, D, lam * s, b), 1) / lam
+            V = partial(oracle.potential, oracle.z_of(oracle.minimum(x, y, b, near)[1]), b=b)
+            by_D = mp.diff(lambda s, V=V, D=mp.mpf(x), lam=mp.mpf(y): V(D * s, lam), 1) / mp.mpf(x)
+            by_lam = mp.diff(lambda s, V=V, D=mp.mpf(x), lam=mp.mpf(y): V(D, lam * s), 1) / mp.mpf(y)
             assert oracle.ulps(found.F_D.item(), by_D) < 4
             assert oracle.ulps(found.F_lambda.item(), by_lam) < 4
 
