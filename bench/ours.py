@@ -9,6 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.slices import Driver
 from tippetop.engine.taylor import driver_of
 from tippetop.mechanics.events import Event
 from tippetop.mechanics.operand import leaves
@@ -122,12 +123,18 @@ def with_events(minimal: Minimal) -> Callable[[float], Solver]:
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
         return Solver(
-            lambda made: made.advance(NoRows(), ENDLESS),
+            to_the_end,
             lambda: _solved(problem),
             lambda: driver_of(problem),
         )
 
     return solver
+
+
+def to_the_end(driver: Driver) -> None:
+    """Advance a driver to the end of its run: one call returns when the sample buffer is full."""
+    while driver.advance(NoRows(), ENDLESS).status is None:
+        pass
 
 
 def followed(minimal: Minimal) -> Callable[[float], Solver]:

@@ -18,7 +18,7 @@ from .coulomb_by_steps import inversion
 from .dop853 import Compiled
 from .equal import common, ratio, seconds
 from .minimal import COMPILER, Minimal
-from .ours import ENGINE, at, start_by_hand, tippe_top_by_hand
+from .ours import ENGINE, at, end_of, start_by_hand, tippe_top_by_hand, with_events
 from .peers import Peer
 
 
@@ -103,6 +103,15 @@ def test_dop853_converges_to_the_engine() -> None:
     errors = [np.abs(minimal.theta(solve(tolerance))[1:] - exact).max() for tolerance in (1e-8, 1e-11, 1e-14)]
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
     assert errors[2] < 1e-13
+
+
+def test_events_on_is_timed_to_the_end_of_the_run() -> None:
+    """A run of more steps than one call of the driver makes."""
+    minimal = made("rolling", until=60.0)
+    solver = with_events(minimal)(0.0)
+    driver = solver.setup()
+    solver.work(driver)
+    assert driver.clock[0] == end_of(minimal.problem)
 
 
 @pytest.mark.slow

@@ -39,9 +39,8 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     """
     if not isinstance(body, Body) or "omega3" not in values:
         return True
-    return bool(shows_sliding(body)) and not will_leave(
-        float(values["theta"][0]), float(values["omega3"][0]) / second, body
-    )
+    theta, omega3 = float(values["theta"][0]), float(values["omega3"][0]) / second
+    return bool(shows_sliding(body, np.cos(theta))) and not will_leave(theta, omega3, body)
 
 
 CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way", "rolling", "on-stem", "bouncing",
@@ -70,7 +69,7 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
     """
     known = isinstance(body, Body)
     if known and system.frictional:
-        settled = settled & shows_sliding(body)
+        settled = settled & shows_sliding(body, np.cos(theta))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     kinds = np.full(len(theta), CLASSES.index("under-way"))
     for name in system.classes:

@@ -148,6 +148,8 @@ def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
             measured.status[below] = Status.of_event(event.ends).code
             for name in ("t_end", *(kept.name for kept in event.kept if kept.what != "count")):
                 measured.columns[name][below] = 0.0
+            for end in ("min", "max"):
+                measured.columns[f"{event.extremes}_{end}"][below] = functions[below, e]
             measured.final[:, below] = tops.start[:, below]
             ended |= below
     return ended

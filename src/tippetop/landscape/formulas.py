@@ -26,6 +26,7 @@ class Point(NamedTuple):
     b: DoubleDouble  # X at the pole q = oo
     k: DoubleDouble  # times psi: what X has in between
     spin: DoubleDouble
+    other: DoubleDouble  # spin^2 - other^2 is
     offset: DoubleDouble  # what gamma V has besides weight and X^2 [J]
 
 
@@ -38,6 +39,7 @@ def at_momenta(first, second, c):
         tidy(plus(scaled(first, c.b1), scaled(second, c.b2))),
         scaled(second, c.k),
         spin,
+        other,
         minus(times(spin, spin), times(other, other)),
     )
 
@@ -99,24 +101,56 @@ def excess(q, level, p, c):
     return (V.head - level) + V.tail
 
 
+class MomentumSlopes(NamedTuple):
+    """q gamma/2 times dV/dD and dV/dlambda at q, and how they change on the way to the minimum."""
+
+    first: DoubleDouble
+    second: DoubleDouble
+    first_rate: Operand  # with ln(q)
+    second_rate: Operand
+    away: Operand  # of ln(q), to the minimum
+
+
+@formula
+def momentum_slopes(q, p, c):
+    """In double-doubles: where the minimum lies at X ~ 0, no double q has its X."""
+    root, t = psi(q, p, c), plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0))
+    h, bq = plus(c.sqrt_d0, scaled(q, c.sqrt_d1)), scaled(q, p.b)
+    Y, e = plus(plus(p.a, bq), times(p.k, root)), plus(root, h)
+    turn = quotient(minus(scaled(q, c.sqrt_d1), c.sqrt_d0), e, 1 / e.head)  # -2 psi'/psi
+    Y1 = minus(minus(bq, p.a), times(turn, times(p.k, root)))  # 2 Y', as first1 and second1 below
+    part = quotient(DoubleDouble(q, 0.0), t, 1 / t.head)
+    slope = plus(times(times(c.gamma, c.height_gain), times(part, part)), times(Y, Y1))
+    first, second = plus(c.a1, scaled(q, c.b1)), plus(plus(c.a2, scaled(q, c.b2)), times(c.k, root))
+    first1 = c.b1.head * q - c.a1.head
+    second1 = c.b2.head * q - c.a2.head - turn.head * c.k.head * root.head
+    return MomentumSlopes(
+        plus(times(Y, first), scaled(q, times(p.spin, c.spin1))),
+        minus(times(Y, second), scaled(q, times(p.other, c.spin2))),
+        (Y1.head * first.head + Y.head * first1) / 2,
+        (Y1.head * second.head + Y.head * second1) / 2,
+        -(slope.head + slope.tail) / slopes(q, p, c)[1],
+    )
+
+
 @formula
 def gradient(q, p, c):
-    """dV/dD, dV/dlambda at q (for heavy tops dV/dL3, dV/dLz): that of the minimal surface where q is its minimum."""
-    K, d0, d1q = c.K.head, c.sqrt_d0.head, c.sqrt_d1.head * q
-    h = d0 + d1q
-    psi = c.k.head * (4 * K * q / (h + sqrt(h * h + 4 * K * q)))
-    t = 1 + q
-    y1, y2 = c.a1.head + c.b1.head * q, c.a2.head + c.b2.head * q + psi  # Y by D and lambda
-    Y = (p.a.head + q * p.b.head) + 4 * p.k.head * K * q / (h + sqrt(h * h + 4 * K * q))
-    arm = c.alpha_plus_1.head * q + c.alpha_minus_1.head
-    roll = arm * Y + 2 * q * c.root_gamma.head * p.spin.head
-    per = 2 / (q * (c.gamma.head * t * t + c.sigma.head * (arm * arm + 4 * q * c.gamma.head)))
-    twist = 2 * q * c.root_gamma.head
-    by_Y, by_roll = t * t * Y, c.sigma_over_gamma.head * roll
-    by_spin = t * t * q * p.spin.head * c.spin1.head
+    """dV/dD, dV/dlambda at q (for heavy tops dV/dL3, dV/dLz)."""
+    s, per = momentum_slopes(q, p, c), 2 / (q * c.gamma.head)
+    return per * (s.first.head + s.first.tail), per * (s.second.head + s.second.tail)
+
+
+NEXT_TO = 1e-8  # of ln(q) from a minimum: one that has settled is nearer
+
+
+@formula
+def surface_gradient(q, p, c):
+    """dF/dD, dF/dlambda of the minimal surface, V at its minimum next to the double q."""
+    s, per = momentum_slopes(q, p, c), 2 / (q * c.gamma.head)
+    away = s.away if abs(s.away) < NEXT_TO else 0.0
     return (
-        per * (by_Y * y1 + by_spin + by_roll * (arm * y1 + twist * c.spin1.head)),
-        per * (by_Y * y2 + by_roll * (arm * y2)),
+        per * ((s.first.head + away * s.first_rate) + s.first.tail),
+        per * ((s.second.head + away * s.second_rate) + s.second.tail),
     )
 
 

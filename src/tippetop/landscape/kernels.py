@@ -21,7 +21,7 @@ class Kernels(NamedTuple):
     formulas: dict[str, Any]
 
 
-INLINED = ("at_momenta", "guess", "slopes", "value", "ends", "gradient")
+INLINED = ("at_momenta", "guess", "slopes", "value", "ends", "gradient", "surface_gradient")
 CALLED = ("curvature", "excess")  # from many places: not inlined, which saves a third of the compilation
 
 

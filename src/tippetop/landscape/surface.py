@@ -92,7 +92,7 @@ def gradients(
     from tippetop_kernels.grid import on_threads
 
     k, by_x, by_y = kernels(), np.empty_like(q), np.empty_like(q)
-    prepare, gradient = k.formulas["at_momenta"], k.formulas["gradient"]
+    prepare, gradient = k.formulas["at_momenta"], k.formulas["surface_gradient"]
     on_threads(
         lambda s: k.gradients(prepare, gradient, x[s], y, t.coefficients, q[s], by_x[s], by_y[s]), x.size, threads
     )
@@ -144,7 +144,7 @@ def minimal_surface(
     F is good to 1 ulp (tested: 4). The minimiser is good to the rounding of dV/dln(q) over d2V/dln(q)^2,
     q = tan(theta/2)^2: some 1e-15 relative in q, hence in theta and in 1 - |z|, except next to the points where the
     minimum flattens (lambda = lambda_pi on the line theta = pi), where the cube root of that is left. The gradient, by
-    the envelope theorem, is good to 1e-13 of the larger of |F_D|, F/|D| (likewise lambda).
+    the envelope theorem, is good to 3 ulp (tested: 4).
     """
     from tippetop_kernels.minimise import Status
 

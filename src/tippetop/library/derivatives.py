@@ -132,9 +132,9 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     Returns
     -------
     xarray.Dataset
-        `factor` (the largest growth of an error, in units of the body) and `exponent` (finite-time Lyapunov exponent,
-        s-1) along `time`; attributes `horizon` (when an error of 1e-16 has grown to 1e-3 [s]; NaN if it does not) and
-        `sentence`.
+        `factor` (the largest growth of an error, in the norm of 3hat, L and r' in units of m, R and the power of two
+        seconds nearest to sqrt(R/g)) and `exponent` (finite-time Lyapunov exponent, s-1) along `time`; attributes
+        `horizon` (when an error of 1e-16 has grown to 1e-3 [s]; NaN if it does not) and `sentence`.
 
     Raises
     ------

@@ -119,7 +119,7 @@ class Contensou(Friction):
     patch : float
         Radius of the disc [m], positive.
     mu_r : float, optional
-        Rolling resistance [m]: torque per normal force, at least 0; none by default.
+        Rolling resistance [m]: torque per normal force, at least 0; none by default. Impacts leave it out.
 
     Raises
     ------

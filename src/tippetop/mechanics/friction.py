@@ -10,6 +10,8 @@ from functools import reduce
 from operator import and_
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..errors import InputError, names_its_faults
 from .operand import Operand, exp, formula, select, sqrt
 from .parameter import rules_faults
@@ -187,7 +189,7 @@ CONTENSOU = Law(
     {
         "mu": _COULOMB,
         "patch": Parameter(METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", above=0),
-        "mu_r": Parameter(METRE, "rolling resistance: torque per normal force", least=0, default=0.0),
+        "mu_r": Parameter(METRE, "rolling resistance: torque per normal force; none within impacts", least=0, default=0.0),
     },
     "Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz pressure",
 )
@@ -218,6 +220,15 @@ def takes_nothing(law: Any) -> Any:
     if type(law) not in SLIP:  # a law of one system, which is no multiple of the sliding velocity
         return False
     return reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
+
+
+FAST2 = np.float64(1e6)  # |v_A|^2 [m^2/s^2] beyond that of any top
+
+
+def nowhere_vanishes(law: Any) -> bool:
+    """Return whether a law k g_n v_A acts wherever on the body the contact lies, at rest and in fast sliding."""
+    with np.errstate(all="ignore"):
+        return all(slip_coefficient(v2, z, law) > 0 for v2 in (np.float64(0), FAST2) for z in HEIGHTS)
 
 
 def add(name: str, law: Law) -> None:

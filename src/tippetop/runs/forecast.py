@@ -44,8 +44,10 @@ def at_start(problem: Problem) -> dict[str, float]:
         first = driver_of(problem).first
     values = Observables(problem).evaluate(first)
     start = {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
-    theta, theta_dot = (problem.initial.get(name, 0.0) for name in ("theta", "theta_dot"))
-    return start | {"at_pole": float(theta_dot == 0 and theta in (0.0, math.pi))}
+    moving = ("theta_dot",) if is_frictionless(problem.friction) else ("theta_dot", "nu_x", "nu_y")
+    at_rest = not any(problem.initial.get(name) for name in moving)
+    theta = problem.initial.get("theta", 0.0)
+    return start | {"at_pole": float(at_rest and theta in (0.0, math.pi)), "theta": theta}
 
 
 def _in_words(quantity: Any, value: float) -> float | str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays, with_phases
-from ..engine.slices import STEPS_PER_SLICE, Slice
+from ..engine.slices import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.status import Status
 from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.events import Event
@@ -129,6 +129,8 @@ class Integration:
         events = self.problem.system.events
         for event, value in zip(events, self.driver.at_start, strict=True):
             if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:
+                self.log.tally.kept |= {kept.name: 0.0 for kept in event.kept if kept.what != "count"}
+                self.monitor.force = Extremes(value, 0.0, value, 0.0)
                 return Status.of_event(event.ends)
         return None
 
@@ -212,6 +214,8 @@ class Integration:
             return f"settled: sliding died at t = {settled:.6g} s, stopped at t = {t:.6g} s{beyond}"
         if status in (Status.LIFTOFF, Status.FALLEN) and (own := self._own_ending()):
             return f"`{own.name}` ended the run as {status.value} at t = {t:.9g} s: {own.long_name}"
+        if status is Status.LIFTOFF and t == 0:
+            return "the body lifts off at the start (g_n < 0): the model does not hold there"
         if status is Status.LIFTOFF:
             return f"the body lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
         if status is Status.FALLEN:

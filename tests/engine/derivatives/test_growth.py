@@ -26,6 +26,34 @@ def test_about_an_unstable_equilibrium_errors_grow_as_the_linear_motion_says() -
         assert factor == pytest.approx(np.linalg.norm(matrix, 2), rel=1e-6)
 
 
+def state_at(nudge: dict[str, float], t: float) -> np.ndarray:
+    """3hat, L and r' of a tippe top that begins a little off, in units of m, R and 2^-4 s."""
+    run = tt.run("inverting", start={**START, **{k: START[k] + v for k, v in nudge.items()}}, until=t)
+    end = run.trajectory.isel(time=-1)
+    u, L = end.axis.values, end.L.values
+    p = run.attributes["parameters"]
+    m, R, c = p["m"], p["R"], p["alpha"] * p["R"]
+    omega = L / p["I1"] + (1 / p["I3"] - 1 / p["I1"]) * (L @ u) * u
+    e = np.array([u[0], u[1], 0.0]) / np.hypot(u[0], u[1])
+    v = end.nu_x.item() * e + end.nu_y.item() * np.array([-e[1], e[0], 0.0])
+    place = (v - np.cross(omega, c * u - [0.0, 0.0, R]))[:2]
+    return np.concatenate([u, L * SECOND / (m * R**2), place * SECOND / R])
+
+
+SECOND = 2.0**-4
+START = {"theta": 0.3, "phi": 0.1, "theta_dot": 2.0, "phi_dot": 5.0, "omega3": 100.0, "nu_x": 0.05, "nu_y": -0.1}
+
+
+def test_the_factor_is_that_of_nearby_runs() -> None:
+    """Differences of runs, in the norm of 3hat, L and r'."""
+    growth, t = tt.lyapunov("inverting", start=START, until=0.25, rows=2).factor.values[-1], 0.25
+    h = dict.fromkeys(START, 1e-6) | {"theta_dot": 1e-4, "phi_dot": 1e-4, "omega3": 1e-3}
+    first, last = (
+        np.array([(state_at({k: d}, t) - state_at({k: -d}, t)) / (2 * d) for k, d in h.items()]).T for t in (1e-9, t)
+    )
+    assert growth == pytest.approx(np.linalg.norm(last @ np.linalg.pinv(first), 2), rel=1e-5)
+
+
 def test_the_horizon_is_where_the_error_is_a_thousandth() -> None:
     t = np.linspace(0, 10, 11)
     growth = Growth(t, np.exp(4.0 * t))

@@ -25,7 +25,8 @@ class Growth(NamedTuple):
     times
         (rows,) [s], from 0.
     factor
-        The largest growth of an error, in the units of the body (mass, length, time), (rows,); 1 at the start.
+        The largest growth of an error, (rows,); 1 at the start. An error is measured by the Euclidean norm of the state
+        (of a tippe top 3hat, L, r') in units of m, R (of heavy tops l) and 2^k s, the nearest to sqrt(R/g).
     """
 
     times: np.ndarray
@@ -90,10 +91,11 @@ def growth(problem: Problem, times: np.ndarray, *, uses: int = 1) -> Growth:
     ways = numbers.directions(wrt)
     point = np.repeat(numbers.internal()[:, None], len(wrt), axis=1)
     moving = kind.variables.names[: kind.variables.moving]
+    counted = [i for i, name in enumerate(moving) if name != "L3"]  # L.3hat is counted with L
     states = Tangents(kind, problem.tolerance, uses=uses).states(
         point, ways, times / float(problem.scales.of(SECOND)), moving
     )
-    moves = states[:, 1, : len(moving)]  # (rows, variables, directions)
+    moves = states[:, 1, counted]  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..contact.body import Body, tip_inertia
 from ..contact.phases.rules import ContactLaw
-from ..friction import Contensou, SetValued, is_frictionless
+from ..friction import SLIP, Contensou, SetValued, Viscous, is_frictionless, nowhere_vanishes
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
@@ -34,6 +34,7 @@ UNLESS = ", unless it lifts off"
 """No bound of the normal force is proven, whatever the start."""
 STAYS = "stays at the pole until it is disturbed"
 FREE = "no friction: nothing is lost, and no state attracts"
+SOMEWHERE_FREE = "friction vanishes somewhere on the body or in fast sliding: no state is known to attract"
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -43,13 +44,17 @@ def tippe_top(b: Body, start: Start) -> Outlook:
     if is_frictionless(b.friction):
         fate = STAYS if start["at_pole"] else "theta nutates for ever" + UNLESS
         return Outlook(FREE, fate, {**thresholds(b), **_of_surface(b)})
+    acts = nowhere_vanishes(b.friction)
     if start["at_pole"]:
         fate = STAYS
+    elif not acts:
+        fate = ""
     elif len(now.attractors) == 1:
         fate = f"ends in {now.attractors[0]}" + UNLESS
     else:
         fate = "depends on the start: " + ", or ".join(now.attractors) + UNLESS
-    return Outlook(now.sentence(), fate, {**thresholds(b), **_of_surface(b)})
+    sentence = now.sentence() if acts else SOMEWHERE_FREE
+    return Outlook(sentence, fate, {**thresholds(b), **_of_surface(b)})
 
 
 def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
@@ -124,18 +129,19 @@ def gliding_heavy_top(b: Body, start: Start) -> Outlook:
         regime = f"without friction the upright spin is {'un' if growth > GROWS else ''}stable"
         return Outlook(regime, STAYS if start["at_pole"] else "", _sleeping(b))
     how = "spirals out slowly" if _sleeps(b, start) else "topples"
-    rate = f" (growth rate {growth:.3g} per second)" if math.isfinite(growth) else ""
-    return Outlook(
-        f"upright spin unstable at every speed{rate}: the top {how}",
-        STAYS if start["at_pole"] else "falls to the plane in the end" + UNLESS,
-        _sleeping(b),
-    )
+    rate = f" (growth rate {growth:.3g} per second)" if GROWS < growth < math.inf else ""
+    regime, fate = f"upright spin unstable at every speed{rate}: the top {how}", ""
+    if not nowhere_vanishes(b.friction):
+        regime = SOMEWHERE_FREE
+    elif start.get("theta", 0.0) < math.pi / 2:
+        fate = "falls to the plane in the end" + UNLESS
+    return Outlook(regime, STAYS if start["at_pole"] else fate, _sleeping(b))
 
 
 def cylinder(b: Body, start: Start) -> Outlook:
     """An eccentric cylinder that rolls, or comes to. [T ch. 6]"""
     if b.c == 0:
-        return Outlook("a round cylinder: gliding decays exponentially to rolling")
+        return Outlook("a round cylinder rolls as it began")
     omega = math.sqrt(b.m * b.g * b.c / (b.I1 + b.m * (b.R - b.c) ** 2))
     return Outlook(f"small oscillations in rolling have angular frequency {omega:.6g} rad/s")
 
@@ -143,11 +149,20 @@ def cylinder(b: Body, start: Start) -> Outlook:
 def gliding_cylinder(b: Body, start: Start) -> Outlook:
     """An eccentric cylinder that glides; without friction its centre of mass moves as it began. [T ch. 6]"""
     if not is_frictionless(b.friction):
-        return cylinder(b, start)
+        return Outlook(_round(b.friction)) if b.c == 0 else cylinder(b, start)
     if b.c == 0:
         return Outlook("a round cylinder: without friction it glides and turns as it began")
     omega = math.sqrt(b.m * b.g * b.c / b.I1)
     return Outlook(f"without friction small oscillations have angular frequency {omega:.6g} rad/s")
+
+
+def _round(law: Any) -> str:
+    """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is modified. [T 6.7]"""
+    if isinstance(law, Viscous):
+        return "a round cylinder: gliding decays exponentially to rolling"
+    if type(law) in SLIP and not nowhere_vanishes(law):
+        return "a round cylinder: its friction vanishes somewhere, so it may glide on"
+    return "a round cylinder: gliding decays to rolling"
 
 
 def _sleeps(b: Body, start: Start) -> bool:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.body import Body
-from ..friction import SLIP, Contensou, SetValued, slip_coefficient
+from ..friction import SLIP, Contensou, SetValued, slip_coefficient, takes_nothing
 
 
 def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
@@ -65,14 +65,14 @@ def is_nowhere_linear(omega3: float, law: Any, *, inverted: bool = False) -> boo
 SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
 
 
-def shows_sliding(b: Body) -> Any:
-    """Whether friction is so strong that a motion without loss is one without sliding: a loss k g_n |v_A|^2 below 1e-12
-    of its unit, at which a motion counts as settled, says |v_A| < 1e-3 sqrt(gR). Of one body, or of many, (n,)."""
+def shows_sliding(b: Body, z: Any) -> Any:
+    """Return whether friction at rest at z = cos(theta) is so strong that a settled motion is one without sliding:
+    k(0, z) |v_A|^2 below 1e-12 of its unit means |v_A| < 1e-3 sqrt(gR). Of one body, or of many, (n,)."""
     if (
         isinstance(b.friction, SetValued | Contensou) or type(b.friction) not in SLIP
     ):  # exact Coulomb friction sticks, and drilling takes without sliding
         return True
-    strength = slip_coefficient(0.0, 1.0, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
+    strength = slip_coefficient(0.0, z, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12
 
 
@@ -110,14 +110,16 @@ def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool =
     Notes
     -----
     Any friction decides as strong friction does, however weak: it takes energy, whose least value at this Jellett's
-    integral does not depend on it. A growth that is lost in rounding is therefore asked of stronger friction.
+    integral does not depend on it. A growth that is lost in rounding is therefore asked of stronger friction, and so is
+    that of friction which vanishes at the pole: near by it takes energy.
     """
     up = -1 if inverted else 1
     if gliding:
         with np.errstate(all="ignore"):
             slip = _slip(omega3, up, b.friction)
             least = WEAK / b.g * np.maximum(np.abs(omega3), np.sqrt(b.g / (b.R + np.abs(b.c))))
-            matrix = _gliding(omega3, b, up, np.where(slip > 0, np.maximum(slip, least), slip))
+            acts = (slip > 0) | (isinstance(b.friction, tuple(SLIP)) & np.logical_not(takes_nothing(b.friction)))
+            matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
         modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # NaN beyond the doubles would end all
         return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
