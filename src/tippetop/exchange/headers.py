@@ -1,12 +1,13 @@
 """What the header of a table says: the columns that stand there, by name and unit."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import suggestion
+from ..errors import first_sentences, suggestion
 
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
@@ -76,11 +77,15 @@ def heading(header: Sequence[str]) -> Heading:
     faults = [fault for _, _, fault in columns if fault]
     faults += [_unknown([name for name, _, fault in columns if name not in COLUMNS and not fault])]
     faults += [
-        f"the column `{name}` must stand once, but stands twice." for name in set(names) if names.count(name) > 1
+        f"the column `{name}` must stand once, but stands {'twice' if n == 2 else f'{n} times'}."
+        for name, n in Counter(names).items()
+        if n > 1
     ]
     if "t" not in names:
         faults.append("the times must be a column `t [s]`, but there is none.")
-    return Heading(tuple(range(len(names))), names, tuple(size for _, size, _ in columns), tuple(filter(None, faults)))
+    sizes = tuple(size for _, size, _ in columns)
+    sentences = first_sentences([fault for fault in faults if fault], str)
+    return Heading(tuple(range(len(names))), names, sizes, tuple(sentences))
 
 
 def _column(text: str) -> tuple[str, float, str]:
