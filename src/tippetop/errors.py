@@ -1,7 +1,7 @@
 """Errors that the user can mend: each is one or more sentences."""
 
 import functools
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
 
@@ -45,6 +45,16 @@ def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = ()
     near = near or elsewhere.get(nearest(name, elsewhere, VERY_NEAR) or "")
     meant = f": {belongs}." if belongs else f"; did you mean `{near}`?" if near else "."
     return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
+
+
+MOST_FAULTS = 20
+
+
+def first_sentences(faults: Sequence[Any], sentence: Callable[[Any], str]) -> list[str]:
+    """Return the sentences on the first faults and the number of the others; input may have millions."""
+    more = len(faults) - MOST_FAULTS
+    sentences = [sentence(fault) for fault in faults[:MOST_FAULTS]]
+    return [*sentences, f"{more} more faults were found."] if more > 0 else sentences
 
 
 def a_system(name: str) -> str:

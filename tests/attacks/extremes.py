@@ -77,7 +77,7 @@ def attack(number: int, rng: np.random.Generator, _: Path, prepared: dict[str, A
 
 
 def _compared(problem: Any, rng: np.random.Generator) -> Verdict:
-    from tippetop.runs.certificate import broken_promises
+    from tippetop.runs.certificate import contract_violations
     from tippetop.runs.run import solve
 
     theta = problem.initial["theta"]
@@ -100,7 +100,7 @@ def _compared(problem: Any, rng: np.random.Generator) -> Verdict:
             faults += _apart(theirs, wide, near, f"form {form.name} against longdouble", problem.until)
     if faults:
         return Verdict("wrong", "; ".join(faults))
-    broken = broken_promises(mine.report, problem.tolerance, problem.precision)
+    broken = contract_violations(mine.report, problem.tolerance)
     return Verdict("broken" if broken else "same", "; ".join(broken))
 
 

@@ -129,7 +129,7 @@ def _too_long(checked: Done) -> str:
 
 def _faults(said: dict[str, Any], checked: dict[str, Any], code: int) -> list[str]:
     """What cannot be in the JSON of a run that ended with 0 or 4."""
-    from tippetop.runs.certificate import PROMISED, PROMISED_OTHERWISE
+    from tippetop.runs.certificate import MAX_DRIFT, MAX_DRIFT_DEFAULT
 
     faults = []
     if said["status"] not in STATUSES or said["status"] in ("non-finite", "stalled"):
@@ -144,7 +144,7 @@ def _faults(said: dict[str, Any], checked: dict[str, Any], code: int) -> list[st
         faults += [
             f"{name} drifts by {drift} and nothing is said"
             for name, drift in said["drift"].items()
-            if drift is None or not drift <= PROMISED.get(name, PROMISED_OTHERWISE)
+            if drift is None or not drift <= MAX_DRIFT.get(name, MAX_DRIFT_DEFAULT)
         ]
     for table in ("parameters", "initial", "friction"):
         if said.get(table) != checked.get(table):

@@ -32,7 +32,7 @@ def a_bug(patch: Patch) -> None:
 
 
 def no_promise_can_be_kept(patch: Patch) -> None:
-    patch.setitem(certificate.PROMISED, "jellett", -1.0)
+    patch.setitem(certificate.MAX_DRIFT, "jellett", -1.0)
 
 
 def a_chunk_fails(patch: Patch) -> None:

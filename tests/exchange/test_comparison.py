@@ -4,12 +4,14 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import tippetop as tt
 from tippetop import cli
 from tippetop.errors import InputError
 from tippetop.exchange.simulators import start_of, text_of
+from tippetop.scenario import build
 from tippetop.store.export import export
 
 
@@ -62,6 +64,46 @@ def test_an_exported_run_is_its_own_scenario(run: tt.Run, tmp_path: Path, to: st
     assert found["rows"] == len(run.trajectory.time)
     assert all(found[name]["max"] < 2e-15 for name in ("theta", "axis", "attitude", "place"))
     assert found["omega3"]["max"] < 1e-11
+
+
+def test_columns_of_an_exported_run_are_read_alone(run: tt.Run, tmp_path: Path) -> None:
+    """The header names every unit, as for a table of another program."""
+    run.save(tmp_path / "run.zarr")
+    export(tmp_path / "run.zarr", "csv", tmp_path / "run.csv")
+    table = pd.read_csv(tmp_path / "run.csv")[["time [s]", "theta [rad]"]]
+    table.to_csv(tmp_path / "two.csv", index=False, float_format="%.17g")
+    assert tt.compare(tmp_path / "two.csv", SCENARIO).to_dict()["theta"]["max"] < 2e-15
+
+
+def exact(run: tt.Run) -> dict[str, np.ndarray]:
+    """The run as a perfect simulator writes it: with the velocity of the centre of mass."""
+    rows, body = run.trajectory, run.problem.body()
+    u, L, phi = rows.axis.values, rows.L.values, rows.phi.values
+    w = L / body.I1 + ((1 / body.I3 - 1 / body.I1) * (L * u).sum(axis=1))[:, None] * u
+    e, t = (np.stack([np.cos(a), np.sin(a), 0 * a], axis=1) for a in (phi, phi + np.pi / 2))
+    slip = rows.nu_x.values[:, None] * e + rows.nu_y.values[:, None] * t
+    velocity = slip - np.cross(w, body.c * u - [0, 0, body.R])
+    values = columns(run) | {"z [m]": body.R - body.c * u[:, 2]}
+    values |= {f"v{c} [m/s]": velocity[:, i] for i, c in enumerate("xyz")}
+    return values | {f"omega_{c} [rad/s]": w[:, i] for i, c in enumerate("xyz")}
+
+
+def test_energy_is_compared_with_the_exact_loss(run: tt.Run, tmp_path: Path) -> None:
+    """Friction takes energy from a perfect simulator too."""
+    found = tt.compare(written(tmp_path / "exact.csv", exact(run)), SCENARIO)
+    numbers = found.to_dict()
+    assert numbers["energy_drift"] > 1e-4
+    assert numbers["energy_error"] < 1e-13
+    assert numbers["jellett_error"] < 1e-13
+    assert "its energy differs from the exact one by up to" in str(found)
+
+
+def test_several_files_are_a_table_with_the_best_first(run: tt.Run, tmp_path: Path) -> None:
+    files = [written(tmp_path / f"{h:g}.csv", columns(run, h)) for h in (0.3, 0.1, 0.2)]
+    head, *rows = str(tt.compare(files, SCENARIO)).splitlines()
+    assert head.split()[:3] == ["file", "largest", "error"]
+    assert [Path(row.split()[0]).stem for row in rows] == ["0.1", "0.2", "0.3"]
+    assert ["never" in row for row in rows] == [True, True, False]
 
 
 def test_a_known_error_is_measured_and_its_order_found(run: tt.Run, tmp_path: Path) -> None:
@@ -149,6 +191,27 @@ def test_the_command_prints_json_and_draws(run: tt.Run, tmp_path: Path, capsys: 
     assert cli.outcome(["compare", str(other), str(store), "--json", "--figure", str(figure)]) == 0
     assert json.loads(capsys.readouterr().out)["attitude"]["rms"] < 1e-15
     assert figure.read_text(encoding="utf-8").count("<path") > 10
+
+
+def test_an_exported_model_follows_the_exact_motion(tmp_path: Path) -> None:
+    """As it is exported: with MuJoCo's default stiffness the top falls through 0.1 rad within 0.3 s."""
+    mujoco = pytest.importorskip("mujoco")
+    problem = build.load("inverting", ["friction.law=coulomb", "friction.mu=0.3"], until=0.3)
+    model = mujoco.MjModel.from_xml_string(text_of(problem, "mjcf"))
+    data, rows = mujoco.MjData(model), []
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    while data.time < 0.3:
+        rows.append([data.time, *data.qpos[3:]])
+        mujoco.mj_step(model, data)
+    names = ("t [s]", "q_w", "q_x", "q_y", "q_z")
+    file = written(tmp_path / "other.csv", dict(zip(names, np.array(rows)[::50].T, strict=True)))
+    assert tt.compare(file, problem).to_dict()["attitude"]["max"] < 0.02
+
+
+def test_numbers_of_a_model_are_short() -> None:
+    text = text_of(tt.load("inverting"), "mjcf")
+    assert 'friction="0.3 0 0"' in text
+    assert "0.29999" not in text
 
 
 def test_a_cylinder_is_no_body_for_a_simulator(tmp_path: Path) -> None:

@@ -125,16 +125,16 @@ def test_a_certificate_measures_the_error_of_the_run() -> None:
     good = certificate.certificate(problem)
     assert good["theta"] < 1e-12
     assert good["turnings"]["time"] < 1e-12
-    assert certificate.broken_certificate(good) == []
+    assert certificate.certificate_violations(good) == []
     spoiled = certificate.certificate(dataclasses.replace(problem, tolerance=1e-6))
     assert spoiled["theta"] > 100 * good["theta"]
-    assert certificate.broken_certificate({**good, "theta": 1e-9})
+    assert certificate.certificate_violations({**good, "theta": 1e-9})
 
 
 def test_a_broken_promise_is_said_and_exits_with_4(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(certificate.PROMISED, "jellett", 1e-18)
+    monkeypatch.setitem(certificate.MAX_DRIFT, "jellett", 1e-18)
     assert outcome(["run", "inverting", "--until", "1", "--json"]) == 4
     out, err = capsys.readouterr()
     assert "the accuracy contract is broken: the drift of jellett must be at most 1.0e-18" in err
@@ -171,7 +171,7 @@ def unevenness(parameter: float, rng: np.random.Generator) -> float:
 def test_the_rolling_preset_keeps_its_contract_over_ten_thousand_seconds() -> None:
     problem = build.load("rolling", ["run.output_step=1"], until=1e4)
     done = solve(problem, keep=False)
-    assert not certificate.broken_promises(done.report, ROUNDING["double"], "double")
+    assert not certificate.contract_violations(done.report, ROUNDING["double"])
 
 
 def test_the_rolling_preset_is_integrated_in_the_form_that_keeps_its_contract() -> None:

@@ -66,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 def _warn(message: Warning | str, *_: Any) -> None:
     """A warning of a library as one line of ours on stderr, without the place in the library's source."""
-    print(f"tippetop: warning: {' '.join(str(message).split())}", file=sys.stderr)
+    streams.report(f"warning: {' '.join(str(message).split())}")
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
@@ -109,5 +109,5 @@ def _known_errors(error: Exception) -> int | None:
 def complain(sentences: list[str], code: int) -> int:
     """Prints sentences on stderr and gives the exit code back."""
     for sentence in sentences:
-        print(f"tippetop: {sentence}", file=sys.stderr)
+        streams.report(sentence)
     return code

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .numbers import Whole
+from .streams import visible
 
 
 Json = Annotated[bool, Parameter(name="--json", negative=())]
@@ -63,7 +64,7 @@ def compare(
         from ..figures import drawing
 
         drawing.write(drawing.comparison(result.motions, result.title), figure, overwrite=overwrite)
-    _print(result, finite(result.to_dict()), as_json)
+    print(json.dumps(finite(result.to_dict()), allow_nan=False) if as_json else visible(str(result)))
     return 0
 
 
@@ -82,10 +83,6 @@ def _problem(source: str, assignments: list[str] | None) -> Any:
     if not assignments:
         return build.stored(attrs)
     return build.problem(reading.override(build.tables_of(attrs), assignments))
-
-
-def _print(result: Any, content: dict[str, Any], as_json: bool) -> None:
-    print(json.dumps(content, allow_nan=False) if as_json else str(result))
 
 
 def fit(
@@ -165,7 +162,7 @@ def fit(
             result.t, observation.dots(), measured.curves(observation, result), result.residuals, text
         )
         drawing.write(picture, figure, overwrite=overwrite)
-    print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else "\n".join(text))
+    print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else visible("\n".join(text)))
     return 0
 
 

@@ -234,12 +234,13 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     if as_json:
         print(json.dumps(attrs, allow_nan=False))
         return 0
-    print(attrs["title"])
-    for name in ("system", "parameters", "axes", "D", "lambda", "minimum", "versions"):
-        if name in attrs:
-            value = attrs[name]
-            text = ", ".join(f"{k} = {v}" for k, v in value.items()) if isinstance(value, dict) else value
-            print(f"{name}  {text}")
+    from .show import entries, plain
+    from .text import heading, table
+
+    heading(attrs["title"])
+    names = ("system", "parameters", "axes", "D", "lambda", "minimum", "versions")
+    given = [(name, attrs[name]) for name in names if name in attrs]
+    table((name, entries(v, {}) if isinstance(v, dict) else plain(v)) for name, v in given)
     return 0
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
@@ -12,6 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .numbers import Seconds
+from .streams import report
 
 
 def run(
@@ -54,14 +54,13 @@ def run(
     """
     from ..columns import require
     from ..errors import InputError
-    from ..progress import Bar
     from ..runs import attributes, starting
-    from ..runs.certificate import refuse_window
+    from ..runs.certificate import check_window
     from ..scenario.suspicions import suspicions
     from ..store import root
     from .text import following, warn
 
-    refuse_window(window, "--window")
+    check_window(window, "--window")
     if window is not None and not certify:
         raise InputError(["--window must stand with --certify, whose part it is."])
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
@@ -81,8 +80,8 @@ def run(
     if out is None:
         from ..runs.run import solve
 
-        with Bar("s", "t = {done:.4g} s") as bar:
-            done = solve(problem, following(bar), keep=figure is not None)
+        with following() as progress:
+            done = solve(problem, progress, keep=figure is not None)
         attrs = root.finite(attributes.attributes(done.problem, done.status, done.reason, done.final, done.report))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
@@ -90,9 +89,9 @@ def run(
         return _say(attrs, done.seconds, {"figure": figure}, as_json)
     from ..runs.recording import record
 
-    with Bar("s", "t = {done:.4g} s") as bar:
+    with following() as progress:
         integration, attrs = _interruptible(
-            lambda stop: record(problem, out, overwrite=overwrite, progress=following(bar), stop=stop), out
+            lambda stop: record(problem, out, overwrite=overwrite, progress=progress, stop=stop), out
         )
     if certify:
         attrs["certificate"] = _certificate(problem, window, out)
@@ -120,13 +119,12 @@ def resume(
     as_json
         Print the result as one JSON object.
     """
-    from ..progress import Bar
     from ..runs.extending import continued
     from .text import following
 
-    with Bar("s", "t = {done:.4g} s") as bar:
+    with following() as progress:
         integration, attrs = _interruptible(
-            lambda stop: continued(store, until, following(bar), stop=stop, accept_other_version=accept_other_version),
+            lambda stop: continued(store, until, progress, stop=stop, accept_other_version=accept_other_version),
             store,
         )
     return _say(attrs, integration.seconds, {"store": store}, as_json)
@@ -166,12 +164,12 @@ def replay(
     """
     from ..runs.replay import into_store
 
-    report = into_store(store, from_, until, step, out, overwrite=overwrite, accept_other_version=accept_other_version)
+    done = into_store(store, from_, until, step, out, overwrite=overwrite, accept_other_version=accept_other_version)
     if as_json:
-        print(json.dumps(report, allow_nan=False))
+        print(json.dumps(done, allow_nan=False))
         return 0
-    seconds = f"{report['steps']} steps, integrated in {1e3 * report['seconds']:.1f} ms"
-    print(f"{report['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {report['began']:.9g} s: {seconds}")
+    seconds = f"{done['steps']} steps, integrated in {1e3 * done['seconds']:.1f} ms"
+    print(f"{done['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {done['began']:.9g} s: {seconds}")
     print(f"store  {out}")
     return 0
 
@@ -187,7 +185,7 @@ def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: P
         except Interrupted:
             pass
     kept = f"what is done is kept. Continue with: tippetop resume {store}" if store.exists() else "nothing was stored."
-    print(f"tippetop: interrupted; {kept}", file=sys.stderr)
+    report(f"interrupted; {kept}")
     raise SystemExit(128 + stop.signal)
 
 
@@ -195,8 +193,9 @@ def _certificate(problem: Any, window: float | None, store: Path | None) -> dict
     """The certificate of a problem, also written into the store."""
     from ..runs.certificate import certificate
     from ..store.root import annotate, finite
+    from .text import following
 
-    result = finite(certificate(problem, window))
+    result = finite(certificate(problem, window, following))
     if store is not None:
         annotate(store, {"certificate": result})
     return result
@@ -220,13 +219,13 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
     from ..runs.results import summary_of
     from .text import summary
 
-    report = summary_of(attrs)
+    content = summary_of(attrs)
     if as_json:
-        print(json.dumps(report.to_dict(), allow_nan=False))
+        print(json.dumps(content.to_dict(), allow_nan=False))
     else:
-        summary(headline_of(attrs), report, seconds, places)
+        summary(headline_of(attrs), content, seconds, places)
     if attrs["status"] in ("non-finite", "stalled"):
-        print(f"tippetop: {attrs['reason']}", file=sys.stderr)
+        report(attrs["reason"])
         return 3
     return _contract(attrs)
 
@@ -243,15 +242,15 @@ def _refuse_plan(scenario: str) -> None:
 
 def _contract(attrs: dict[str, Any]) -> int:
     """4 and a sentence for each promise that was broken, else 0."""
-    from ..runs.certificate import broken_certificate, broken_promises, remedy
+    from ..runs.certificate import certificate_violations, contract_violations, suggest_form
 
-    broken = broken_promises(attrs["report"], attrs["tolerance"], attrs["precision"])
+    broken = contract_violations(attrs["report"], attrs["tolerance"])
     if "certificate" in attrs:
-        broken += broken_certificate(attrs["certificate"])
-    if broken and (better := remedy(attrs)):
+        broken += certificate_violations(attrs["certificate"])
+    if broken and (better := suggest_form(attrs)):
         broken[-1] += f" {better[0].upper()}{better[1:]}"
     for sentence in broken:
-        print(f"tippetop: the accuracy contract is broken: {sentence}", file=sys.stderr)
+        report(f"the accuracy contract is broken: {sentence}")
     return 4 if broken else 0
 
 

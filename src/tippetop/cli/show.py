@@ -27,12 +27,10 @@ def info(store: Path, *, as_json: Json = False, errors: Annotated[bool, Paramete
         Of a run: also how fast small errors of its start grow, and from when on a double says nothing. It is
         integrated again with its derivatives, which costs some ten runs.
     """
-    from rich.table import Table
-
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from ..store import root
-    from .text import console
+    from .text import heading, table
 
     attrs = root.attributes(store)
     if attrs.get("content") == "sweep":
@@ -49,24 +47,21 @@ def info(store: Path, *, as_json: Json = False, errors: Annotated[bool, Paramete
     if as_json:
         print(json.dumps(content.to_dict() | ({"errors": growth} if growth else {}), allow_nan=False))
         return 0
-    out = console()
-    out.print(attrs["title"], style="bold")
-    table = Table.grid(padding=(0, 2))
-    for name, text in lines(content):
-        table.add_row(name, text)
+    heading(attrs["title"])
+    rows = lines(content)
     if growth:
-        table.add_row("errors", growth["sentence"])
+        rows.append(("errors", growth["sentence"]))
     units = attrs["units"] | _units(attrs)
     for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
         if name in content:
-            table.add_row(name, _entries(content[name], units))
-    table.add_row("versions", ", ".join(f"{name} {version}" for name, version in content["versions"].items()))
-    table.add_row("tolerance", f"{content['tolerance']:.3g}, {content['precision']} precision")
-    table.add_row("processor", content["cpu"])
+            rows.append((name, entries(content[name], units)))
+    rows.append(("versions", ", ".join(f"{name} {version}" for name, version in content["versions"].items())))
+    rows.append(("tolerance", f"{content['tolerance']:.3g}, {content['precision']} precision"))
+    rows.append(("processor", content["cpu"]))
     for before in attrs.get("begun_with", []):
         words = ", ".join(f"{name} {version}" for name, version in before["versions"].items())
-        table.add_row("begun with", f"{words}; {before['cpu']}")
-    out.print(table)
+        rows.append(("begun with", f"{words}; {before['cpu']}"))
+    table(rows)
     return 0
 
 
@@ -111,8 +106,6 @@ def check(
     as_json
         Print the result as one JSON object.
     """
-    from rich.table import Table
-
     from ..errors import InputError
     from ..runs import forecast, starting
     from ..runs.measuring import measured
@@ -120,7 +113,7 @@ def check(
     from ..scenario import build, reading
     from ..scenario.suspicions import suspicions
     from ..sweeps import plan
-    from .text import console, warn
+    from .text import table, warn
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
@@ -143,20 +136,20 @@ def check(
 
         print(json.dumps(finite(facts), allow_nan=False))
         return 0
-    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()} | _units(facts)
-    table = Table.grid(padding=(0, 2))
+    units = units_of(problem)
+    rows = []
     for name, value in facts.items():
         if name == "regularisation":
             text = regularisation(facts)
         elif name == "form":
             text = form_sentence(facts)
         elif isinstance(value, dict):
-            text = _entries(value, units)
+            text = entries(value, units)
         else:
-            text = _plain(value)
+            text = plain(value)
         if name not in ("auto_form", "inversion_by_eps", "warnings"):  # in `regularisation`; on standard error
-            table.add_row(name.replace("_", " "), text)
-    console().print(table)
+            rows.append((name.replace("_", " "), text))
+    table(rows)
     return 0
 
 
@@ -205,10 +198,8 @@ def systems(*, as_json: Json = False) -> int:
     as_json
         Print the list as one JSON object.
     """
-    from rich.table import Table
-
     from ..mechanics.systems import SYSTEMS, laws_of, load_entry_points
-    from .text import console
+    from .text import heading, table
 
     load_entry_points()
     listing: dict[str, dict[str, Any]] = {
@@ -229,14 +220,10 @@ def systems(*, as_json: Json = False) -> int:
     if as_json:
         print(json.dumps(listing))
         return 0
-    out = console()
+    keys = ("forms", "parameters", "friction", "initial", "quantities", "integrals", "events")
     for number, (name, s) in enumerate(listing.items()):
-        out.print(f"{chr(10) if number else ''}{name}: {s['title']}", style="bold")
-        table = Table.grid(padding=(0, 2))
-        for key in ("forms", "parameters", "friction", "initial", "quantities", "integrals", "events"):
-            if s[key]:
-                table.add_row(f"  {key}", _listed(s[key]))
-        out.print(table)
+        heading(f"{chr(10) if number else ''}{name}: {s['title']}")
+        table((f"  {key}", _listed(s[key])) for key in keys if s[key])
     return 0
 
 
@@ -261,19 +248,14 @@ def presets(*, as_json: Json = False) -> int:
     as_json
         Print the list as one JSON object.
     """
-    from rich.table import Table
-
     from ..scenario.reading import presets as texts
-    from .text import console
+    from .text import table
 
     sources = {name: _comment(text) for name, text in texts().items()}
     if as_json:
         print(json.dumps(sources))
         return 0
-    table = Table.grid(padding=(0, 2))
-    for name, comment in sources.items():
-        table.add_row(name, comment)
-    console().print(table)
+    table(sources.items())
     return 0
 
 
@@ -287,9 +269,10 @@ def _comment(text: str) -> str:
     return " ".join(head)
 
 
-def _plain(value: Any) -> str:
+def plain(value: Any) -> str:
+    """Return a value as text; numbers have eight digits."""
     if isinstance(value, list):
-        return ", ".join(map(_plain, value))
+        return ", ".join(map(plain, value))
     if isinstance(value, bool):
         return "true" if value else "false"
     return f"{value:.8g}" if isinstance(value, float) else str(value)
@@ -305,7 +288,13 @@ def _units(tables: dict[str, Any]) -> dict[str, str]:
     return friction | {"until": "s", "output_step": "s", "output_times": "s"}
 
 
-def _entries(table: dict[str, Any], units: dict[str, str]) -> str:
+def units_of(problem: Any) -> dict[str, str]:
+    """Return the units of the keys of a scenario."""
+    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()}
+    return units | _units({"system": problem.system.name, "friction": {"law": problem.law_name}})
+
+
+def entries(table: dict[str, Any], units: dict[str, str]) -> str:
     """A table of a scenario, or of quantities, on one line: key = value unit."""
     return ", ".join(f"{key} = {_with_unit(entry, units.get(key, '1'))}" for key, entry in table.items())
 
@@ -314,8 +303,8 @@ def _with_unit(entry: Any, unit: str) -> str:
     """A number with its unit: `entry` is the number, or a record of value and unit."""
     if isinstance(entry, dict):
         entry, unit = entry["value"], entry["unit"]
-    plain = isinstance(entry, bool) or not isinstance(entry, int | float | list)
-    return _plain(entry) if plain or unit == "1" else f"{_plain(entry)} {unit}"
+    bare = isinstance(entry, bool) or not isinstance(entry, int | float | list)
+    return plain(entry) if bare or unit == "1" else f"{plain(entry)} {unit}"
 
 
 COMMANDS: dict[str, Any] = {"info": info, "check": check, "export": export, "systems": systems, "presets": presets}

@@ -58,6 +58,18 @@ def _text(raw: type[io.FileIO], fd: int, old: Any) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BufferedWriter(file), encoding, "backslashreplace", line_buffering=line_buffering)
 
 
+def visible(text: str) -> str:
+    """Escape control characters: a file of unknown origin may contain sequences that a terminal executes."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+
+
+def report(sentence: str) -> None:
+    """Print a sentence on standard error."""
+    print(f"tippetop: {visible(sentence)}", file=sys.stderr)
+
+
 def finished(code: int) -> int:
     """Writes what is left, at the end of the process; gives the exit code, which is another if that fails."""
     try:
@@ -65,7 +77,7 @@ def finished(code: int) -> int:
     except BrokenPipeError:
         pass
     except StoreError as error:
-        print(f"tippetop: {error}", file=sys.stderr)
+        report(str(error))
         code = code or 5
     else:
         return code

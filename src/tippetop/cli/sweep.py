@@ -76,33 +76,27 @@ def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) 
 
 def describe(report: dict[str, Any], as_json: bool) -> int:
     """Prints what is in a sweep's store."""
-    from rich.table import Table
-
     from ..store.root import finite
     from ..sweeps.summary import lines
-    from .text import console
+    from .text import heading, table
 
     if as_json:
         print(json.dumps(finite(report), allow_nan=False))
         return 0
-    out, table = console(), Table.grid(padding=(0, 2))
-    for name, text in lines(report):
-        table.add_row(name, text)
-    out.print(report["title"], style="bold")
-    out.print(table)
+    heading(report["title"])
+    table(lines(report))
     return 0
 
 
 def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
     """Prints what a plan would take."""
-    from rich.table import Table
-
     from ..awaiting import awaited
     from ..store.root import finite
     from ..sweeps import chunk
     from ..sweeps.measuring import measured
     from ..sweeps.plan import Plan
-    from .text import console
+    from .show import entries, plain, units_of
+    from .text import table
 
     plan = Plan.from_tables(tables, folder)
     columns = chunk.column_schema(plan.base, plan.keep).values()
@@ -120,12 +114,12 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
     if as_json:
         print(json.dumps(finite(report), allow_nan=False))
         return 0
-    table = Table.grid(padding=(0, 2))
-    for name, value in {**report, **report["plan"]["scenario"]}.items():
-        if name != "plan":
-            text = ", ".join(f"{k} = {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
-            table.add_row(name.replace("_", " "), text)
-    console().print(table)
+    units = units_of(plan.base) | {"compiling": "s"}
+    facts = report | report.pop("plan")["scenario"]
+    table(
+        (name.replace("_", " "), entries(value, units) if isinstance(value, dict) else plain(value))
+        for name, value in facts.items()
+    )
     return 0
 
 

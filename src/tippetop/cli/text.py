@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from ..runs.patience import Patience
 from ..runs.summary import lines
+from .streams import report, visible
 
 
 if TYPE_CHECKING:
-    from ..progress import Bar
     from .console import Console
 
 
@@ -35,12 +36,14 @@ def _narrow() -> bool:
 def warn(sentences: list[str]) -> list[str]:
     """Prints what is allowed, but hardly meant, on standard error; gives it back."""
     for sentence in sentences:
-        print(f"tippetop: warning: {sentence}", file=sys.stderr)
+        report(f"warning: {sentence}")
     return sentences
 
 
-def following(bar: Bar) -> Callable[[Any], None]:
-    """A run's progress callback, which tells a bar how far the integration has come, and warns of a long one."""
+@contextmanager
+def following() -> Iterator[Callable[[Any], None]]:
+    """Provide a run's progress callback: it draws a bar and warns of a long run."""
+    from ..progress import Bar
 
     def note(report: dict[str, Any]) -> str:
         drift = max(report["drift"].values(), default=0.0)
@@ -53,14 +56,25 @@ def following(bar: Bar) -> Callable[[Any], None]:
         bar.update(integration.t_end, integration.problem.until, lambda: note(integration.report()))
         patience(integration)
 
-    return follow
+    with Bar("s", "t = {done:.4g} s") as bar:
+        yield follow
 
 
 def summary(headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:
     """Prints a run in a few lines, without rich: to import it takes longer than to integrate."""
+    heading(headline)
+    table([*lines(info, seconds), *((name, str(place)) for name, place in places.items() if place is not None)])
+
+
+def heading(text: str) -> None:
+    """Print a line, bold on a terminal."""
     coloured = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
-    print(f"\x1b[1m{headline}\x1b[0m" if coloured else headline)
-    rows = [*lines(info, seconds), *((name, str(place)) for name, place in places.items() if place is not None)]
+    print(f"\x1b[1m{visible(text)}\x1b[0m" if coloured else visible(text))
+
+
+def table(rows: Iterable[tuple[str, str]]) -> None:
+    """Print names and texts in two columns; long texts are wrapped."""
+    rows = [(visible(name), visible(" ".join(text.split()))) for name, text in rows]
     indent = max(len(name) for name, _ in rows) + 2
     width = max(shutil.get_terminal_size().columns if _narrow() else WIDE, indent + 20)
     for name, text in rows:

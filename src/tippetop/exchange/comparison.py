@@ -39,7 +39,7 @@ class Compared(NamedTuple):
     t
         Times that were compared [s], (rows,).
     curves
-        Differences, and what is conserved, by name, (rows,) each.
+        Differences, those of energy and Jellett's integral relative to their first values, (rows,) each.
     theta, reference
         theta of both [rad], (rows,); of the other NaN where it has none.
     numbers
@@ -95,10 +95,12 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     if not curves:
         raise InputError([f"`{path}` must have theta, an axis, a quaternion or a place to be compared, but has none."])
     kept = conserved(there, problem)
+    errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: dict[str, Any] = {"file": str(path), "rows": rows, "from": float(t[0]), "until": float(run.times[-1])}
     numbers |= {name: _size(run.times, curve) for name, curve in curves.items()}
     for name, curve in kept.items():
         numbers[f"{name}_drift"] = float(np.nanmax(np.abs(curve)))
+        numbers[f"{name}_error"] = float(np.nanmax(np.abs(errors[name])))
     numbers |= _contact(there, problem)
     if rows < len(t):
         numbers["reference_ended"] = run.reason
@@ -107,13 +109,15 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         numbers["suspicion"] = faults
     match = STEP.search(Path(path).name.removesuffix(Path(path).suffix))
     step = float(match[1]) if match else None
-    return Compared(Path(path), step, run.times, curves | kept, theta, columns["theta"], numbers)
+    return Compared(Path(path), step, run.times, curves | errors, theta, columns["theta"], numbers)
 
 
 def reference(problem: Problem, times: np.ndarray) -> Solution:
     """The motion of a problem at given times [s], ascending, as far as it goes."""
     until = float(times[-1])
-    return solve(dataclasses.replace(problem, times=ListedTimes(times), until=until, output="times", stop_when="until"))
+    at = ListedTimes(times)
+    whole = dataclasses.replace(problem, times=at, until=until, output="times", stop_when="until")
+    return solve(dataclasses.replace(whole, columns=None))
 
 
 def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -159,12 +163,12 @@ def conserved(there: Motion, problem: Problem) -> dict[str, np.ndarray]:
         height, rise = there.place[:, 2], v[:, 2]
         speeds = scalars.speed2 + rise**2
         values["energy"] = body.m * speeds / 2 + contact.rotation_energy(scalars, body) + body.m * body.g * height
-    relative = {}
-    for name, value in values.items():
-        given = np.flatnonzero(np.isfinite(value))
-        if len(given):
-            relative[name] = value / value[given[0]] - 1
-    return relative
+    return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
+
+
+def _relative(values: np.ndarray) -> np.ndarray:
+    """Return the changes since the first known value, relative to it."""
+    return values / values[np.isfinite(values)][0] - 1
 
 
 def _contact(there: Motion, problem: Problem) -> dict[str, Any]:
@@ -221,9 +225,11 @@ def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
     stepped = sorted((c for c in compared if c.step), key=lambda c: -(c.step or 0))
     result = []
     for coarse, fine in itertools.pairwise(stepped):
+        if coarse.step == fine.step:
+            continue
         pair: dict[str, Any] = {"steps": [coarse.step, fine.step]}
         for name in ("theta", "attitude", "axis", "place"):
-            if name not in coarse.curves or name not in fine.curves or coarse.step == fine.step:
+            if name not in coarse.curves or name not in fine.curves:
                 continue
             over = np.flatnonzero(coarse.curves[name] > LEVELS[-1])
             end = coarse.t[over[0]] if len(over) else coarse.t[-1]
@@ -234,11 +240,16 @@ def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
     return result
 
 
+def main_quantity(numbers: dict[str, Any]) -> tuple[str, str]:
+    """Return the quantity by which motions are judged, and its unit."""
+    name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in numbers)
+    return name, {"place": "m", "omega3": "rad/s"}.get(name, "rad")
+
+
 def verdict(compared: Compared) -> list[str]:
     """What a comparison says, in sentences."""
     numbers, sentences = compared.numbers, []
-    name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in numbers)
-    unit = {"place": "m", "omega3": "rad/s"}.get(name, "rad")
+    name, unit = main_quantity(numbers)
     leaves = [(level, t) for level, t in numbers[name]["leaves"].items() if t is not None]
     until = f"to t = {numbers['until']:.6g} s"
     if leaves:
@@ -248,18 +259,16 @@ def verdict(compared: Compared) -> list[str]:
         )
     else:
         sentences.append(f"its {name} stays within {numbers[name]['max']:.2g} {unit} of the reference {until}.")
-    for key in ("energy", "jellett"):
-        if f"{key}_drift" in numbers:
-            what = (
-                "its energy changes"
-                if key == "energy"
-                else "its Jellett's integral, which no contact force changes, drifts"
-            )
-            sentences.append(f"{what} by up to {numbers[f'{key}_drift']:.2g} of its first value.")
+    for key, words in (("energy", "energy"), ("jellett", "Jellett's integral")):
+        if f"{key}_error" in numbers:
+            error = numbers[f"{key}_error"]
+            sentences.append(f"its {words} differs from the exact one by up to {error:.2g} of its first value.")
     if "contact" in numbers:
         c = numbers["contact"]
-        off = f"leaves it {c['times_off']} times, by up to {c['gap']:.2g} m" if c["times_off"] else "never leaves it"
-        sentences.append(f"it is up to {c['penetration']:.2g} m in the floor, and {off}.")
+        inside = f"up to {c['penetration']:.2g} m" if c["penetration"] else "never"
+        times = "once" if c["times_off"] == 1 else f"{c['times_off']} times"
+        off = f"leaves it {times}, by up to {c['gap']:.2g} m" if c["times_off"] else "never leaves it"
+        sentences.append(f"it is {inside} in the floor, and {off}.")
     if "reference_ended" in numbers:
         sentences.append(f"the reference ended before: {numbers['reference_ended']}.")
     return sentences

@@ -1,12 +1,13 @@
 """What the header of a table says: the columns that stand there, by name and unit."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import suggestion
+from ..errors import first_sentences, suggestion
 
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
@@ -37,7 +38,7 @@ COLUMNS: dict[str, tuple[dict[str, float], str]] = {
 """Name -> units with their size in SI, and what it is."""
 
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
-"""Columns that every run of tippetop has: with `time` before them a header is that of `tippetop export`."""
+"""Columns of every run of tippetop: after `time` they identify a header of `tippetop export`, which has more."""
 RENAMED = {"time": "t"} | {f"orientation_{c}": f"q_{c}" for c in "wxyz"}
 
 
@@ -61,26 +62,37 @@ class Heading(NamedTuple):
 
 
 def is_own(header: Sequence[str]) -> bool:
-    """Whether a header is that of a run which tippetop exported: our own names, SI."""
-    return bool(header) and header[0] == "time" and set(header) >= OWN
+    """Return whether a header is that of a run that tippetop exported, with or without units (then SI)."""
+    names = [text.partition(" [")[0] for text in header]
+    return names[:1] == ["time"] and set(names) >= OWN
 
 
 def heading(header: Sequence[str]) -> Heading:
     """What is read of a table with this header."""
+    places: Sequence[int] = range(len(header))
     if is_own(header):
-        known = [(i, RENAMED.get(name, name)) for i, name in enumerate(header)]
-        places, names = zip(*((i, name) for i, name in known if name in COLUMNS), strict=True)
-        return Heading(places, names, (1.0,) * len(names))
+        bare = [text.partition(" [")[0] for text in header]
+        places = [i for i, name in enumerate(bare) if RENAMED.get(name, name) in COLUMNS]
+        header = [header[i] if "[" in header[i] else _with_unit(bare[i]) for i in places]
     columns = [_column(text) for text in header]
     names = tuple(name for name, _, _ in columns)
     faults = [fault for _, _, fault in columns if fault]
     faults += [_unknown([name for name, _, fault in columns if name not in COLUMNS and not fault])]
     faults += [
-        f"the column `{name}` must stand once, but stands twice." for name in set(names) if names.count(name) > 1
+        f"the column `{name}` must stand once, but stands {'twice' if n == 2 else f'{n} times'}."
+        for name, n in Counter(names).items()
+        if n > 1
     ]
     if "t" not in names:
         faults.append("the times must be a column `t [s]`, but there is none.")
-    return Heading(tuple(range(len(names))), names, tuple(size for _, size, _ in columns), tuple(filter(None, faults)))
+    sizes = tuple(size for _, size, _ in columns)
+    sentences = first_sentences([fault for fault in faults if fault], str)
+    return Heading(tuple(places), names, sizes, tuple(sentences))
+
+
+def _with_unit(name: str) -> str:
+    """Return the header of an exported column without unit: SI, the first unit of its kind."""
+    return f"{name} [{next(iter(COLUMNS[RENAMED.get(name, name)][0]))}]"
 
 
 def _column(text: str) -> tuple[str, float, str]:
@@ -88,13 +100,13 @@ def _column(text: str) -> tuple[str, float, str]:
     match = re.fullmatch(r"\s*([A-Za-z_]\w*)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*", text)
     if not match:
         return text, 1.0, f"a header must be a name and a unit such as `theta [deg]`, but has {text!r:.60}."
-    name = match[1]
+    name = RENAMED.get(match[1], match[1])
     unit = ((match[2] if match[2] is not None else match[3]) or "").strip()
     if name not in COLUMNS or unit in COLUMNS[name][0]:
         return name, COLUMNS[name][0][unit] if name in COLUMNS else 1.0, ""
     given = f"has `{unit}`" if unit else "has none"
     words = " or ".join(f"[{u}]" for u in COLUMNS[name][0] if u)
-    return name, 1.0, f"the column `{name}` must have a unit, {words}, but {given}."
+    return name, 1.0, f"the column `{match[1]}` must have a unit, {words}, but {given}."
 
 
 def _unknown(names: Sequence[str]) -> str:
@@ -102,8 +114,7 @@ def _unknown(names: Sequence[str]) -> str:
     if not names:
         return ""
     known = ", ".join(name for name in COLUMNS if not re.fullmatch(r"q_\d", name))
-    own = " (a run that tippetop exported is read where it has all its columns)" if "time" in names else ""
     if len(names) == 1:
-        return f"the column `{names[0]}` is not known{own}.{suggestion(names[0], COLUMNS)} The columns are {known}."
+        return f"the column `{names[0]}` is not known.{suggestion(names[0], COLUMNS)} The columns are {known}."
     some = ", ".join(f"`{name}`" for name in names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-    return f"the columns {some} are not known{own}. The columns are {known}."
+    return f"the columns {some} are not known. The columns are {known}."

@@ -17,6 +17,7 @@ from ..problem import Problem
 
 FORMATS = ("mjcf", "urdf")
 TIP = 1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
+STEP = 1e-4  # [s]; a soft contact is as stiff as the step allows, see the table in docs/how-to/compare-a-simulator.md
 RESULT = "tippetop compare OTHER.csv SCENARIO"
 
 
@@ -68,7 +69,7 @@ def text_of(problem: Problem, to: str) -> str:
 
 
 def _numbers(*values: Any) -> str:
-    return " ".join(f"{float(v):.17g}" for part in values for v in np.ravel(part))
+    return " ".join(f"{float(v):.15g}" for part in values for v in np.ravel(part))
 
 
 def _balls(problem: Problem) -> list[tuple[str, float, float]]:
@@ -139,12 +140,16 @@ def _mjcf(problem: Problem) -> str:
         joint = "<freejoint/>"
         qpos, qvel = _numbers(start.place, start.quaternion), _numbers(start.velocity, start.omega)
     place = _numbers(0, 0, -body.c) if fixed else "0 0 0"
+    default = f'<default>\n    <geom solref="{_numbers(2 * STEP)} 1"/>\n  </default>\n  '
     if fixed:
         sentences.append("the tip is held by a ball joint at the origin: there is no plane")
+        default = ""
+    else:
+        sentences.append("the contact is as stiff as the step allows, solref = 2 timestep: change both together")
     return f"""{_comment(problem, sentences)}<mujoco model="{problem.system.name}">
-  <option timestep="0.001" gravity="0 0 {_numbers(-body.g)}" cone="elliptic" integrator="implicit" impratio="10"
+  <option timestep="{_numbers(STEP)}" gravity="0 0 {_numbers(-body.g)}" cone="elliptic" integrator="RK4" impratio="10"
           density="0" viscosity="0"/>
-  <worldbody>
+  {default}<worldbody>
     {floor}
     <body name="top" pos="{place}">
       {joint}

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..problem import Problem
-from .comparison import Compared, compare, orders, verdict
+from .comparison import Compared, compare, main_quantity, orders, verdict
 from .motion import Convention
 
 
@@ -34,11 +34,11 @@ class Verdict:
         }
 
     def __str__(self) -> str:
-        lines = []
-        for m in self.motions:
-            lines += [f"{m.path}: {sentence}" for sentence in verdict(m)]
-            if "suspicion" in m.numbers:
-                lines.append(f"{m.path}: {m.numbers['suspicion']}")
+        if len(self.motions) > 1:
+            lines = _table(self.motions)
+        else:
+            lines = [f"{m.path}: {sentence}" for m in self.motions for sentence in verdict(m)]
+        lines += [f"{m.path}: {m.numbers['suspicion']}" for m in self.motions if "suspicion" in m.numbers]
         for pair in self.orders:
             values = ", ".join(f"{name} {value:.2f}" for name, value in pair.items() if name != "steps")
             coarse, fine = pair["steps"]
@@ -47,6 +47,29 @@ class Verdict:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {', '.join(str(m.path) for m in self.motions)} with {self.title}>"
+
+
+HEAD = ("file", "largest error", "0.1 exceeded at", "until", "energy", "Jellett", "in the floor")
+
+
+def _table(motions: Sequence[Compared]) -> list[str]:
+    """Return a table of several motions, the best first, as lines."""
+    ordered = sorted(motions, key=lambda m: m.numbers[main_quantity(m.numbers)[0]]["max"])
+    rows = [HEAD, *map(_row, ordered)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+
+
+def _row(motion: Compared) -> tuple[str, ...]:
+    """Return the numbers of one motion as text; `-` for what its file lacks."""
+    numbers = motion.numbers
+    name, unit = main_quantity(numbers)
+    left = numbers[name]["leaves"]["0.1"]
+    changes = [f"{numbers[key]:.2g}" if key in numbers else "-" for key in ("energy_error", "jellett_error")]
+    contact = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
+    error = f"{name} {numbers[name]['max']:.2g} {unit}"
+    beyond = "never" if left is None else f"{left:.4g} s"
+    return (str(motion.path), error, beyond, f"{numbers['until']:.4g} s", *changes, contact)
 
 
 def judged(problem: Problem, files: Sequence[Path], convention: Convention) -> tuple[list[Compared], list[Any], str]:

@@ -1,11 +1,11 @@
 """A finished run as an object: tables, summary, figures, representations."""
 
 import html
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import in_python, path_of
+from ..caching import cached_property
 from ..errors import InputError, StoreError
 from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables

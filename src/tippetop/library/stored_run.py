@@ -1,10 +1,10 @@
 """A run in a store as an object: what a `Run` in memory offers, read when it is needed."""
 
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import path_of
+from ..caching import cached_property
 from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.systems import find

@@ -3,11 +3,12 @@
 from collections import namedtuple
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from ..caching import cached_property
 from .system import Form, Integral
 from .units import Scales, Unit
 

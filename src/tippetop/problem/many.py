@@ -6,11 +6,11 @@ Everything that is computed of a run is computed here; a single run is the case 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..caching import cached_property
 from ..errors import InputError
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit

@@ -2,12 +2,12 @@
 
 import dataclasses
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, ClassVar
 
 import heyoka as hy
 import numpy as np
 
+from ..caching import cached_property
 from ..errors import unknown_key
 from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactLaw, stem_faults
 from ..mechanics.friction import LAWS, Law

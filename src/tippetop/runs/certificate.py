@@ -1,107 +1,224 @@
-"""The accuracy contract: what every run promises of its invariants, and a second run in wider numbers as a witness."""
+"""Accuracy contract: the drift that a run may show, and its comparison with a wider precision."""
 
 import dataclasses
 import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import numpy as np
 
+from ..columns import Column
 from ..errors import InputError
 from ..problem import Problem
 from ..sampling import ListedTimes
+from . import phases
+from .attributes import groups
 from .patience import warning
 from .run import Solution, solve
 
 
-PROMISED = {"jellett": 1e-13, "axis_norm": 1e-13, "energy_balance": 1e-12}
-PROMISED_OTHERWISE = 1e-12  # any other integral: Routh's function, L_z, L_3
-GROWS_AFTER = 1e4  # [s]: rounding adds up like a random walk, so from here on the promise grows with sqrt(t)
-PROMISED_THETA = 1e-10  # [rad]: of theta against the wider run, over the certified window
-WIDER = {"double": "longdouble", "longdouble": "quad"}
-SAMPLES = 2001
+# Largest relative drift that a run may show, by invariant.
+MAX_DRIFT = {"jellett": 1e-13, "axis_norm": 1e-13, "energy_balance": 1e-12}
+
+# The same for all other integrals (Routh's function, L_z, L_3).
+MAX_DRIFT_DEFAULT = 1e-12
+
+# Rounding errors accumulate like a random walk: beyond this time [s] the bounds grow with sqrt(t).
+DRIFT_GROWS_AFTER = 1e4
+
+# The contract holds for runs at machine precision, not for looser tolerances.
+MAX_TOLERANCE = 2.3e-16
+
+# Distance from a pole [rad] below which a form that is singular there loses visible digits.
+POLE_DISTANCE = 0.5
+
+# Largest difference in theta [rad] between a run and its repetition in the next wider precision.
+MAX_THETA_ERROR = 1e-10
+
+NEXT_PRECISION = {"double": "longdouble", "longdouble": "quad"}
+CERTIFICATE_ROWS = 2001
 
 
-def broken_promises(report: dict[str, Any], tolerance: float, precision: str) -> list[str]:
-    """Sentences on the drifts that exceed the contract. A run at a tolerance of its own promises nothing."""
-    if tolerance > 2.3e-16:
+def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
+    """Return one message for each drift in a report that exceeds the contract."""
+    if tolerance > MAX_TOLERANCE:
         return []
-    growth = math.sqrt(max(1.0, report["t_end"] / GROWS_AFTER))
-    return [
-        f"the drift of {name.replace('_', ' ')} must be at most {bound:.1e}, but is {number:.1e}."
-        for name, drift in report["drift"].items()
-        if not (number := math.nan if drift is None else drift)  # as JSON has what is not finite
-        <= (bound := PROMISED.get(name, PROMISED_OTHERWISE) * growth)
-    ]
+    growth = math.sqrt(max(1.0, report["t_end"] / DRIFT_GROWS_AFTER))
+    messages = []
+    for name, drift in report["drift"].items():
+        bound = MAX_DRIFT.get(name, MAX_DRIFT_DEFAULT) * growth
+        if drift is None:  # JSON has no NaN
+            drift = math.nan
+        if not drift <= bound:  # also true for NaN
+            label = name.replace("_", " ")
+            messages.append(f"the drift of {label} must be at most {bound:.1e}, but is {drift:.1e}.")
+    return messages
 
 
-NEAR_POLE = 0.5  # [rad] where a form that is singular at the poles has lost digits that show
+def suggest_form(attrs: dict[str, Any]) -> str:
+    """Suggest a form that is regular at the poles to a run that lost digits near one.
 
+    Parameters
+    ----------
+    attrs : dict
+        Root attributes of the run.
 
-def remedy(attrs: dict[str, Any]) -> str:
-    """What keeps the promises that a run has broken, a sentence: a form that is regular at the poles, where it came
-    near one in another; empty where that is not why. `attrs` are its root attributes."""
-    report, form, better = attrs["report"], attrs["form"], attrs["auto_form"]["form"]
-    if form == better or "axis_norm" in report["drift"]:  # forms that integrate the axis are regular
+    Returns
+    -------
+    str
+        The suggestion; empty if the form is not the cause.
+    """
+    report, form = attrs["report"], attrs["form"]
+    regular_form = attrs["auto_form"]["form"]
+    integrates_axis = "axis_norm" in report["drift"]
+    if form == regular_form or integrates_axis:
         return ""
     band = report.get("nutational_band", {}).values()
-    angles = [a for a in (attrs["initial"].get("theta"), report["theta_end"], *band) if a is not None]
-    nearest = min((min(a, math.pi - a) for a in angles), default=math.pi)
-    if not nearest < NEAR_POLE:
+    angles = [attrs["initial"].get("theta"), report["theta_end"], *band]
+    distances = [min(angle, math.pi - angle) for angle in angles if angle is not None]
+    nearest = min(distances, default=math.pi)
+    if not nearest < POLE_DISTANCE:
         return ""
-    return f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: take form = "{better}".'
+    return (
+        f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: take form = "{regular_form}".'
+    )
 
 
-def refuse_window(window: float | None, name: str = "`window`") -> None:
-    """Raises InputError for what is no part of a run [s] from its start on."""
+def check_window(window: float | None, name: str = "`window`") -> None:
+    """Raise InputError unless the window [s] is None or positive and finite."""
     if window is not None and not 0 < window < math.inf:
         raise InputError([f"{name} must be greater than 0 and finite, but is {window:g}."])
 
 
-def certificate(problem: Problem, window: float | None = None) -> dict[str, Any]:
-    """Repeats the run from its start over `window` seconds (all of it if None) in this precision and in the next wider
-    one, and compares them: largest error of theta and of the state, and of the times of the turnings they share. The
-    window ends where the run does, if that is before."""
-    if problem.precision not in WIDER:
+Progress = Callable[[Any], None]
+
+
+@contextmanager
+def warned() -> Iterator[Progress]:
+    """Provide a progress callback that warns of a long run."""
+    yield warning()
+
+
+def certificate(
+    problem: Problem,
+    window: float | None = None,
+    following: Callable[[], AbstractContextManager[Progress]] = warned,
+) -> dict[str, Any]:
+    """Repeat a run in the next wider precision and compare.
+
+    Parameters
+    ----------
+    problem : Problem
+        The run; it is repeated from its start, in its own precision too.
+    window : float, optional
+        Compare only the first `window` seconds. By default the whole run.
+    following : callable, optional
+        Return a context with the progress callback of one run; called for each of the two.
+
+    Returns
+    -------
+    dict
+        Largest differences of every column of the trajectory (`columns`), of the times of the
+        turnings and of each column of phases and impacts that both runs share, in SI units;
+        `theta`, `theta_end` [rad] and `axis` repeat the most important ones. `against` is None if
+        there is no wider precision.
+    """
+    if problem.precision not in NEXT_PRECISION:
         return {"against": None, "reason": "no wider precision than quad"}
-    refuse_window(window)
+    check_window(window)
     until = min(problem.until, window or problem.until)
-    times = np.linspace(0.0, until, SAMPLES)
-    plain = dataclasses.replace(problem, until=until, times=ListedTimes(times), output="times", stop_when="until")
-    plain = dataclasses.replace(plain, columns=None, orientation=False)  # not compared, and no effect on what is
-    wide = dataclasses.replace(plain, precision=WIDER[problem.precision], tolerance=0.0)
-    mine, witness = solve(plain, warning()), solve(wide, warning())
-    rows = min(len(mine.times), len(witness.times))
-    theta = _difference(mine, witness, "theta", rows)
+    narrow = _comparable(problem, until)
+    wide = dataclasses.replace(narrow, precision=NEXT_PRECISION[problem.precision], tolerance=0.0)
+    with following() as progress:
+        run = solve(narrow, progress)
+    with following() as progress:
+        reference = solve(wide, progress)
+
+    tables, expected = groups(run), groups(reference)
+    columns = _differences(tables["trajectory"], expected["trajectory"])
     result: dict[str, Any] = {
         "against": wide.precision,
-        "window": [0.0, min(until, mine.report["t_end"])],
-        "theta": float(theta.max(initial=0.0)),
-        "theta_end": float(theta[-1]) if rows else 0.0,
-        "same_end": mine.status is witness.status,
+        "window": [0.0, min(until, run.report["t_end"])],
+        "theta": float(columns["theta"].max(initial=0.0)),  # NaN is a violation
+        "theta_end": float(columns["theta"][-1]) if len(columns["theta"]) else 0.0,
+        "same_end": run.status is reference.status,
+        "columns": {name: _largest(values) for name, values in columns.items() if name != "time"},
     }
-    if "axis" in problem.system.vectors:
-        result["axis"] = float(_difference(mine, witness, "axis", rows).max(initial=0.0))
-    turnings = [run.events.of("turning", significant=True).time for run in (mine, witness)]
-    shared = min(map(len, turnings))
-    if shared:
-        result["turnings"] = {"compared": shared, "counts": [len(t) for t in turnings]}
-        result["turnings"]["time"] = float(np.abs(turnings[0][:shared] - turnings[1][:shared]).max())
+    if "axis" in columns:
+        result["axis"] = _largest(columns["axis"])
+    if turnings := _compare_turnings(run, reference):
+        result["turnings"] = turnings
+    for name in phases.NAMES:
+        if name in tables:
+            result[name] = _compare_tables(tables[name], expected[name])
     return result
 
 
-def broken_certificate(result: dict[str, Any]) -> list[str]:
-    """Sentences on what the wider run contradicts."""
+def certificate_violations(result: dict[str, Any]) -> list[str]:
+    """Return one message for each way in which the wider run contradicts the run."""
     if result["against"] is None:
         return []
-    faults = []
-    if not result["theta"] <= PROMISED_THETA:
-        faults.append(
-            f"theta must be within {PROMISED_THETA:.0e} of the wider run, but differs by {result['theta']:.1e}."
+    messages = []
+    if not result["theta"] <= MAX_THETA_ERROR:
+        messages.append(
+            f"theta must be within {MAX_THETA_ERROR:.0e} of the wider run, but differs by {result['theta']:.1e}."
         )
     if not result["same_end"]:
-        faults.append("the run must end as the wider run does, but ends otherwise.")
-    return faults
+        messages.append("the run must end as the wider run does, but ends otherwise.")
+    return messages
 
 
-def _difference(mine: Solution, witness: Solution, name: str, rows: int) -> np.ndarray:
-    return np.abs(mine.columns()[name].values[:rows] - witness.columns()[name].values[:rows])
+def _comparable(problem: Problem, until: float) -> Problem:
+    """Return the problem with evenly spaced rows and without what is not compared."""
+    times = ListedTimes(np.linspace(0.0, until, CERTIFICATE_ROWS))
+    return dataclasses.replace(
+        problem,
+        until=until,
+        times=times,
+        output="times",
+        stop_when="until",
+        columns=None,
+        orientation=False,
+    )
+
+
+def _differences(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, np.ndarray]:
+    """Return the absolute differences of each column of numbers in the rows that both tables have."""
+    result = {}
+    for name, column in table.items():
+        if "flag_meanings" in column.attrs:
+            continue
+        rows = min(len(column.values), len(reference[name].values))
+        difference = np.abs(column.values[:rows] - reference[name].values[:rows])
+        if column.attrs["units"] == "rad":
+            difference = np.minimum(difference, np.abs(difference - 2 * np.pi))  # phi and psi jump
+        result[name] = difference
+    return result
+
+
+def _largest(differences: np.ndarray) -> float:
+    """Return the largest difference; rows in which a column is undefined (NaN) do not count."""
+    known = differences[~np.isnan(differences)]
+    return float(known.max(initial=0.0))
+
+
+def _compare_tables(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, Any]:
+    """Compare the rows that both tables have, in order."""
+    differences = _differences(table, reference)
+    counts = [len(next(iter(each.values())).values) for each in (table, reference)]
+    largest = {name: _largest(values) for name, values in differences.items()}
+    return {"compared": min(counts), "counts": counts, **largest}
+
+
+def _compare_turnings(run: Solution, reference: Solution) -> dict[str, Any]:
+    """Compare the times of the turnings that both runs have; empty if there are none."""
+    times = [each.events.of("turning", significant=True).time for each in (run, reference)]
+    shared = min(map(len, times))
+    if not shared:
+        return {}
+    return {
+        "compared": shared,
+        "counts": [len(each) for each in times],
+        "time": float(np.abs(times[0][:shared] - times[1][:shared]).max()),
+    }

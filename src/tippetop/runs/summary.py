@@ -155,14 +155,28 @@ def _equator(time: float | None, lifted: float | None) -> str:
     return "not in this time" if lifted is None else f"lifts off before, at {lifted:.5g} s"
 
 
+COMPARED = (
+    ("turnings", "turning times", "time"),
+    ("phases", "starts of phases", "start"),
+    ("impacts", "impacts", "time"),
+)
+"""Tables of a certificate, in words, and their times."""
+
+
 def _certificate(result: Mapping[str, Any]) -> str:
     if result["against"] is None:
         return result["reason"]
     span = f"against {result['against']} over {result['window'][1]:g} s"
     text = f"{span}: theta differs by at most {result['theta']:.1e} rad"
-    if "turnings" in result:
-        turnings = result["turnings"]
-        text += f", {turnings['compared']} turning times by {turnings['time']:.1e} s"
+    columns = result.get("columns", {})
+    place = [columns[name] for name in ("x", "y", "z") if name in columns]
+    if place:
+        text += f", the place by {max(place):.1e} m"
+    if "normal_force" in columns:
+        text += f", the normal force by {columns['normal_force']:.1e} N"
+    for name, words, time in COMPARED:
+        if name in result:
+            text += f", {result[name]['compared']} {words} by {result[name][time]:.1e} s"
     return text
 
 

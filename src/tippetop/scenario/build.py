@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..arguments import path_of
-from ..errors import InputError, suggestion
+from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.friction import LAWS
@@ -64,9 +64,9 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     try:
         scenario: Any = shape.model_validate(tables)
     except ValidationError as error:
-        raise InputError(
-            [scenario_sentence(e, system, tables, shape) for e in error.errors(include_url=False)]
-        ) from None
+        found = error.errors(include_url=False)
+        sentences = first_sentences(found, lambda e: scenario_sentence(e, system, tables, shape))
+        raise InputError(sentences) from None
     parameters = scenario.parameters.model_dump()
     initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
     run = scenario.run

@@ -102,8 +102,11 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
 
 
 def _csv(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
+    arrays = tables.read_member(store, groups[0])
+    units = {part: array.attrs.get("units", "1") for name, array in arrays.items() for part in _parts(name, array)}
     for i, table in enumerate(_tables(store, groups[0], attrs)):
-        table.to_csv(path, mode="a" if i else "w", header=not i, index=False, float_format="%.17g")
+        header = [name if units[name] in ("", "1") else f"{name} [{units[name]}]" for name in table] if not i else False
+        table.to_csv(path, mode="a" if i else "w", header=header, index=False, float_format="%.17g")
 
 
 def _parquet(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:

@@ -1,9 +1,10 @@
 """What a sweep varies: axes with numbers of their own form a grid, axes with a range are drawn together."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
+
+from ..caching import cached_property
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 import math
 import operator
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -11,9 +10,10 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
 from ..arguments import path_of
+from ..caching import cached_property
 from ..ensembles import ensemble
 from ..ensembles.outcomes import LYAPUNOV
-from ..errors import InputError
+from ..errors import InputError, first_sentences
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches
@@ -117,7 +117,7 @@ class Plan:
         try:
             shape = _Plan.model_validate(document)
         except ValidationError as error:
-            raise InputError([scenario_sentence(e) for e in error.errors(include_url=False)]) from None
+            raise InputError(first_sentences(error.errors(include_url=False), scenario_sentence)) from None
         sentences = [s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)]
         sentences += _design_faults(shape)
         base = None

@@ -1,0 +1,87 @@
+"""Printed text: control characters, width, units, and input with very many faults."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tippetop.cli import outcome
+from tippetop.exchange.headers import heading
+from tippetop.store import seal, skeleton
+
+
+SEQUENCE = "\x1b]0;title\x07\x1b[2J\x9b31m\u202e"
+
+
+def texts(attrs: dict[str, Any], path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Return the paths of all texts in nested attributes."""
+    found = []
+    for name, value in attrs.items():
+        if isinstance(value, dict):
+            found += texts(value, (*path, name))
+        elif isinstance(value, str):
+            found.append((*path, name))
+    return found
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("stores") / "run.zarr"
+    assert outcome(["run", "inverting", "--until", "0.05", "--out", str(path)]) == 0
+    return path
+
+
+def test_info_prints_no_control_characters_of_a_store(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every text of the attributes in turn is replaced by terminal sequences, and the store sealed again."""
+    file = store / "zarr.json"
+    good, codes = file.read_text(), set()
+    members = skeleton.sealed_members(skeleton.root_of(store))
+    for path in texts(json.loads(good)["attributes"]):
+        document = json.loads(good)
+        table = document["attributes"]
+        for name in path[:-1]:
+            table = table[name]
+        table[path[-1]] = SEQUENCE
+        file.write_text(json.dumps(document))
+        seal.put(store, members)
+        codes.add(outcome(["info", str(store)]))
+        printed = capsys.readouterr()
+        assert (printed.out + printed.err).replace("\n", "").isprintable(), path
+    file.write_text(good)
+    assert 0 in codes
+
+
+def test_messages_have_no_control_characters_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "top.toml"
+    file.write_text('system = "tippe-top"\n[run]\n"\\u001b[2J" = 1\n')
+    assert outcome(["check", str(file)]) == 2
+    assert r"`run.\x1b[2J`" in capsys.readouterr().err
+
+
+def test_info_pads_no_lines(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["info", str(store)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines == [line.rstrip() for line in lines]
+
+
+def test_check_prints_units_of_a_plan(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["check", str(file)]) == 0
+    printed = capsys.readouterr().out
+    assert "m = 0.02 kg, R = 0.02 m" in printed
+    assert "events = turning" in printed
+
+
+def test_a_million_unknown_keys_are_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "many.toml"
+    file.write_text("\n".join(['system = "tippe-top"', *(f"k{i} = 1" for i in range(30_000))]))
+    assert outcome(["check", str(file)]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 21
+    assert lines[-1] == "tippetop: 29983 more faults were found."  # three tables are missing
+
+
+@pytest.mark.parametrize("column", ["c{}", "c{} [", "t [s]"])
+def test_faults_of_many_columns_are_counted(column: str) -> None:
+    """Took minutes for 200,000 columns: every name was counted in all names."""
+    assert len(heading(["t [s]", *(column.format(i) for i in range(200_000))]).faults) <= 21
