@@ -1,13 +1,14 @@
 """Events and columns of one's own, as a store remembers them: a digest of what each says, to know it again by."""
 
 import hashlib
-from collections.abc import Callable, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from ..mechanics.events import Event
+from ..mechanics.moment import PLACE, Moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import Form, Quantity, System
 from ..mechanics.systems import find
@@ -103,17 +104,26 @@ def _written(formula: Callable, system: System, form: Form, friction: Any) -> li
     with np.errstate(all="ignore"):
         states = [(form.scalars(numbers(form.units), b), b) for b in (numbers(body) for _ in range(STATES))]
         scalars, body = states[0]
-        names = [f"x{i}" for i in range(len(leaves(scalars)) + len(leaves(body)))]
+        names = [f"x{i}" for i in range(len(leaves(scalars)) + len(leaves(body)) + len(PLACE))]
 
         def of_symbols(symbols: list[Any]) -> list[Any]:
             given = iter(symbols)
-            return [formula(refill(scalars, given), refill(body, given))]
+            known, of_body = refill(scalars, given), refill(body, given)
+            return [formula(_moment(known, given), of_body)]
 
         try:
             lines, results = function(JAVASCRIPT, names, of_symbols)
             return [*lines, *results]
         except Exception:  # the formula of a user may do with what it is fed what no program can
-            return [_value(formula, *state) for state in states]
+            place = random.uniform(0.5, 1.0, (STATES, len(PLACE)))
+            given = [(_moment(s, iter(p)), b) for (s, b), p in zip(states, place, strict=True)]
+            return [_value(formula, *state) for state in given]
+
+
+def _moment(scalars: Any, place: Iterator[Any]) -> Moment:
+    """Return a moment of these scalars whose place and axis are the next values."""
+    values = dict(zip(PLACE, place, strict=False))
+    return Moment(scalars, {name: partial(values.__getitem__, name) for name in PLACE})
 
 
 def _value(formula: Callable, scalars: Any, body: Any) -> str:
