@@ -13,7 +13,7 @@ from ..mechanics.events import Event
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..scenario.own_records import own_of
+from ..scenario.own_records import is_users
 from .events import Confirmation, EventTable
 
 
@@ -97,7 +97,8 @@ class EventLog:
         self.view, self.second = view, float(problem.scales.of(SECOND))
         self.known = known = _known(problem.system, problem.events)
         self.events, self.kinds, self.lasting = known.events, known.kinds, known.lasting
-        self.keeps_states = any(name in problem.events for name in own_of(problem).get("event", ()))
+        logged = [event for event in problem.system.events if event.name in problem.events]
+        self.keeps_states = any(is_users(event.formula) for event in logged)
         self.empty = replace(known.empty, state=self._states(np.zeros(0), first[:0]))
         self.confirmation = Confirmation()
         self.tally = Tally(
