@@ -59,7 +59,7 @@ def test_columns_are_the_formulas_of_the_system_in_si_units(system: str, form: s
     """Compiled over internal units, against numpy's formulas, scaled."""
     problem = made(system, form)
     view, rows = Observables(problem), rows_of(made(system, form), rng)
-    columns, scalars = view.columns(np.arange(7.0), rows), view.scalars(rows)
+    columns, scalars = view.columns(np.arange(7.0), rows), view.moment(rows)
     assert {quantity.name for quantity in problem.system.quantities} <= set(columns)
     for quantity in problem.system.quantities:
         exact = np.broadcast_to(quantity.formula(scalars, view.body), 7) * float(problem.scales.of(quantity.unit))

@@ -31,7 +31,7 @@ def test_main_equation_gives_the_motion_back(
         system, parameters, start, until, ("viscous", {"mu": 0.3}), times=np.linspace(0, until, 6001)
     )
     run, view = solve(made), Observables(made)
-    values, scalars, times = view.evaluate(run.rows), view.scalars(run.rows), made.internal_time(run.times)
+    values, scalars, times = view.evaluate(run.rows), view.moment(run.rows), made.internal_time(run.times)
     momenta = [values[name] for name in made.system.momenta]
     energy = values["modified_energy"]
     expected = made.internal_time(run.events.of("turning", significant=True).time)
@@ -57,7 +57,7 @@ def test_constant_momenta_need_no_turnings(system: str, parameters: dict, start:
     """Where D, lambda and E~ stay, Q does not depend on time and Q_t = 0 fixes no turning: 0.03 rad were lost by it."""
     made = examples.problem(system, parameters, start, 1.0, times=np.linspace(0, 1.0, 2001))
     run, view = solve(made), Observables(made)
-    values, scalars, times = view.evaluate(run.rows), view.scalars(run.rows), made.internal_time(run.times)
+    values, scalars, times = view.evaluate(run.rows), view.moment(run.rows), made.internal_time(run.times)
     momenta = [values[name] for name in made.system.momenta]
     expected = made.internal_time(run.events.of("turning", significant=True).time)
     found = reconstruct(

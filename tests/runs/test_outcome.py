@@ -79,7 +79,7 @@ def test_without_friction_nothing_ends(theta: float) -> None:
 
 @pytest.mark.parametrize("theta", [0.05, 0.11])
 def test_what_rolls_for_ever_near_a_pole_is_rolling(theta: float) -> None:
-    sets = [f"initial.theta={theta}", "friction.law=coulomb", "stem.r=0.004", "stem.h=0.017"]
+    sets = [f"initial.theta={theta}", "friction.law=coulomb", "friction.mu=0.3", "stem.r=0.004", "stem.h=0.017"]
     assert solve(build.load("inverting", sets, until=0.5), keep=False).report["outcome"] == "rolling"
 
 

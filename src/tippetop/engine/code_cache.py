@@ -40,9 +40,9 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     if known is not None:
         return pickle.loads(zlib.decompress(known))
     with without_heyokas_cache():
-        made = kind(*arguments, **options)
-    disk.write(kind.__name__, key, zlib.compress(pickle.dumps(made), level=1))
-    return made
+        result = kind(*arguments, **options)
+    disk.write(kind.__name__, key, zlib.compress(pickle.dumps(result), level=1))
+    return result
 
 
 class _Switch:

@@ -15,6 +15,7 @@ from tippetop_kernels.compiled_step import MachineCode, call, load
 from tippetop_kernels.dense_rows import UNKNOWN, rounding_of
 
 from ..mechanics.events import Event
+from ..mechanics.moment import moment
 from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
@@ -92,11 +93,11 @@ def compiled(
     """
     form, number = system.forms[form_name], PRECISIONS[precision]
     variables = Variables(form, orientation)
-    q, _, body, equations = equations_of_motion(system, variables, friction)
-    scalars = form.scalars(q, body)
+    q, carried, body, equations = equations_of_motion(system, variables, friction)
+    state = moment(system, form, q, carried, body)
     sources = []
     for event in system.events:
-        function = hy.expression(0.0) + event.formula(scalars, body)
+        function = hy.expression(0.0) + event.formula(state, body)
         source = _source(function, equations, partial(_at_zero, event, system, variables, friction))
         if not source and event.extremes and (integral := _integral_of(event, system, variables, friction)):
             source = integral, 1, INTEGRAL_SCALE, 0.0
@@ -140,8 +141,8 @@ def _at_zero(event: Event, system: System, variables: Variables, friction: Any, 
     state = np.ones(len(variables.names))
     state[index] = 0.0
     with np.errstate(all="ignore"):  # the others mean nothing
-        q, _ = variables.split(list(state))
-        return float(event.formula(variables.form.scalars(q, body), body))
+        q, carried = variables.split(list(state))
+        return float(event.formula(moment(system, variables.form, q, carried, body), body))
 
 
 STATES = 3  # at which a rate is compared
@@ -163,7 +164,7 @@ def _integral_of(event: Event, system: System, variables: Variables, friction: A
         with np.errstate(all="ignore"):
             q = variables.form.of_angles(angles, math.sin(theta), math.cos(theta), body)
             carried = variables.carried(*(next(numbers) for _ in variables.integrals))
-            wanted = float(event.formula(variables.form.scalars(q, body), body))
+            wanted = float(event.formula(moment(system, variables.form, q, carried, body), body))
             rates = np.array([float(integral.rate(q, carried, body)) for integral in variables.integrals])
         alike &= np.abs(rates - wanted) <= ALIKE * abs(wanted)
     return variables.moving + int(np.argmax(alike)) if alike.any() else 0

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import heyoka as hy
 
+from ..mechanics.moment import moment
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.variables import Variables
@@ -69,7 +70,7 @@ def integrated(variable: str) -> str:
 
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
     """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions."""
-    scalars, angles = form.scalars(q, body), form.to_angles(q, carried, body)
+    whole, angles = moment(system, form, q, carried, body), form.to_angles(q, carried, body)
     values = dict(angles._asdict())
     if system.vectors:
         vector, direct = system.forms["vector"], form.name == "vector"
@@ -82,7 +83,7 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
         values |= {component(name): getattr(state, name) for names in system.vectors.values() for name in names}
         if not direct and integrates_axis(system, form):
             values |= {integrated(name): getattr(q, name) for name in system.vectors["axis"]}
-    values |= {quantity.name: quantity.formula(scalars, body) for quantity in system.quantities}
+    values |= {quantity.name: quantity.formula(whole, body) for quantity in system.quantities}
     return values
 
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column, column
+from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves
 from ..mechanics.system import Form
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
@@ -36,9 +37,9 @@ class Observables:
         """The state record of the rows and the record of their integrals, in internal units."""
         return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
 
-    def scalars(self, rows: np.ndarray) -> Any:
-        """The scalars of the rows, or of one row, in internal units."""
-        return self.form.scalars(self.state(rows)[0], self.body)
+    def moment(self, rows: np.ndarray) -> Moment:
+        """Return what formulas read of the rows, or of one row, in internal units."""
+        return moment(self.system, self.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole. Not
@@ -102,8 +103,8 @@ class Observables:
 
     def domains(self, rows: np.ndarray) -> dict[str, float]:
         """Smallest value of each function that must stay positive, by its meaning."""
-        scalars = self.scalars(rows)
-        return {h.meaning: float(np.min(h.formula(scalars, self.body))) for h in self.form.domains}
+        state = self.moment(rows)
+        return {h.meaning: float(np.min(h.formula(state, self.body))) for h in self.form.domains}
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
         """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked for."""

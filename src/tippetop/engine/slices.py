@@ -248,10 +248,10 @@ def event_functions(problems: Problems) -> np.ndarray:
 
 def _event_functions(problems: Problems, start: Any, pars: Any) -> np.ndarray:
     body = problems.body_of_pars(pars)
-    scalars = problems.base.form.scalars(problems.record(start), body)
+    moment = problems.moment(start, body)
     functions = np.empty((problems.n, len(problems.base.system.events)))
     for e, event in enumerate(problems.base.system.events):
-        functions[:, e] = np.asarray(event.formula(scalars, body), float)
+        functions[:, e] = np.asarray(event.formula(moment, body), float)
     return functions
 
 

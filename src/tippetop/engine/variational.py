@@ -15,6 +15,7 @@ import numpy as np
 
 from ..mechanics.contact.body import Body, height
 from ..mechanics.friction import LAWS, Law
+from ..mechanics.moment import moment
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.units import Scales
@@ -190,19 +191,23 @@ def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any
         axes = orientation_of(form, q, carried, body)
         names = [f"{axis}_{c}" for axis in ("first", "third") for c in "xyz"]
         values |= dict(zip([*names, "psi"], axes, strict=False))
-    scalars = form.scalars(*_own_units(kind, q, body))
-    own = _own_units(kind, q, body)[1]
-    return values | {f"event {e.name}": e.formula(scalars, own) for e in kind.system.events}
+    own = _own_units(kind, q, carried, body)
+    state = moment(kind.system, form, *own)
+    return values | {f"event {e.name}": e.formula(state, own[2]) for e in kind.system.events}
 
 
-def _own_units(kind: Kind, q: Any, body: Any) -> tuple[Any, Any]:
-    """State and body in the units in which a run with these numbers would be integrated: events are looked for there,
-    and one whose level is not zero moves with them. The unit of time is a power of two, and stays."""
+def _own_units(kind: Kind, q: Any, carried: Any, body: Any) -> tuple[Any, Any, Any]:
+    """Return state, integrals and body in the units in which a run with these numbers would be integrated: events are
+    looked for there, and one whose level is not zero moves with them. The unit of time is a power of two, and stays."""
     mass, length = kind.system.scales(body)
     scales = Scales(mass, length * kind.form.length_unit, 1.0)
     units = leaves(kind.system.body_units(kind.law.units()))
-    state = type(q)(*(v / scales.of(unit) for v, unit in zip(q, kind.form.units, strict=True)))
-    return state, refill(body, iter([v / scales.of(u) for v, u in zip(leaves(body), units, strict=True)]))
+    of_state = kind.variables.units
+    state, integrals = (
+        type(record)(*(v / scales.of(of_state[name]) for name, v in record._asdict().items()))
+        for record in (q, carried)
+    )
+    return state, integrals, refill(body, iter([v / scales.of(u) for v, u in zip(leaves(body), units, strict=True)]))
 
 
 @lru_cache(maxsize=32)

@@ -100,9 +100,9 @@ def run(
     keyframe_steps : int, optional
         Steps of the integrator from one keyframe to the next, by default 8192.
     events : iterable of str or Event, optional
-        Names of the kinds that are logged, by default all; an empty list logs none. An Event is one of your own: it is
-        added to the system and logged, beside the kinds that are named, and beside all kinds if none is named. Its
-        name is letters, digits and _, and new.
+        The kinds that are logged, by name, by default all; an empty list logs none. An Event is one of your own: it is
+        added to the system and logged, and only the kinds that are named with it are logged too. Its name is letters,
+        digits and _, and new. Rows of `events` then have the columns of `trajectory` too: the state at the event.
     columns : iterable of str or Quantity, optional
         The columns that the rows have beside the time, by name: what is left out is neither stored nor, of the turn of
         the body, integrated; by default all. Columns of your own are Quantity records, functions of the scalars of a

@@ -46,6 +46,8 @@ def problem_of(
         return checked(source)
     named, own = _named(None if events is None else given_events(events), Event)
     named_columns, own_columns = _named(None if columns is None else given_columns(columns), Quantity)
+    if named_columns and len(own_columns) == len(named_columns):  # they are added to all columns
+        named_columns = None
     try:
         tables, record = _tables(source, system, friction)
         chosen = record or build.system_of(tables)
@@ -72,9 +74,8 @@ def problem_of(
             raise InputError([_needs_law(source)])
         _options(tables, until, {**run, "events": named, "columns": named_columns})
         chosen = extended(chosen, own, own_columns)
-        for key, more, names in (("events", own, named), ("columns", own_columns, named_columns)):
-            if more and names is None and key in tables.get("run", {}):
-                tables["run"][key] = [*tables["run"][key], *(record.name for record in more)]
+        if own_columns and named_columns is None and "columns" in tables.get("run", {}):
+            tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in own_columns)]
         return starting.problem(tables, starting.folder_of(source), chosen)
     except InputError as error:
         raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
@@ -121,12 +122,9 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
 
 
 def _named(given: list[Any] | None, record: type) -> tuple[list[str] | None, tuple[Any, ...]]:
-    """Names of the events to be logged, or columns to be kept, and records of one's own. No names, all of them, where
-    none is given and where only own ones are; if any is named, the own ones come beside those."""
-    given, everything = given or [], given is None
-    own = tuple(each for each in given if isinstance(each, record))
-    names = [each if isinstance(each, str) else each.name for each in given]
-    return (None if everything or (own and len(own) == len(given)) else names), own
+    """Return the names of the events to log or the columns to keep, None for all, and the user's records of them."""
+    own = tuple(each for each in given or () if isinstance(each, record))
+    return given and [each if isinstance(each, str) else each.name for each in given], own
 
 
 def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:

@@ -137,16 +137,14 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     plain = np.float64 if base.precision == "double" else np.longdouble
     pars, start = problems.pars.astype(float), problems.start.astype(float)
     body = problems.body_of_pars(pars.astype(plain))
-    scalars = base.form.scalars(problems.record(start.astype(plain)), body)
-    quantities = [(q.formula, q.formula(scalars, body)) for q in base.system.quantities]
+    moment = problems.moment(start.astype(plain), body)
+    quantities = [(q.formula, q.formula(moment, body)) for q in base.system.quantities]
     finite = np.ones(problems.n, bool)
     for value in (*pars, *start, *problems.weights):
         finite &= np.isfinite(np.asarray(value, dtype=float))
     own = [] if base.contact is not None else _of_law(problems)
     own += _of_ones_own(quantities, finite)
-    own += _of_ones_own(
-        [(e.formula, e.formula(scalars, body)) for e in base.system.events if _owner(e.formula)], finite
-    )
+    own += _of_ones_own([(e.formula, e.formula(moment, body)) for e in base.system.events if _owner(e.formula)], finite)
     for _, value in quantities:
         finite = finite & (np.abs(np.asarray(value, dtype=float)) < LARGEST)
     overflow = "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
@@ -159,7 +157,7 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
             for name, far in zip(names[moving:], np.abs(start[moving:]) > 1, strict=True)
         ),
     ] + [
-        (f"`initial` must allow a motion, but {h.meaning}.", ~(np.zeros(problems.n) + h.formula(scalars, body) > 0))
+        (f"`initial` must allow a motion, but {h.meaning}.", ~(np.zeros(problems.n) + h.formula(moment, body) > 0))
         for h in base.form.domains
     ]
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..caching import cached_property
 from ..errors import InputError
+from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit
 from ..mechanics.variables import Variables
@@ -193,6 +194,10 @@ class Problems:
     def record(self, states: np.ndarray) -> Any:
         """The state record of states (variables, k), in internal units."""
         return self.variables.split(states)[0]
+
+    def moment(self, states: np.ndarray, body: Any) -> Moment:
+        """Return what formulas read of states (variables, k), in internal units."""
+        return moment(self.base.system, self.base.form, *self.variables.split(states), body)
 
     # --- which of them can be -------------------------------------------------------------------------------------
 

@@ -1,17 +1,19 @@
 """The event log as it grows: zeros of a slice become rows, with what can only be known later as marks on older rows."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..columns import Column
 from ..engine.observables import Observables
 from ..engine.slices import Passages
 from ..mechanics.events import Event
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..scenario.own_records import is_users
 from .events import Confirmation, EventTable
 
 
@@ -94,7 +96,10 @@ class EventLog:
     def __init__(self, problem: Problem, view: Observables, first: np.ndarray):
         self.view, self.second = view, float(problem.scales.of(SECOND))
         self.known = known = _known(problem.system, problem.events)
-        self.events, self.kinds, self.empty, self.lasting = known.events, known.kinds, known.empty, known.lasting
+        self.events, self.kinds, self.lasting = known.events, known.kinds, known.lasting
+        logged = [event for event in problem.system.events if event.name in problem.events]
+        self.keeps_states = any(is_users(event.formula) for event in logged)
+        self.empty = replace(known.empty, state=self._states(np.zeros(0), first[:0]))
         self.confirmation = Confirmation()
         self.tally = Tally(
             before=view.theta(first),
@@ -104,7 +109,7 @@ class EventLog:
 
     def _value(self, kind: str, state: np.ndarray) -> float:
         """The function of an event in a state (variables,), internal units."""
-        return float(self.events[kind].formula(self.view.scalars(state), self.view.body))
+        return float(self.events[kind].formula(self.view.moment(state), self.view.body))
 
     # --- a slice --------------------------------------------------------------------------------------------------
 
@@ -168,7 +173,15 @@ class EventLog:
         for number, count in enumerate(np.bincount(logged.kind, minlength=len(self.kinds)).tolist()):
             self.tally.counts[self.kinds[number]] += count
         known = ~self.known.is_open[logged.event]
-        return EventTable(self.kinds, logged.seconds, logged.kind, logged.theta, logged.rising, swing, known)
+        columns = logged.seconds, logged.kind, logged.theta, logged.rising, swing, known
+        return EventTable(self.kinds, *columns, state=self._states(logged.seconds, logged.states))
+
+    def _states(self, seconds: np.ndarray, states: np.ndarray) -> dict[str, Column]:
+        """Return the columns of a trajectory at events, where the run logs user-defined ones."""
+        if not self.keeps_states:
+            return {}
+        columns = self.view.columns(seconds, states)
+        return {name: c._replace(dims=("event", *c.dims[1:])) for name, c in columns.items()}
 
     def _marks(self, confirmed: list[tuple[int, float]]) -> list[int]:
         """Adds confirmed turnings to the band; gives their rows."""

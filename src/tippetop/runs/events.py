@@ -1,6 +1,6 @@
 """The event log as a table: one row per event, and which turnings are more than rounding."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ class EventTable:
     theta_dot_sign: np.ndarray  # of theta' just after the event: +1 at a minimum of theta, -1 at a maximum; int8
     amplitude: np.ndarray  # swing |theta - theta of the turning before| [rad]; NaN for other kinds
     significant: np.ndarray  # False where rounding could have made the event, or it did not last; bool
+    state: dict[str, Column] = field(default_factory=dict, kw_only=True)  # of runs with user-defined events
 
     @classmethod
     def empty(cls, kinds: tuple[str, ...] = NUMBERED) -> "EventTable":
@@ -33,11 +34,15 @@ class EventTable:
         if not tables:
             return cls.empty()
         columns = zip(*(table.columns().values() for table in tables), strict=True)
-        return cls(tables[0].kinds, *map(np.concatenate, columns))
+        state = {
+            name: column._replace(values=np.concatenate([table.state[name].values for table in tables]))
+            for name, column in tables[0].state.items()
+        }
+        return cls(tables[0].kinds, *map(np.concatenate, columns), state=state)
 
     def columns(self) -> dict[str, np.ndarray]:
         """The columns by name."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "kinds"}
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("kinds", "state")}
 
     def of(self, kind: str, *, significant: bool = False) -> "EventTable":
         """The rows of one kind; only the significant ones, if asked."""
@@ -105,9 +110,10 @@ def event_columns(table: EventTable) -> dict[str, Column]:
         "theta": (RADIAN, "theta at the event"),
         "amplitude": (RADIAN, "swing of theta since the turning before (or the start); NaN unless a turning"),
     }
-    return {
+    columns = {
         name: column(values, *measured[name], ("event",))
         if name in measured
         else Column(("event",), values, {"units": "1", **about[name]})
         for name, values in table.columns().items()
     }
+    return {**table.state, **columns}

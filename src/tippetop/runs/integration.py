@@ -239,8 +239,8 @@ class Integration:
         events = [e for e in self.problem.system.events if e.ends and Status.of_event(e.ends) is self.status]
         if not any(hasattr(e.formula, "of") for e in events):
             return None
-        scalars, body = self.view.scalars(self.last), self.view.body
-        last = min(events, key=lambda e: abs(float(np.min(e.formula(scalars, body)))))
+        state, body = self.view.moment(self.last), self.view.body
+        last = min(events, key=lambda e: abs(float(np.min(e.formula(state, body)))))
         return last if hasattr(last.formula, "of") else None
 
     def _last_ending(self) -> str:

@@ -1,13 +1,15 @@
 """Events and columns of one's own, as a store remembers them: a digest of what each says, to know it again by."""
 
+import contextlib
 import hashlib
-from collections.abc import Callable, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from ..mechanics.events import Event
+from ..mechanics.moment import PLACE, Moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import Form, Quantity, System
 from ..mechanics.systems import find
@@ -74,14 +76,14 @@ def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, s
     ours = {record.name for record in known}
     of: dict[str, Sequence[Any]] = {"event": system.events, "column": system.quantities}
     digests = {
-        kind: {r.name: _digest(r, system, form, friction) for r in records if r.name not in ours or _outside(r.formula)}
+        kind: {r.name: _digest(r, system, form, friction) for r in records if r.name not in ours or is_users(r.formula)}
         for kind, records in of.items()
     }
     return {kind: names for kind, names in digests.items() if names}
 
 
-def _outside(formula: Callable) -> bool:
-    """Whether a formula is not one of this package."""
+def is_users(formula: Callable) -> bool:
+    """Return whether a formula is not one of this package."""
     return not str(getattr(formula, "__module__", "")).startswith(f"{__name__.partition('.')[0]}.")
 
 
@@ -103,17 +105,26 @@ def _written(formula: Callable, system: System, form: Form, friction: Any) -> li
     with np.errstate(all="ignore"):
         states = [(form.scalars(numbers(form.units), b), b) for b in (numbers(body) for _ in range(STATES))]
         scalars, body = states[0]
-        names = [f"x{i}" for i in range(len(leaves(scalars)) + len(leaves(body)))]
 
         def of_symbols(symbols: list[Any]) -> list[Any]:
             given = iter(symbols)
-            return [formula(refill(scalars, given), refill(body, given))]
+            known, of_body = refill(scalars, given), refill(body, given)
+            return [formula(_moment(known, given), of_body)]
 
-        try:
-            lines, results = function(JAVASCRIPT, names, of_symbols)
-            return [*lines, *results]
-        except Exception:  # the formula of a user may do with what it is fed what no program can
-            return [_value(formula, *state) for state in states]
+        fewest = len(leaves(scalars)) + len(leaves(body))
+        for size in (fewest, fewest + len(PLACE)):  # most formulas read no place, and keep their digest
+            with contextlib.suppress(Exception):  # the formula of a user may do what no program can
+                lines, results = function(JAVASCRIPT, [f"x{i}" for i in range(size)], of_symbols)
+                return [*lines, *results]
+        place = random.uniform(0.5, 1.0, (STATES, len(PLACE)))
+        given = [(_moment(s, iter(p)), b) for (s, b), p in zip(states, place, strict=True)]
+        return [_value(formula, *state) for state in given]
+
+
+def _moment(scalars: Any, place: Iterator[Any]) -> Moment:
+    """Return a moment of these scalars whose place and axis are the next values."""
+    values = dict(zip(PLACE, place, strict=False))
+    return Moment(scalars, {name: partial(values.__getitem__, name) for name in values})
 
 
 def _value(formula: Callable, scalars: Any, body: Any) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...mechanics.contact.phases.legs import Body
+from ...mechanics.moment import moment
 from ...mechanics.operand import leaves
 from ...mechanics.systems.with_contact import kinds_of, leg
 from ...mechanics.units import Scales
@@ -48,7 +49,7 @@ class Leg(Problem):
             pars=np.array([float(leaf) for leaf in leaves(self.internal)])[:, None],
             base=self,
             body_of_pars=lambda pars: self.internal,
-            record=lambda states: self.variables.split(states)[0],
+            moment=lambda states, body: moment(self.system, self.form, *self.variables.split(states), body),
         )
 
 

@@ -1,0 +1,76 @@
+"""What formulas of events and columns read of a state, whatever its form: scalars, place and axis."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from .operand import atan2, cos, sin, sqrt
+
+
+if TYPE_CHECKING:
+    from .system import Form, System
+
+
+AXIS = ("ux", "uy", "uz")
+PLACE = ("phi", "x", "y", *AXIS)
+"""What a moment has next to its scalars, where the form knows it."""
+
+
+class Moment(tuple):
+    """A state as formulas see it: its scalars, and an attribute for each of them and of PLACE that is known.
+
+    Parameters
+    ----------
+    scalars
+        The record of the scalars.
+    place
+        Functions without arguments that compute the others, by name; called where a formula reads one.
+    """
+
+    _scalars: Any
+    _place: Mapping[str, Callable[[], Any]]
+
+    def __new__(cls, scalars: Any, place: Mapping[str, Callable[[], Any]]) -> "Moment":
+        self = super().__new__(cls, scalars)
+        self._scalars, self._place = scalars, place
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        if hasattr(self._scalars, name):
+            return getattr(self._scalars, name)
+        if name in self._place:
+            return self._place[name]()
+        known = ", ".join([*getattr(self._scalars, "_fields", ()), *self._place])
+        raise AttributeError(f"a state of this form has no `{name}`; it has {known}")
+
+
+def moment(system: "System", form: "Form", q: Any, carried: Any, b: Any) -> Moment:
+    """Return the moment of a state: of numbers, arrays or expressions.
+
+    Parameters
+    ----------
+    system, form
+        What moves, and how its state is written.
+    q, carried, b
+        The state, its integrals and the body.
+
+    Returns
+    -------
+    Moment
+        phi is atan2(uy, ux) where the form does not integrate it, and then undefined at a pole.
+    """
+    scalars, values = form.scalars(q, b), {**q._asdict(), **carried._asdict()}
+    axis = system.vectors.get("axis", AXIS)
+    sources = {"phi": "phi", "x": "x", "y": "y", **dict(zip(AXIS, axis, strict=True))}
+    place: dict[str, Callable[[], Any]] = {
+        name: partial(values.__getitem__, source) for name, source in sources.items() if source in values
+    }
+    if all(name in values for name in axis):
+        place.setdefault("phi", lambda: atan2(values[axis[1]], values[axis[0]]))
+    elif "phi" in values:
+        place |= {
+            "ux": lambda: sqrt(scalars.s2) * cos(values["phi"]),
+            "uy": lambda: sqrt(scalars.s2) * sin(values["phi"]),
+            "uz": lambda: scalars.z,
+        }
+    return Moment(scalars, place)
