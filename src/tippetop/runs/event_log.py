@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..engine.observables import Observables
+from ..engine.settling import slides
 from ..engine.slices import Passages
 from ..mechanics.events import Event
 from ..mechanics.system import System
@@ -189,7 +190,8 @@ class EventLog:
 
     def _holds(self, event: Event, last: np.ndarray) -> bool:
         """Whether a lasting event has happened, and its function is still beyond its zero."""
-        return event.name in self.tally.lasting and self._value(event.name, last[0]) * event.direction > 0
+        beyond = event.name in self.tally.lasting and self._value(event.name, last[0]) * event.direction > 0
+        return beyond and not slides(self.view.problem.alone, last.T, [0]).any()
 
     def finish(self, last: np.ndarray) -> list[int]:
         """Rows that the end of the run, in the state `last`, shows to be significant."""
