@@ -3,6 +3,7 @@
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -42,6 +43,15 @@ def test_runs_are_named_by_what_is_different_in_them() -> None:
     assert labels.differences(slower[:1] * 2, ["a", "b"]) == ["a", "b"]
     ended = labels.differences([slower[0], slower[1] | {"status": "lifted-off"}], ["a", "b"])
     assert ended[1] == "μ = 0.2, ends: lifted off"
+
+
+def test_curves_differ_by_colour_and_by_stroke() -> None:
+    ax = Mock(wraps=figure().subplots())
+    overlay.overlay("theta", [a_run()] * 40, [str(i) for i in range(40)], ax)
+    looks = [(call.kwargs["color"], call.kwargs["ls"]) for call in ax.plot.call_args_list]
+    assert len(set(looks)) == 40
+    colours, strokes = zip(*looks[:5], strict=True)
+    assert len(set(colours)) == len(set(strokes)) == 5
 
 
 def test_no_legend_is_wider_than_its_figure() -> None:

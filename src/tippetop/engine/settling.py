@@ -9,7 +9,8 @@ from ..mechanics.contact.phases.row import BALLS, PHASES
 from ..mechanics.friction import takes_nothing
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
-from ..mechanics.theory.modes import LINEAR, is_unstable, shows_sliding, will_leave
+from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding, will_leave
+from ..problem import Problems
 
 
 SETTLED_FOR = 200.0  # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
@@ -41,6 +42,26 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
         return True
     theta, omega3 = float(values["theta"][0]), float(values["omega3"][0]) / second
     return bool(shows_sliding(body, np.cos(theta))) and not will_leave(theta, omega3, body)
+
+
+def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
+    """Return whether contacts slide faster than a settled motion may, (k,): a law may take little in fast sliding.
+
+    Parameters
+    ----------
+    problems
+        The runs.
+    states
+        (variables, k), internal units.
+    which
+        Numbers of the runs, (k,).
+    """
+    body = problems.body_of_pars(problems.pars[:, which].astype(float))
+    if not isinstance(body, Body):
+        return np.zeros(states.shape[1], bool)
+    scalars = problems.base.form.scalars(problems.record(states.astype(float)), body)
+    fast = scalars.v2 > SLIDES**2 * body.g * (body.R + np.abs(body.c))
+    return np.broadcast_to(fast, states.shape[1])
 
 
 CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way", "rolling", "on-stem", "bouncing",

@@ -14,6 +14,7 @@ from tippetop_kernels.jit import HAS_NUMBA
 
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import values_of
+from ..engine.settling import slides
 from ..engine.slices import event_functions, signs_of
 from ..engine.status import Status
 from ..engine.tallies import EventRows
@@ -203,10 +204,11 @@ def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows)
     measured.status[numbers], measured.final[:, numbers] = lane["status"], tops.final[:, numbers]
     for name in ("t_end", "steps", *SWINGS):
         columns[name][numbers] = lane["t" if name == "t_end" else name]
-    measured.settled[numbers] = True
+    measured.settled[numbers] = ~slides(measured.tops, measured.final[:, numbers], numbers)
     for e, event in enumerate(measured.tops.base.system.events):
-        lasts = event.direction * sign[e] > 0 if event.lasting else np.ones(len(numbers), bool)
-        measured.settled[numbers] &= lasts
+        lasts = np.ones(len(numbers), bool)
+        if event.lasting:
+            lasts = measured.settled[numbers] = measured.settled[numbers] & (event.direction * sign[e] > 0)
         for number in event.kept:  # a time of what did not last to the end is none
             values = next(kept)
             columns[number.name][numbers] = values if number.what == "count" else np.where(lasts, values, np.nan)

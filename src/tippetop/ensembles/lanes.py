@@ -14,7 +14,7 @@ from ..awaiting import awaited
 from ..engine.compiled import compiled, is_same_step
 from ..engine.driver import new_motion
 from ..engine.observables import values_of
-from ..engine.settling import SETTLED_FOR, stays
+from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import EventRows, StopRules, mark_bounded, new_log, new_samples, new_scratch, new_tallies
 from ..mechanics.units import SECOND
@@ -147,6 +147,8 @@ class Lanes:
         every, top = self.problems, self.top[[lane]]
         body = every.body(lambda given: float(np.broadcast_to(given, (every.n,))[top[0]]))
         state = self.motion.state[: len(every.start), [lane]]
+        if slides(every, state, top).any():
+            return False
         return stays(body, values_of(every, state, top), float(every.unit(SECOND)[top[0]]))
 
     def _look(self, observer: Observer) -> None:

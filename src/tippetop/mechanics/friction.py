@@ -189,7 +189,9 @@ CONTENSOU = Law(
     {
         "mu": _COULOMB,
         "patch": Parameter(METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", above=0),
-        "mu_r": Parameter(METRE, "rolling resistance: torque per normal force; none within impacts", least=0, default=0.0),
+        "mu_r": Parameter(
+            METRE, "rolling resistance: torque per normal force; none within impacts", least=0, default=0.0
+        ),
     },
     "Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz pressure",
 )

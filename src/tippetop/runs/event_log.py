@@ -8,6 +8,7 @@ import numpy as np
 
 from ..columns import Column
 from ..engine.observables import Observables
+from ..engine.settling import slides
 from ..engine.slices import Passages
 from ..mechanics.events import Event
 from ..mechanics.system import System
@@ -202,7 +203,8 @@ class EventLog:
 
     def _holds(self, event: Event, last: np.ndarray) -> bool:
         """Whether a lasting event has happened, and its function is still beyond its zero."""
-        return event.name in self.tally.lasting and self._value(event.name, last[0]) * event.direction > 0
+        beyond = event.name in self.tally.lasting and self._value(event.name, last[0]) * event.direction > 0
+        return beyond and not slides(self.view.problem.alone, last.T, [0]).any()
 
     def finish(self, last: np.ndarray) -> list[int]:
         """Rows that the end of the run, in the state `last`, shows to be significant."""

@@ -66,8 +66,8 @@ SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
 
 
 def shows_sliding(b: Body, z: Any) -> Any:
-    """Return whether friction at rest at z = cos(theta) is so strong that a settled motion is one without sliding:
-    k(0, z) |v_A|^2 below 1e-12 of its unit means |v_A| < 1e-3 sqrt(gR). Of one body, or of many, (n,)."""
+    """Return whether friction at z = cos(theta) is so strong that a slide of 1e-3 sqrt(gR) loses more than 1e-12 of the
+    unit of k |v_A|^2, below which a motion counts as settled. Of one body, or of many, (n,)."""
     if (
         isinstance(b.friction, SetValued | Contensou) or type(b.friction) not in SLIP
     ):  # exact Coulomb friction sticks, and drilling takes without sliding

@@ -4,11 +4,10 @@ from dataclasses import replace
 from typing import Any
 
 from ...events import Event, Kept
-from ...friction import slip_coefficient
 from ...operand import formula
 from ...system import Alternative, Domain, Form, Integral, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
-from ..body import Body, contact_mobility, energy, friction_power, g_n, jellett, modified_energy
+from ..body import Body, contact_mobility, energy, friction_loss, friction_power, g_n, jellett, modified_energy
 from ..integrals import integral
 from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
@@ -135,10 +134,9 @@ def near_inversion(s, b):
 
 @formula
 def sliding(s, b):
-    """k(0, z) |v_A|^2 less 1e-12, in internal units: below it the motion is settled, because a solution without sliding
-    is a spinning or a tumbling one [T Theorem 3.3.1]. With the k at rest: a law may lose little because it slides fast.
-    """
-    return slip_coefficient(0 * s.v2, s.z, b.friction) * s.v2 - 1e-12
+    """Friction loss less 1e-12, in internal units: below it the motion is settled, because a solution without sliding
+    is a spinning or a tumbling one. [T Theorem 3.3.1]"""
+    return friction_loss(s, b) - 1e-12
 
 
 COS_INVERTED = 0.9950041652780258  # cos(0.1)
