@@ -81,6 +81,8 @@ def extend(
         result = resuming.resume(target, progress, **how)
         if until == attrs["run"]["until"] or result[1]["status"] != Status.FINISHED.value:
             return result
+    else:
+        recording.tidy(target)
     with contextlib.ExitStack() as held:
         with files.writing(target):
             lock = held.enter_context(Lock(target))

@@ -180,6 +180,7 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
             resuming.resume(place, stop=stop)
         else:
             whole_run(place, problem)
+            recording.tidy(place)
 
 
 def _refuse_another(place: Path, problem: Problem) -> None:
