@@ -2,12 +2,21 @@
 
 import errno
 import os
+import shutil
 from pathlib import Path
 
 import pytest
+from stores import Disk, assert_same, short_slices
 
+import tippetop
+from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.store import files
+
+
+@pytest.fixture
+def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
+    return Disk(monkeypatch)
 
 
 @pytest.mark.parametrize("step", ["fsync", "replace"])
@@ -59,3 +68,80 @@ def test_a_folder_that_cannot_be_synced_is_let_be_and_a_file_is_not(
     files.synced(tmp_path)
     with pytest.raises(OSError, match="Invalid argument"):
         files.synced(tmp_path / "file")
+
+
+RUN = "run inverting --until 0.1 --columns theta --out"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        RUN,
+        "run inverting --until 0.1 --set run.output=keyframes --out",
+        "run inverting --until 0.05 --set friction.law=coulomb --set friction.mu=0.3 --out",
+        "potential inverting --D=3e-4 --lambda=4e-6 --n=400 --out",
+        "surface inverting --D=-1e-4:1e-4:20 --lambda=0:1e-5:30 --out",
+        "sweep PLAN.toml --workers 1 --out",
+    ],
+)
+def test_a_finished_store_is_on_the_disk(
+    command: str,
+    file: Path,
+    disk: Disk,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Every file and every folder, the folder in which the store lies too."""
+    monkeypatch.chdir(file.parent)
+    assert outcome([*command.split(), "S.zarr"]) == 0
+    assert disk.late(Path("S.zarr")) == []
+    assert Path() not in disk.late(Path())
+
+
+def test_so_is_what_is_made_from_a_store(
+    tmp_path: Path,
+    disk: Disk,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A replay, a copy, and a run that was continued into larger chunks."""
+    short_slices(monkeypatch)
+    run = tippetop.run("inverting", ["run.output_step=0.001"], until=0.5)
+    run.save(tmp_path / "saved")
+    times = "--from 0.1 --until 0.2 --step 0.01"
+    assert outcome(f"replay {tmp_path}/saved {times} --out {tmp_path}/rows".split()) == 0
+    monkeypatch.setattr("tippetop.runs.recording.MOST_ROWS", 4000)
+    tippetop.resume(tmp_path / "saved", until=2.0)
+    assert [disk.late(tmp_path / name) for name in ("saved", "rows")] == [[], []]
+
+
+def test_a_store_takes_the_place_of_another_before_that_one_goes(
+    tmp_path: Path, disk: Disk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    removed, late = shutil.rmtree, []
+
+    def watched(path: Path, **how: bool) -> None:
+        if path.parent == tmp_path:
+            late.append(tmp_path in disk.late(tmp_path))
+        removed(path, **how)
+
+    words = [*RUN.split(), str(tmp_path / "S.zarr")]
+    assert outcome(words) == 0
+    monkeypatch.setattr("shutil.rmtree", watched)
+    assert outcome([*words, "--overwrite"]) == 0
+    assert late == [False]
+
+
+def test_a_sweep_goes_on_after_a_power_failure(
+    file: Path,
+    whole: Path,
+    tmp_path: Path,
+    disk: Disk,
+) -> None:
+    def stop(done: int, _: int) -> None:
+        if done >= 14:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        tippetop.sweep(file, tmp_path / "S.zarr", workers=1, progress=stop)
+    assert disk.lose_power(tmp_path / "S.zarr") > 0
+    tippetop.sweep(file, tmp_path / "S.zarr", workers=1)
+    assert_same(tmp_path / "S.zarr", whole)
