@@ -3,7 +3,9 @@
 import errno
 import os
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from stores import Disk, assert_same, short_slices
@@ -11,7 +13,7 @@ from stores import Disk, assert_same, short_slices
 import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import StoreError
-from tippetop.store import files
+from tippetop.store import export, files, root
 
 
 @pytest.fixture
@@ -145,3 +147,62 @@ def test_a_sweep_goes_on_after_a_power_failure(
     assert disk.lose_power(tmp_path / "S.zarr") > 0
     tippetop.sweep(file, tmp_path / "S.zarr", workers=1)
     assert_same(tmp_path / "S.zarr", whole)
+
+
+# --- a failing disk: error messages ---
+
+
+def failing(number: int) -> Callable[..., None]:
+    """An operation of the disk that fails."""
+
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    return fail
+
+
+def test_a_disk_without_room_for_a_folder_is_full(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before, "No such file or directory"."""
+    real = os.mkdir
+
+    def mkdir(*place: Any, **how: Any) -> None:
+        (failing(errno.ENOSPC) if "dir_fd" in how else real)(*place, **how)
+
+    monkeypatch.setattr(os, "mkdir", mkdir)
+    assert outcome([*RUN.split(), str(tmp_path / "S.zarr")]) == 5
+    assert "S.zarr` must be writable, but: No space left on device." in capsys.readouterr().err
+
+
+def test_a_netcdf_file_fails_in_the_words_of_the_system(whole: Path, tmp_path: Path) -> None:
+    """Before, in some 300 characters of HDF5, with addresses."""
+    with pytest.raises(OSError, match=r"^No such file or directory$"):
+        export._netcdf_apart(whole, ["sweep"], {}, tmp_path / "nowhere" / "a.nc")
+
+
+def test_an_unreadable_disk_is_not_a_damaged_store(
+    whole: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "iterdir", failing(errno.EIO))
+        with pytest.raises(StoreError, match=r"S.zarr` must be readable, but: Input/output error"):
+            root.attributes(whole)
+    monkeypatch.setattr(Path, "read_text", failing(errno.EIO))
+    reason = pytest.raises(StoreError, match="Input/output error")
+    with reason, root.new_store(whole, overwrite=True):
+        pass
+
+
+def test_a_sweep_that_cannot_be_read_is_not_said_to_be_checked(
+    file: Path,
+    whole: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    store = shutil.copytree(whole, tmp_path / "S.zarr")
+    monkeypatch.setattr("tippetop.sweeps.summary.report", failing(errno.EIO))
+    assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == 5
+    assert "was finished" not in capsys.readouterr().err
