@@ -2,18 +2,21 @@
 
 import contextlib
 import dataclasses
+import errno
 import json
+import os
 import shutil
 import signal
 import time
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
 from forked import Forked
 from nightly import at_night
-from stores import PRELUDE, TURNING, acknowledged, assert_same, ended, short_slices, wait_until
+from stores import PRELUDE, TURNING, Disk, acknowledged, assert_same, ended, short_slices, wait_until
 
 from tippetop import errors
 from tippetop.cli import outcome
@@ -212,19 +215,16 @@ def test_what_a_checkpoint_acknowledges_is_on_the_disk_before_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     short_slices(monkeypatch)
-    store, synced, late = tmp_path / "run.zarr", {}, []
-    monkeypatch.setattr("tippetop.store.chunks.synced", lambda path: synced.update({path: path.stat().st_mtime_ns}))
-    replaced = store_files.replace_text
+    disk, late, replaced = Disk(monkeypatch), [], store_files.replace_text
 
     def checked(path: Path, text: str) -> None:
-        chunks = [p for p in store.rglob("*") if p.is_file() and "c" in p.relative_to(store).parts]
-        late.extend(p for p in chunks if synced.get(p) != p.stat().st_mtime_ns)
+        late.append([p for p in disk.late(path.parent) if p.name != "run.lock"])
         replaced(path, text)
 
     monkeypatch.setattr("tippetop.runs.recording.files.replace_text", checked)
-    recording.record(problem(30.0), store)
-    assert len(synced) > 100
-    assert late == []
+    recording.record(problem(30.0), tmp_path / "run.zarr")
+    assert len(late) > 4
+    assert not any(late)
 
 
 class HandedOver(Exception):
@@ -316,10 +316,31 @@ def test_a_settled_run_can_stop_early(tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "run.zarr")
 
 
-def test_a_run_killed_after_its_last_word_is_tidied_up(undisturbed: Path, tmp_path: Path) -> None:
-    """The root attributes say finished, but the checkpoint is still there: resume takes it away, and says so."""
+@pytest.mark.parametrize(("more", "code"), [([], 5), (["--until", str(UNTIL)], 2)])
+def test_a_run_killed_after_its_last_word_is_tidied_up(
+    more: list[str], code: int, undisturbed: Path, tmp_path: Path
+) -> None:
+    """The root attributes say finished, but temporary files are still there: resume removes them."""
     store = tmp_path / "run.zarr"
     shutil.copytree(undisturbed, store)
-    (store / "checkpoint.json").write_text("{}")
+    for left in ("checkpoint.json", "run.lock", ".zarr.json.part-01"):
+        (store / left).write_text("{}")
+    assert outcome(["resume", str(store), *more]) == code
+    assert_same(store, undisturbed)
+
+
+def test_a_disk_that_fails_after_the_end_does_not_unfinish_a_run(
+    undisturbed: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Before, the sentence told to resume it."""
+    store = tmp_path / "run.zarr"
+    error = OSError(errno.EIO, os.strerror(errno.EIO))
+    with monkeypatch.context() as patched:
+        patched.setattr(store_files, "remove_scratch", Mock(side_effect=error))
+        assert here(*running(store)) == 5
+    assert "Input/output error. The run is finished and whole" in capsys.readouterr().err
     assert outcome(["resume", str(store)]) == 5
     assert_same(store, undisturbed)

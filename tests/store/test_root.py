@@ -142,7 +142,7 @@ def test_an_existing_store_is_replaced_only_when_asked_and_only_by_a_whole_one(t
 def test_what_is_not_a_store_is_never_overwritten(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "precious").write_text("x")
-    with pytest.raises(StoreError, match="must be a store of tippetop to be overwritten"):
+    with pytest.raises(StoreError, match="must be a store of tippetop, but is another folder"):
         stopped(tmp_path / "mine", overwrite=True)
     assert (tmp_path / "mine" / "precious").read_text() == "x"
 

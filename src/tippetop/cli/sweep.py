@@ -53,8 +53,6 @@ def sweep(
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
         failed = []
-        if was_finished:
-            print(f"tippetop: `{out}` was finished: its chunks are checked.", file=sys.stderr)
     except errors.InputError as error:
         words = (re.sub("^`(workers|scheduler)` must", r"--\1 must", sentence) for sentence in error.sentences)
         raise errors.InputError(list(words)) from None
@@ -63,7 +61,10 @@ def sweep(
     except (KeyboardInterrupt, SystemExit) as stopped:  # at once: not after the chunks that are being computed
         code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
-    describe(summary.report(out), as_json)
+    report = summary.report(out)
+    if was_finished and not failed:
+        print(f"tippetop: `{out}` was finished: its chunks are checked.", file=sys.stderr)
+    describe(report, as_json)
     return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS) if failed else 0
 
 

@@ -131,6 +131,7 @@ def write(
             for done, (i, j) in enumerate(blocks, 1):
                 if fresh or not (whole or _sound(scratch, arrays, i, j)):
                     _fill(arrays, wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads)
+                    arrays["F"].store_path.store.sync()  # before it is acknowledged
                     files.replace_text(_record(scratch, i, j), _digest(arrays, i, j))
                 if progress is not None:
                     progress(done, len(blocks))
@@ -139,6 +140,7 @@ def write(
             finish(scratch, {})
             shutil.rmtree(scratch / DIGESTS)
             lock.remove()
+            files.synced(scratch)
             files.rename_new(scratch, path)
     return path
 

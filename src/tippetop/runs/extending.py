@@ -81,6 +81,8 @@ def extend(
         result = resuming.resume(target, progress, **how)
         if until == attrs["run"]["until"] or result[1]["status"] != Status.FINISHED.value:
             return result
+    else:
+        recording.tidy(target)
     with contextlib.ExitStack() as held:
         with files.writing(target):
             lock = held.enter_context(Lock(target))
@@ -151,9 +153,8 @@ def _rechunked(target: Path, name: str, columns: dict[str, Column], chunk: int) 
         return
     scratch = files.scratch_name(target / name)
     try:
-        Appender.created(tables.create_root(scratch, {}), name, columns, chunk)
-        _, (member,) = tables.open_root(scratch, name)
-        appender = Appender(member)
+        with tables.every_chunk():
+            appender = Appender.created(tables.create_root(scratch, {}), name, columns, chunk)
         for piece in chunks.pieces(target, name, list(arrays)):
             appender.append({key: columns[key]._replace(values=values) for key, values in piece.items()})
         appender.flush()

@@ -20,7 +20,7 @@ from ..problem import Problem
 from ..store import checkpoint, files, provenance, skeleton, tables
 from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
-from ..store.lock import Lock
+from ..store.lock import LOCK, Lock
 from ..store.root import finish, finite, new_store
 from . import attributes, keyframes, phases, sensitivities
 from .events import EventTable, event_columns
@@ -31,6 +31,7 @@ MOST_ROWS, FEWEST_ROWS = 1 << 18, 1 << 10  # of a chunk: 2 MiB a column take a t
 EVENTS_PER_CHUNK = 16_384
 COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
 PATIENCE = 2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
+FINISHED = "The run is finished and whole; only temporary files are left in it."
 
 Progress = Callable[[Integration], None]
 
@@ -159,15 +160,28 @@ class Recorder:
     def _close(self, attrs: dict[str, Any], ending: dict[str, Any]) -> None:
         of = checkpoint.digest_of_finished({**skeleton.root_of(self.lock.folder), **attrs})
         finish(self.lock.folder, {**attrs, END: checkpoint.bound(ending, of)})
-        files.remove_scratch(self.lock.folder)
-        (self.lock.folder / CHECKPOINT).unlink(missing_ok=True)
-        self.lock.remove()
+        with files.writing(self.lock.folder, FINISHED):
+            _tidy(self.lock)
 
     def __enter__(self) -> "Recorder":
         return self
 
     def __exit__(self, *_: object) -> None:
         self.thread.shutdown(cancel_futures=True)
+
+
+def tidy(folder: Path) -> None:
+    """Remove the temporary files that a killed writer left in a finished run. Raises StoreError."""
+    if any((folder / left).exists() for left in (CHECKPOINT, LOCK)):
+        with files.writing(folder), Lock(folder) as lock:
+            _tidy(lock)
+
+
+def _tidy(lock: Lock) -> None:
+    """Remove the temporary files of a finished run, the lock last. Raises OSError."""
+    files.remove_scratch(lock.folder)
+    (lock.folder / CHECKPOINT).unlink(missing_ok=True)
+    lock.remove()
 
 
 def rows_per_chunk(problem: Problem) -> int:

@@ -95,17 +95,18 @@ def into_store(
         group = tables.create_root(scratch, attrs | {"replay": about})
         empty = integration.view.columns(np.zeros(0), integration.first[:0])
         log = event_columns(integration.log.empty)
-        Appender.created(group, "trajectory", empty, recording.rows_per_chunk(integration.problem))
-        Appender.created(group, "events", log, recording.EVENTS_PER_CHUNK)
-        trajectory, events = map(Appender, tables.open_root(scratch, "trajectory", "events")[1])
+        rows_per_chunk = recording.rows_per_chunk(integration.problem)
+        with tables.every_chunk():
+            trajectory = Appender.created(group, "trajectory", empty, rows_per_chunk)
+            events = Appender.created(group, "events", log, recording.EVENTS_PER_CHUNK)
         _make(integration, lambda times, states: trajectory.append(integration.view.columns(times, states)))
         for piece in chunks.pieces(path, "events", list(log)):
             within = (piece["time"] >= start) & (piece["time"] <= until)
             events.append({name: log[name]._replace(values=values[within]) for name, values in piece.items()})
         appenders = [trajectory, events]
         for name, empty in phases.empty().items() if integration.problem.contact is not None else ():
-            Appender.created(group, name, empty, phases.PER_CHUNK)
-            appenders.append(Appender(tables.open_root(scratch, name)[1][0]))
+            with tables.every_chunk():
+                appenders.append(Appender.created(group, name, empty, phases.PER_CHUNK))
             for piece in chunks.pieces(path, name, list(empty)):
                 begin, end = (piece["start"], piece["end"]) if name == "phases" else (piece["time"], piece["time"])
                 within = (end >= start) & (begin <= until)

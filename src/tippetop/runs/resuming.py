@@ -10,11 +10,11 @@ from ..errors import StoreError
 from ..mechanics.system import System
 from ..scenario import build
 from ..store import checkpoint, chunks, files, skeleton, tables
-from ..store.checkpoint import CHECKPOINT, ROWS
-from ..store.lock import LOCK, Lock
+from ..store.checkpoint import ROWS
+from ..store.lock import Lock
 from ..store.root import attributes as read_attributes
 from .integration import Integration
-from .recording import Progress, Recorder, here, run_into, tables_of_run
+from .recording import Progress, Recorder, here, run_into, tables_of_run, tidy
 
 
 def resume(
@@ -42,8 +42,7 @@ def resume(
     """
     target, attrs = files.own_folder(target), read_attributes(target)
     if attrs["status"] != Status.RUNNING.value:
-        for left in (CHECKPOINT, LOCK):  # killed after its last word, before it could tidy up
-            (target / left).unlink(missing_ok=True)
+        tidy(target)
         raise StoreError(f"`{target}` must be unfinished to be resumed, but: {attrs['reason']}.")
     with contextlib.ExitStack() as held:
         with files.writing(target):

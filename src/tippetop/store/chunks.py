@@ -13,7 +13,6 @@ from zarr.core.sync import sync
 from ..columns import Column
 from ..errors import StoreError
 from . import seal
-from .files import synced
 from .skeleton import groups_of
 from .tables import create_table, read_member
 
@@ -38,7 +37,6 @@ class Appender:
         self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
         self.unflushed = False
         self.checksums: dict[tuple[str, int], bytes] = {}  # of full chunks
-        self.unsynced: set[int] = set()  # first rows of the chunks that may not have reached the disk
 
     @classmethod
     def created(cls, root: Any, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
@@ -77,19 +75,10 @@ class Appender:
         end = self.written + count
         for name, array in self.endless.items():
             array[self.written : end] = self.buffers[name][:count]
-        self.unsynced.add(self.written)
 
     def sync(self) -> None:
-        """Waits until the disk itself has what was written: then a power failure cannot take it back."""
-        if not self.unsynced:
-            return
-        for array in self.arrays.values():
-            folder = array.store_path.store.root.joinpath(array.store_path.path)
-            files = [chunk_file(array, start) for start in sorted(self.unsynced)]
-            folders = {parent for file in files for parent in file.parents if parent.is_relative_to(folder)}
-            for path in (*files, *folders, folder / "zarr.json"):
-                synced(path)
-        self.unsynced.clear()
+        """Wait until the disk has all that was written to the store of these arrays."""
+        next(iter(self.arrays.values())).store_path.store.sync()
 
     def mark(self, name: str, rows: list[int], value: bool = True) -> None:
         """Sets a column of flags in some rows, written or waiting."""
@@ -102,7 +91,6 @@ class Appender:
             flags = self.endless[name][some]
             flags[[row - start for row in older if start <= row < some.stop]] = value
             self.endless[name][some] = flags
-            self.unsynced.add(start)
 
     def cut(self, rows: int) -> None:
         """Cuts the arrays to the rows that a checkpoint acknowledges."""

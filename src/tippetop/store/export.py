@@ -68,10 +68,13 @@ def _netcdf_apart(store: Path, groups: list[str], attrs: dict[str, Any], path: P
         raise OSError(child.stderr.strip().rpartition("\n")[2] or "HDF5 failed there")
 
 
-APART = """import json, pathlib, sys
+APART = """import json, os, pathlib, sys
 sys.path[:], store, groups, attrs, path = json.load(sys.stdin)
 from tippetop.store.export import _netcdf
-_netcdf(pathlib.Path(store), groups, attrs, pathlib.Path(path))"""
+try:
+    _netcdf(pathlib.Path(store), groups, attrs, pathlib.Path(path))
+except OSError as error:  # the words of h5py take some lines
+    sys.exit(os.strerror(error.errno) if error.errno else str(error))"""
 
 
 def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:

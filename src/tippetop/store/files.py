@@ -120,6 +120,7 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
             return
         lock.check()
         if renaming.exchange(scratch, path):  # what was there is now the scratch folder, and goes with it
+            synced(path.parent)
             return
         old = scratch_name(path)
         path.rename(old)

@@ -1,16 +1,19 @@
 """A folder on disk for zarr, of which no link is followed when something is written, whenever it came to be there."""
 
 import contextlib
+import errno
 import os
 import shutil
 import stat
 import uuid
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from zarr.storage import LocalStore
 
 from ..errors import StoreError
+from .files import synced
 
 
 METADATA = "zarr.json"
@@ -24,6 +27,18 @@ class OwnStore(LocalStore):
     Files are small: what is written or is metadata does not wait for a thread of its own, of which a run would start
     some 300, each to wait for its turn.
     """
+
+    def __init__(self, root: Path | str, *, read_only: bool = False):
+        super().__init__(root, read_only=read_only)
+        # new files, and folders with new entries, since the last `sync`
+        self.unsynced: set[str] = set()
+
+    def sync(self) -> None:
+        """Wait until the disk has all that was written: a power failure cannot undo it."""
+        files_first = sorted(self.unsynced, key=lambda key: -key.count("/"))
+        for key in files_first:
+            synced(self.root / key)
+        self.unsynced.clear()
 
     async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
         """The content of a file, or None."""
@@ -45,19 +60,25 @@ class OwnStore(LocalStore):
     def _write(self, key: str, value: Any, *, exclusive: bool) -> None:
         with self._folder_of(key, make=True) as (folder, name):
             scratch = f"{name}.{uuid.uuid4().hex}.partial"
+            there = os.access(name, os.F_OK, dir_fd=folder, follow_symlinks=False)
+            replaced = there and key not in self.unsynced
             with os.fdopen(os.open(scratch, FILE, 0o666, dir_fd=folder), "wb") as file:
                 try:
                     file.write(value.as_buffer_like())
                     file.flush()
+                    if replaced:  # its content may be acknowledged
+                        os.fsync(file.fileno())
                     if exclusive:
                         os.link(scratch, name, src_dir_fd=folder, dst_dir_fd=folder, follow_symlinks=False)
                     else:
                         os.replace(scratch, name, src_dir_fd=folder, dst_dir_fd=folder)
-                        return
                 except Exception:
                     os.unlink(scratch, dir_fd=folder)
                     raise
-            os.unlink(scratch, dir_fd=folder)
+            if exclusive:
+                os.unlink(scratch, dir_fd=folder)
+        parent = key.rpartition("/")[0]
+        self.unsynced |= {parent} if replaced else {key, parent}
 
     def delete_sync(self, key: str) -> None:
         """Removes a file or a folder, if it is there."""
@@ -91,11 +112,10 @@ class OwnStore(LocalStore):
             if make:
                 with contextlib.suppress(FileExistsError):
                     os.mkdir(name, dir_fd=folder)
+                    self.unsynced.add("/".join(place[:-1]))
             return os.open(name, FOLDER, dir_fd=folder)
         except OSError as error:
-            if isinstance(error, FileNotFoundError) or stat.S_ISDIR(
-                os.stat(name, dir_fd=folder, follow_symlinks=False).st_mode
-            ):
+            if error.errno not in (errno.ENOTDIR, errno.ELOOP):
                 raise
             sentence = "is no folder of the store: such a thing is neither followed nor written."
             raise StoreError(f"`{self.root.joinpath(*place)}` {sentence}") from None

@@ -168,10 +168,6 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     if target.exists() and not target.is_symlink():
         if not overwrite:
             raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
-        try:
-            skeleton.root_of(target)  # a damaged one may be overwritten
-        except StoreError:
-            sentence = f"`{target}` must be a store of tippetop to be overwritten, but is something else."
-            raise StoreError(sentence) from None
+        skeleton.root_of(target)  # a damaged one may be overwritten
     with files.writing(target), files.replacing_folder(target, overwrite=overwrite) as scratch:
         yield scratch

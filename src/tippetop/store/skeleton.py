@@ -86,6 +86,8 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
             _sealed(place, attrs)
     except _Fault as fault:
         raise StoreError(f"`{path}` must be a whole store, but is damaged: {fault}.") from None
+    except OSError as error:
+        raise _unreadable(path, error) from None
     return attrs
 
 
@@ -156,7 +158,7 @@ def refuse_pipes(folder: Path, depth: int = 0) -> None:
     except _Fault:
         raise
     except OSError as error:
-        raise _Fault(folder, f"must be readable, but: {error.strerror or error}") from None
+        raise _unreadable(folder, error) from None
 
 
 class _Fault(StoreError):
@@ -164,6 +166,10 @@ class _Fault(StoreError):
 
     def __init__(self, where: Any, sentence: str):
         super().__init__(f"`{where}` {sentence}")
+
+
+def _unreadable(path: str | Path, error: OSError) -> StoreError:
+    return StoreError(f"`{path}` must be readable, but: {error.strerror or error}.")
 
 
 def _document(folder: Path) -> dict[str, Any]:
@@ -283,10 +289,10 @@ def _rows(folder: Path, arrays: dict[str, Any], *, running: bool, whole: bool) -
 
 
 def _files(folder: Path, most: int) -> int:
-    """How many chunks along the first axis there are, counted up to one more than `most`."""
+    """Count the chunks along the first axis, up to one more than `most`. Raises OSError."""
     try:
         return sum(1 for entry in islice((folder / "c").iterdir(), most + 1) if entry.name.isdigit())
-    except OSError:
+    except (FileNotFoundError, NotADirectoryError):
         return 0
 
 

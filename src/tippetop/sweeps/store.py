@@ -8,6 +8,7 @@ who computed what or when: equal sweeps make equal files.
 import contextlib
 import hashlib
 import json
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -34,6 +35,7 @@ TODO, DONE, BROKEN = 0, 1, 2
 BEGUN = {"status": "running", "reason": "tops are still to be run"}
 CHUNK_STATUSES = ("todo", "done", "failed")
 STATUSES_PER_FILE = 4096  # of chunks
+SYNC_EVERY = 5.0  # [s] of the clock: what a power failure can cost
 
 
 class SweepStore:
@@ -47,6 +49,7 @@ class SweepStore:
         members = (GROUP, CHUNK_STATUS, CHUNK_CHECKSUM)
         self.root, (self.arrays, self.chunk_status, self.checksums) = tables.open_root(self.folder, *members)
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
+        self.synced_at = time.monotonic()
 
     def __enter__(self) -> "SweepStore":
         return self
@@ -108,6 +111,9 @@ class SweepStore:
                 self.root.update_attributes({"steps_by": rows.steps_by})
             self.checksums[chunk] = checksum(self.arrays, tops[0])
             self.chunk_status[chunk] = DONE
+            if time.monotonic() - self.synced_at > SYNC_EVERY:
+                self.root.store.sync()
+                self.synced_at = time.monotonic()
 
         self._now(work)
 
@@ -125,6 +131,7 @@ class SweepStore:
         """Says that the sweep is whole."""
 
         def work() -> None:
+            self.root.store.sync()
             finish(self.folder, {"status": "finished", "reason": "every top was run"})
             files.remove_scratch(self.folder)
             self.lock.remove()
@@ -247,6 +254,7 @@ def _created(folder: Path, plan: Plan) -> Lock:
         words = {"long_name": "made of the checksums of the chunk's files", "units": "1"}
         checksums = {CHUNK_CHECKSUM: Column(("chunk",), np.zeros(0, np.int64), words)}
         tables.create_table(root, checksums, sizes)[CHUNK_CHECKSUM][:] = 0
+        root.store.sync()
     lock.folder = folder
     return lock
 

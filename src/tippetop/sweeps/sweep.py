@@ -170,8 +170,7 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
     for top in store.plan.runs:
         runs, problem = files.own_folder(store.folder / RUNS), store.plan.problem(top)
         if not runs.exists():
-            runs.mkdir()
-            tables.create_root(runs, {})
+            tables.create_root(runs, {}).store.sync()
         place = runs / str(top)
         if not place.exists():
             recording.record(problem, place, stop=stop)
@@ -180,6 +179,7 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
             resuming.resume(place, stop=stop)
         else:
             whole_run(place, problem)
+            recording.tidy(place)
 
 
 def _refuse_another(place: Path, problem: Problem) -> None:
