@@ -117,7 +117,7 @@ def test_a_record_is_read_only_and_says_what_it_knows() -> None:
         _ = record.d
     with pytest.raises(TypeError):
         record["a"] = 2  # type: ignore[index]
-    assert repr(record) == "Record(a=1, b=Record(c=[1, 2]))"
+    assert repr(record) == "Record(a=1, b=b(c=[1, 2]))"
 
 
 @pytest.mark.parametrize("gone", ["trajectory/theta/c", "trajectory/theta", ""])

@@ -8,31 +8,43 @@ import pytest
 
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 READY = "window.tippetop && window.tippetop.ready"
 SMALL = {"width": 320, "height": 400}  # software draws: pixels cost
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
+def launch() -> Iterator[Callable[..., Any]]:
+    """Start a browser with these flags."""
     playwright = pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
     if CHROMIUM is None:
         pytest.skip("no chromium: apt-get install chromium")
     with playwright.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield running
-        running.close()
+        yield lambda *flags: driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *flags])
+
+
+@pytest.fixture(scope="session")
+def browser(launch: Callable[..., Any]) -> Any:
+    return launch(*FLAGS)
+
+
+@pytest.fixture(scope="session")
+def browser_without_webgl(launch: Callable[..., Any]) -> Any:
+    return launch("--disable-3d-apis")
 
 
 @pytest.fixture(scope="session")
 def open_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
-    """Opens a page from a file, with the network off; `faults` of the tab is what went wrong, or was asked for."""
+    """Opens a page from a file, with the network off; `faults` of the tab is what went wrong, or was asked for.
+
+    A page is open when `ready` is true in it; `used` is the browser.
+    """
     folder = tmp_path_factory.mktemp("pages")
 
-    def open_it(text: str, **options: Any) -> Any:
+    def open_it(text: str, ready: str = READY, used: Any = browser, **options: Any) -> Any:
         path = folder / f"{len(list(folder.iterdir()))}.html"
         path.write_text(text, encoding="utf-8")
-        context = browser.new_context(viewport=SMALL, reduced_motion="reduce", **options)
+        context = used.new_context(viewport=SMALL, reduced_motion="reduce", **options)
         context.set_offline(True)
         context.set_default_timeout(120_000)
         tab = context.new_page()
@@ -41,7 +53,7 @@ def open_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callabl
         tab.on("pageerror", lambda error: tab.faults.append(str(error)))
         tab.on("request", lambda request: tab.faults.append(request.url[:99]) if request.url != path.as_uri() else None)
         tab.goto(path.as_uri())
-        tab.wait_for_function(READY)
+        tab.wait_for_function(ready)
         return tab
 
     return open_it

@@ -67,7 +67,7 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     width = tab.locator("[data-part=theta]").bounding_box()["width"]
     tab.locator("[data-part=theta]").click(position={"x": 46 + (width - 58) / 2, "y": 60})
     assert tab.evaluate("tippetop.time") == pytest.approx(3.25, abs=0.05)
-    tab.get_by_role("button", name="show F").click()
+    tab.get_by_role("button", name="F force of the plane").click()
     assert [a["drawn"] for a in tab.evaluate("tippetop.arrows()") if a["name"] == "force"] == [[0, 0, 0]]
 
     tab.set_viewport_size({"width": 1000, "height": 600})
@@ -193,6 +193,137 @@ def test_the_ball_in_the_well_is_on_the_curve_and_the_scale_is_readable(tab: Any
     assert max(map(len, labels)) <= 4
 
 
+def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:
+    """Its frame has no size before, and again when it is closed."""
+    run = tt.run("inverting", until=0.2)
+    tab = open_page(run._repr_html_(), ready="true")
+    opening = tab.locator("summary", has_text="See it turn")
+    opening.click()
+    frame = tab.frames[-1]
+    frame.wait_for_function("window.tippetop")
+    frame.wait_for_function(DRAWN)
+    opening.click()
+    tab.wait_for_timeout(300)
+    opening.click()
+    frame = tab.frames[-1]
+    frame.wait_for_function("window.tippetop")
+    frame.get_by_role("button", name="next event").click()
+    assert frame.evaluate("tippetop.time") == pytest.approx(float(run.events.time[0]))
+    assert frame.evaluate("document.fullscreenEnabled")
+    assert tab.faults == []
+
+
+def test_a_page_without_webgl2_names_it_and_shows_its_plots(browser_without_webgl: Any, open_page: Any) -> None:
+    tab = open_page(tt.run("inverting", until=0.2).view().text, used=browser_without_webgl)
+    assert "WebGL2" in tab.get_by_role("alert").inner_text()
+    tab.wait_for_function(DRAWN)
+    tab.get_by_role("button", name="play").click()
+    tab.wait_for_function("tippetop.time > 0.001")
+    assert tab.faults == []
+
+
+def test_a_page_that_loses_webgl2_names_it(open_page: Any) -> None:
+    """A browser takes it from the oldest of many pages."""
+    tab = open_page(tt.run("inverting", until=0.2).view().text)
+    assert tab.get_by_role("alert").is_hidden()
+    tab.evaluate("tippetop.stage.scene.gl.getExtension('WEBGL_lose_context').loseContext()")
+    tab.get_by_role("alert").wait_for()
+    tab.evaluate("tippetop.set(0.1)")
+    tab.wait_for_function("document.querySelector('[data-part=time]').textContent === '0.1000 s'")
+
+
+def test_the_camera_in_orbit_keeps_the_body_in_the_picture(tab: Any) -> None:
+    """Also at 5.9 s, far from the middle of the path."""
+    tab.locator("body").press("o")
+    places = tab.evaluate("""() => [0, 2, 4, 5.9, 6.5].map((t) => {
+        tippetop.set(t);
+        tippetop.draw();
+        const { scene } = tippetop.stage;
+        const { right } = scene.camera.frame();
+        const centre = tippetop.pose(t).position.map((part) => part / scene.body.unit);
+        const sides = [-1, 1].map((way) => scene.project(centre.map((part, i) => part + way * right[i])));
+        return sides.map(([x, y]) => [x / scene.width, y / scene.height]);
+    })""")
+    assert np.all((np.array(places) > 0) & (np.array(places) < 1)), places
+
+
+def test_fingers_scroll_the_page_or_move_the_time(inverting: tt.Run, open_page: Any) -> None:
+    """Upwards a finger scrolls and changes nothing else; sideways it turns the camera or moves the time."""
+    tab = open_page(inverting.view().text, has_touch=True, is_mobile=True)
+    for part in ("scene", "theta", "line"):
+        assert swiped(tab, part, 0, -60) == {"scroll"}, part
+    assert swiped(tab, "scene", 60, 0) == {"yaw"}
+    for part in ("theta", "line"):
+        assert swiped(tab, part, 60, 2) == {"time"}, part
+    heights = "all => all.map((button) => button.getBoundingClientRect().height)"
+    assert min(tab.locator("button:visible").evaluate_all(heights)) >= 32
+    assert tab.faults == []
+
+
+def swiped(tab: Any, part: str, dx: int, dy: int) -> set[str]:
+    """Draw a finger across a part of a page at 3 s, and return the names of what this changes."""
+    touch = tab.context.new_cdp_session(tab)
+    tab.locator(f"[data-part={part}]").evaluate("e => { e.scrollIntoView({ block: 'center' }); tippetop.set(3); }")
+    box = tab.locator(f"[data-part={part}]").bounding_box()
+    before = tab.evaluate(STATE)
+    for s in np.linspace(0, 1, 11):
+        place = {"x": box["x"] + box["width"] / 2 + s * dx, "y": box["y"] + box["height"] / 2 + s * dy}
+        touch.send("Input.dispatchTouchEvent", {"type": "touchMove" if s else "touchStart", "touchPoints": [place]})
+        tab.wait_for_timeout(30)
+    tab.wait_for_timeout(200)
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    tab.wait_for_timeout(200)
+    after = tab.evaluate(STATE)
+    return {name for name in after if after[name] != pytest.approx(before[name])}
+
+
+def test_letters_are_larger_in_full_screen(tab: Any) -> None:
+    tab.set_viewport_size({"width": 1920, "height": 1080})
+    sizes = """() => {
+        tippetop.draw();
+        const fonts = [tippetop.stage.theta.chart.context.font, getComputedStyle(document.body).font];
+        return fonts.map((font) => parseFloat(font.match(/[0-9.]+px/)[0]));
+    }"""
+    usual = tab.evaluate(sizes)
+    tab.locator("body").press("l")
+    tab.wait_for_function("document.fullscreenElement")
+    large = tab.evaluate(sizes)
+    assert np.all(np.array(large) > 1.7 * np.array(usual))
+    assert tab.evaluate("document.body.scrollHeight <= innerHeight")
+    tab.locator("body").press("l")
+    tab.wait_for_function("!document.fullscreenElement")
+    tab.set_viewport_size({"width": 320, "height": 400})
+    assert tab.faults == []
+
+
+def test_paper_is_white_and_balls_are_round(tab: Any) -> None:
+    """Also of a dark page; no canvas is stretched."""
+    tab.set_viewport_size({"width": 1280, "height": 800})
+    tab.evaluate("document.documentElement.dataset.theme = 'dark'")
+    tab.evaluate("dispatchEvent(new Event('beforeprint'))")
+    tab.emulate_media(media="print")
+    tab.set_viewport_size({"width": 720, "height": 1000})
+    ink, paper, stretched = tab.evaluate("""() => {
+        const { canvas, context } = tippetop.stage.theta.chart;
+        const pixels = context.getImageData(0, 0, canvas.width, 20).data;
+        let darkest = 255;
+        for (let i = 0; i < pixels.length; i += 4) if (pixels[i + 3] > 200) darkest = Math.min(darkest, pixels[i]);
+        const stretched = [...document.querySelectorAll("canvas")].map((canvas) => {
+            const { width, height } = canvas.getBoundingClientRect();
+            return (width / height) / (canvas.width / canvas.height);
+        });
+        return [darkest, getComputedStyle(document.querySelector("figure")).backgroundColor, stretched];
+    }""")
+    assert ink < 60
+    assert paper == "rgb(255, 255, 255)"
+    np.testing.assert_allclose(stretched, 1, rtol=0.02)
+    assert not tab.get_by_role("button", name="play").is_visible()
+    tab.emulate_media(media="screen")
+    tab.evaluate("dispatchEvent(new Event('afterprint'))")
+    tab.evaluate("document.documentElement.dataset.theme = 'light'")
+    tab.set_viewport_size({"width": 320, "height": 400})
+
+
 @pytest.mark.slow
 def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     """What the button records has the pictures that were drawn meanwhile: a file that a player opens."""
@@ -226,6 +357,15 @@ def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) ->
     assert tab.faults == []
 
 
+STATE = """() => {
+  const { yaw, pitch } = tippetop.stage.scene.camera;
+  return { scroll: scrollY, time: tippetop.time, yaw, pitch };
+}"""
+DRAWN = """(() => {
+  const canvas = document.querySelector("[data-part=theta]");
+  const pixels = canvas.width && canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  return pixels && pixels.some((part) => part);
+})()"""
 PLAYED = """([type, film]) => new Promise((done) => {
   const video = document.createElement("video");
   video.onloadeddata = () => done([video.videoWidth, video.videoHeight]);

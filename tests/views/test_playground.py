@@ -82,12 +82,75 @@ def test_sliders_change_the_motion_and_its_thresholds(tab: Any) -> None:
     spin.evaluate("e => { e.value = 40; e.dispatchEvent(new Event('input')); }")
     tab.wait_for_function("document.querySelector('[data-part=verdict]').textContent.includes('upright')")
     assert "omega3 = 14" in tab.locator("[data-part=scenario]").text_content()
+    assert "14 rad/s = 2.2 turns/s" in tab.locator("[data-part=start-sliders]").inner_text()
     tab.locator("[data-part=law]").select_option("coulomb")
     tab.wait_for_function("document.querySelector('[data-part=scenario]').textContent.includes('eps = 0.01')")
     tab.locator("[data-part=preset]").select_option("leine-glocker")
     tab.wait_for_function("document.querySelector('[data-part=verdict]').textContent.includes('passed 90° at 1.05')")
     assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert tab.faults == []
+
+
+def shown(tab: Any, **start: float) -> str:
+    """The sentence about the canonical top with another start, at whose end the page is."""
+    return tab.evaluate(
+        """(start) => {
+        const { playground } = tippetop;
+        playground.take("inverting");
+        playground.start.set(start);
+        playground.show(true);
+        tippetop.set(tippetop.end);
+        tippetop.draw();
+        return document.querySelector("[data-part=verdict]").textContent;
+    }""",
+        start,
+    )
+
+
+def test_a_top_lifts_off_where_the_engine_lets_it_lift_off(tab: Any) -> None:
+    """At the time at which the force is zero, not at the sample after it."""
+    run = tt.run("inverting", start={"omega3": 342.6, "theta": 0.1})
+    assert run.summary.status == "liftoff"
+    assert "Lifts off at 4.93 s" in shown(tab, omega3=342.6)
+    assert tab.evaluate("tippetop.end") == pytest.approx(run.summary.t_end, abs=1e-7)
+    force = tab.evaluate("tippetop.pose(tippetop.end).force[2]")
+    assert 0 <= force < 1e-9
+
+
+def test_the_well_is_shaded_where_the_potential_is_below_the_energy(tab: Any) -> None:
+    """Just below the level, at every angle but those next to where the two are equal."""
+    shown(tab, omega3=342.6)
+    wrong = tab.evaluate("""() => {
+        const { well, shown } = tippetop.stage;
+        const [first, second, level] = shown.motion.pose(tippetop.time).well;
+        const { chart } = well;
+        const y = Math.round(chart.y(level)) + 4;
+        const [, , , shaded] = chart.context.getImageData(Math.round(chart.x(0.1)), y, 1, 1).data;
+        const wrong = shaded ? [] : ["none"];
+        for (let x = Math.ceil(chart.left) + 12; x < chart.right; x++) {
+            const theta = (Math.PI * (x - chart.left)) / (chart.right - chart.left);
+            const above = well.at(theta, first, second) - level;
+            const [, , , alpha] = chart.context.getImageData(x, y, 1, 1).data;
+            if (above > 0.5 * well.height && alpha) wrong.push(theta);
+        }
+        return wrong;
+    }""")
+    assert wrong == []
+
+
+@pytest.mark.parametrize(
+    ("start", "where"),
+    [({"until": 6.9}, "nearly inverted"), ({"until": 10.0}, "is inverted"), ({"omega3": 44.0}, "tilted")],
+)
+def test_the_end_of_a_motion_has_a_word(tab: Any, start: dict, where: str) -> None:
+    assert where in shown(tab, **start)
+
+
+def test_symbols_and_numbers_are_set_as_they_are_read(tab: Any) -> None:
+    """No underscore, no digits of rounding."""
+    shown(tab)
+    assert "_" not in tab.locator("aside").inner_text()
+    assert "I3 = 3.2e-6" in tab.locator("[data-part=scenario]").text_content()
 
 
 def test_the_scenario_for_the_engine_is_the_top_of_the_page(tab: Any, tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ COMMANDS = {
     "presets": Command("show", "List the built-in scenarios with their sources.", computes=False),
     "view": Command(
         "view",
-        "Write one HTML file that shows a run in motion, or the map of a sweep, in any browser, without a network.",
+        "Write one HTML file that shows a run in motion, or the map of a sweep, in a browser, without a network.",
     ),
     "compare": Command(
         "exchange",

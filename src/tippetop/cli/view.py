@@ -19,7 +19,7 @@ def view(
     until: Seconds | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Write one HTML file that shows a run in motion, or the map of a sweep, in any browser, without a network.
+    """Write one HTML file that shows a run in motion, or the map of a sweep, in a browser, without a network.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def view(
     pages.check(place, overwrite=overwrite)
     text = awaited(lambda: _text(store, from_, until), "the page is being made")
     pages.write(text, place, overwrite=overwrite)
-    print(f"{place}: {len(text.encode()) / 1e6:.1f} MB, for any browser")
+    print(f"{place}: {len(text.encode()) / 1e6:.1f} MB, for a browser with WebGL2")
     return 0
 
 

@@ -161,7 +161,7 @@ class Run:
     @property
     def drift(self) -> Record:
         """Of each invariant, the largest relative deviation from its start."""
-        return Record(self.attributes["report"]["drift"])
+        return Record(self.attributes["report"]["drift"], "drift")
 
     @cached_property
     def final(self) -> "xr.Dataset":
@@ -298,7 +298,7 @@ class Run:
         self._refuse_another_end(result)
         self.attributes["certificate"] = result
         self.__dict__.pop("summary", None)
-        return Record(result)
+        return Record(result, "certificate")
 
     def _so_far(self) -> float | None:
         """How far a run that is not finished has come [s]; None where it has come to its end. Raises InputError where

@@ -13,9 +13,9 @@ from . import attributes, forecast
 class Record(Mapping[str, Any]):
     """A read-only record whose names are attributes and keys alike; tables in it are records too."""
 
-    def __init__(self, values: Mapping[str, Any]):
-        own = {key: Record(value) if isinstance(value, Mapping) else value for key, value in values.items()}
-        self.__dict__["_values"] = own
+    def __init__(self, values: Mapping[str, Any], name: str = ""):
+        own = {key: Record(value, key) if isinstance(value, Mapping) else value for key, value in values.items()}
+        self.__dict__.update(_values=own, _name=name or type(self).__name__)
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -41,7 +41,7 @@ class Record(Mapping[str, Any]):
         return [*super().__dir__(), *(name for name in self._values if name.isidentifier())]
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self._values.items())})"
+        return f"{self._name}({', '.join(f'{name}={value!r}' for name, value in self._values.items())})"
 
     def to_dict(self) -> dict[str, Any]:
         """The record as plain dicts, ready for JSON."""

@@ -58,7 +58,8 @@ def script(entry: str, written: Mapping[str, str]) -> str:
 
     take(entry)
     text = '"use strict";\n' + "".join(parts.values())
-    return re.sub(r"^\s*(?:/\*\*.*?\*/\s*?\n|//[^\n]*\n)", "", text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"^\s*(?:/\*\*.*?\*/\s*?\n|//[^\n]*\n)", "", text, flags=re.MULTILINE | re.DOTALL)
+    return re.sub("^ +", "", text, flags=re.MULTILINE)
 
 
 def _module(name: str) -> str:
@@ -162,7 +163,8 @@ class Page:
     def _repr_html_(self) -> str:
         """The page in a frame, for notebooks."""
         style = "width:100%;height:720px;border:0"
-        return f'<iframe loading="lazy" srcdoc="{html.escape(self.text)}" style="{style}" title="tippetop"></iframe>'
+        frame = f'style="{style}" title="tippetop" allowfullscreen'
+        return f'<iframe loading="lazy" srcdoc="{html.escape(self.text)}" {frame}></iframe>'
 
 
 def write(text: str, path: Path, *, overwrite: bool) -> None:

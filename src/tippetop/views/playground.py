@@ -23,7 +23,7 @@ def playground() -> str:
     return pages.page(TITLE, "page_playground.js", data, scripts, aside=pages.source("playground.html"), about=ABOUT)
 
 
-ABOUT = "Change anything: the motion is integrated here, by the equations of the engine. tippetop runs it to rounding."
+ABOUT = "Move a slider: this page integrates the motion with the equations of tippetop."
 
 
 def _preset(name: str) -> dict[str, Any] | None:

@@ -1,5 +1,5 @@
 /** Where one looks from: an orbit around a point, which may follow the body; or from above. */
-import { cross, minus, mix, plus, times, unit } from "./vector.js";
+import { cross, length, minus, mix, plus, times, unit } from "./vector.js";
 
 /** @typedef {import("./vector.js").Vector} Vector */
 
@@ -18,12 +18,14 @@ export class Camera {
   }
 
   /**
-   * Follows the body, or stays.
+   * Follows the body; in orbit only where it would leave the picture.
    * @param {Vector} body where the body is
    * @param {boolean} jump at once, not smoothly
    */
   follow(body, jump) {
-    const goal = this.mode === "orbit" ? this.home : body;
+    const away = minus(body, this.home);
+    const room = this.mode === "orbit" ? Math.max(0, 0.8 * LENS * this.distance - 1) : 0;
+    const goal = minus(body, times(Math.min(1, room / (length(away) || 1)), away));
     this.target = jump ? goal : mix(this.target, goal, 0.25);
   }
 

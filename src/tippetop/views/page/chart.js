@@ -2,7 +2,7 @@
 
 /** @typedef {import("./palette.js").Palette} Palette */
 
-const FONT = "11px ui-sans-serif, system-ui, 'Segoe UI', Roboto, sans-serif";
+/** Of a font of 11 pixels. */
 const MARGIN = { left: 46, right: 12, top: 22, bottom: 24 };
 
 /**
@@ -24,6 +24,12 @@ export function tidy(value) {
   return text.replace("-", "−");
 }
 
+/**
+ * A spin in turns.
+ * @type {(spin: number) => string}
+ */
+export const turns = (spin) => `${(spin / (2 * Math.PI)).toFixed(1)} turns/s`;
+
 export class Chart {
   /**
    * @param {HTMLCanvasElement} canvas
@@ -33,6 +39,8 @@ export class Chart {
     this.canvas = canvas;
     this.title = title;
     this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    /** The size of the letters, of 11 pixels. */
+    this.scale = 1;
     this.left = 0;
     this.right = 1;
     this.top = 0;
@@ -62,21 +70,24 @@ export class Chart {
     }
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, w, h);
-    context.font = FONT;
-    [this.left, this.right, this.top, this.bottom] = [MARGIN.left, w - MARGIN.right, MARGIN.top, h - MARGIN.bottom];
+    const { font, fontSize } = getComputedStyle(canvas);
+    const scale = parseFloat(fontSize) / 11;
+    this.scale = scale;
+    [this.left, this.right] = [MARGIN.left * scale, w - MARGIN.right * scale];
+    [this.top, this.bottom] = [MARGIN.top * scale, h - MARGIN.bottom * scale];
     this.low = [x[0], y[0]];
     this.high = [x[1], y[1]];
     context.fillStyle = colours.ink;
     context.textAlign = "left";
     context.textBaseline = "alphabetic";
-    context.font = `600 ${FONT}`;
-    context.fillText(this.title, this.left, 13);
+    context.font = `600 ${font}`;
+    context.fillText(this.title, this.left, 13 * scale);
     const wide = context.measureText(this.title).width;
-    context.font = FONT;
+    context.font = font;
     context.fillStyle = colours.quiet;
     context.textAlign = "right";
     if (this.left + wide + 14 + context.measureText(caption).width < this.right)
-      context.fillText(caption, this.right, 13);
+      context.fillText(caption, this.right, 13 * scale);
   }
 
   /** @param {number} value */
@@ -124,7 +135,7 @@ export class Chart {
       const x = this.x(value);
       if (x < this.left - 1 || x > this.right + 1) continue;
       const wide = context.measureText(text).width / 2;
-      context.fillText(text, Math.min(x, this.right + MARGIN.right - 2 - wide), this.bottom + 7);
+      context.fillText(text, Math.min(x, this.right + MARGIN.right * this.scale - 2 - wide), this.bottom + 7);
       this.stroke(Math.round(x) + 0.5, this.bottom, Math.round(x) + 0.5, this.bottom + 4);
     }
     this.stroke(this.left, this.bottom + 0.5, this.right, this.bottom + 0.5);
@@ -135,7 +146,7 @@ export class Chart {
    * @returns {[number, string][]}
    */
   times() {
-    const xs = ticks(this.low[0], this.high[0], Math.max(2, (this.right - this.left) / 80));
+    const xs = ticks(this.low[0], this.high[0], Math.max(2, (this.right - this.left) / (80 * this.scale)));
     return xs.map((t, i) => [t, i === xs.length - 1 ? `${tidy(t)} s` : tidy(t)]);
   }
 
@@ -175,13 +186,13 @@ export class Chart {
   still(key, draw) {
     if (!key) return draw();
     const { canvas, context } = this;
-    const known = [...key, canvas.width, canvas.height, window.devicePixelRatio, ...this.low, ...this.high];
+    const known = [...key, canvas.width, canvas.height, context.font, ...this.low, ...this.high];
     this.copy ??= document.createElement("canvas");
     if (known.length !== this.known.length || known.some((part, i) => part !== this.known[i])) {
       Object.assign(this.copy, { width: canvas.width, height: canvas.height });
       this.context = /** @type {CanvasRenderingContext2D} */ (this.copy.getContext("2d"));
       this.context.setTransform(context.getTransform());
-      this.context.font = FONT;
+      this.context.font = context.font;
       draw();
       this.context = context;
       this.known = known;

@@ -27,6 +27,7 @@ export function keyboard(stage) {
     m: () => part("show-mass").click(),
     z: () => part("near").click(),
     d: () => part("theme").click(),
+    l: () => part("full").click(),
     "?": () => part("help").toggleAttribute("open"),
   };
   document.addEventListener("keydown", (event) => {
@@ -62,8 +63,10 @@ export function pointer(stage) {
   canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
     const last = down.get(event.pointerId);
     if (!last) return;
-    if (down.size === 1) stage.scene.camera.drag(event.clientX - last.clientX, event.clientY - last.clientY);
-    else {
+    if (down.size === 1) {
+      const up = event.pointerType === "touch" ? 0 : event.clientY - last.clientY; // a finger that goes up scrolls
+      stage.scene.camera.drag(event.clientX - last.clientX, up);
+    } else {
       const other = [...down.values()].find((e) => e.pointerId !== event.pointerId);
       if (other) {
         const apart = (/** @type {PointerEvent} */ e) =>
@@ -89,11 +92,17 @@ export function pointer(stage) {
   );
   for (const chart of [stage.theta.chart, stage.force.chart, stage.line.chart]) {
     const place = (/** @type {PointerEvent} */ event) => {
-      if (event.buttons !== 1) return;
       stage.play(false);
       stage.set(chart.value(event.clientX - chart.canvas.getBoundingClientRect().left));
     };
-    chart.canvas.addEventListener("pointerdown", place);
-    chart.canvas.addEventListener("pointermove", place);
+    /** @type {PointerEvent | undefined} */
+    let from;
+    chart.canvas.addEventListener("pointerdown", (event) => (from = event));
+    chart.canvas.addEventListener("click", place);
+    chart.canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons !== 1 || !from) return;
+      const scrolls = Math.abs(event.clientY - from.clientY) > Math.abs(event.clientX - from.clientX);
+      if (event.pointerType !== "touch" || !scrolls) place(event);
+    });
   }
 }

@@ -10,11 +10,11 @@ export function rgb(hex) {
 }
 
 /** Arrows: name, colour, what it is. */
-export const ARROWS = /** @type {[string, string, string, string][]} */ ([
-  ["momentum", "#0f6fc6", "L", "angular momentum"],
-  ["omega", "#e69f00", "ω", "angular velocity"],
-  ["force", "#d1495b", "F", "force of the plane, 1 unit = weight"],
-  ["slip", "#0b9e77", "v", "velocity of the contact point"],
+export const ARROWS = /** @type {[string, string, string][]} */ ([
+  ["momentum", "#0f6fc6", "L angular momentum"],
+  ["omega", "#e69f00", "ω angular velocity"],
+  ["force", "#d1495b", "F force of the plane"],
+  ["slip", "#0b9e77", "v sliding velocity"],
 ]);
 
 const LIGHT = {

@@ -73,7 +73,7 @@ export class ThetaPanel {
     const degrees = ((pose.theta * 180) / PI).toFixed(1).replace("-", "−");
     chart.begin(span, [low - room, high + room], colours, `θ = ${degrees}°`);
     const whole = high - low > 1.3 && !wound;
-    const few = chart.bottom - chart.top < 70 ? 2 : 1;
+    const few = chart.bottom - chart.top < 70 * chart.scale ? 2 : 1;
     const ys = whole
       ? ANGLES.filter((_, k) => k % few === 0)
       : ticks(low, high, 4).map((y) => /** @type {[number, string]} */ ([y, tidy(y)]));
@@ -83,7 +83,7 @@ export class ThetaPanel {
       chart.within(() => {
         this.band(log, colours);
         chart.context.strokeStyle = colours.run;
-        chart.context.lineWidth = 1;
+        chart.context.lineWidth = chart.scale;
         const from = motion.index(span[0]);
         const to = Math.min(motion.index(span[1]) + 2, motion.times.length);
         chart.curve(motion.times, (i) => motion.samples[i * STRIDE + 19], from, to);
@@ -153,7 +153,7 @@ export class ForcePanel {
    * @param {HTMLCanvasElement} canvas
    */
   constructor(canvas) {
-    this.chart = new Chart(canvas, "Normal force / weight");
+    this.chart = new Chart(canvas, "Normal force gₙ / weight");
   }
 
   /**
@@ -171,7 +171,12 @@ export class ForcePanel {
     const low = Math.min(0, least / weight);
     const high = Math.max(1.2, most / weight);
     const now = pose.force[2] / weight;
-    chart.begin(span, [low - 0.06 * (high - low), high + 0.06 * (high - low)], colours, `g = ${now.toFixed(3)} mg`);
+    chart.begin(
+      span,
+      [low - 0.06 * (high - low), high + 0.06 * (high - low)],
+      colours,
+      now.toFixed(3).replace("-", "−"),
+    );
     chart.still(entire(motion, span) ? [log, colours, log.changes] : undefined, () => {
       if (log.changes) chart.within(() => shade(chart, log, colours));
       chart.axes(
@@ -206,6 +211,7 @@ export class ForcePanel {
     context.strokeStyle = colours.alarm;
     if (near) chart.stroke(chart.left, chart.y(0), chart.right, chart.y(0));
     context.strokeStyle = colours.run;
+    context.lineWidth = chart.scale;
     const from = motion.index(span[0]);
     chart.curve(motion.times, force, from, Math.min(motion.index(span[1]) + 2, motion.times.length));
   }

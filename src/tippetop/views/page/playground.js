@@ -1,7 +1,8 @@
 /** The playground: a tippe top of one's own, integrated in the page while its numbers are changed. */
+import { turns } from "./chart.js";
 import { facts } from "./formulas.js";
 import { sampling, simulated } from "./simulation.js";
-import { Sliders } from "./sliders.js";
+import { Sliders, subscript } from "./sliders.js";
 import { part } from "./part.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
@@ -31,7 +32,7 @@ const BODY = [
 ];
 /** @type {Slider[]} */
 const START = [
-  { name: "omega3", words: "spin ω₃", unit: "rad/s", least: 0, most: 350 },
+  { name: "omega3", words: "spin ω₃", unit: "rad/s", least: 0, most: 350, also: turns },
   { name: "theta", words: "tilt θ(0)", unit: "°", least: 0, most: Math.PI, shown: (x) => x * DEGREE },
   { name: "until", words: "how long", unit: "s", least: 1, most: 30 },
 ];
@@ -59,8 +60,6 @@ const LAWS = /** @type {Record<string, string>} */ ({
   latitude: "viscous, by latitude",
   none: "none",
 });
-const NAMES = /** @type {Record<string, string>} */ ({ lambda_u: "λᵤ", lambda_s: "λₛ", lambda_de: "λ_de" });
-
 export class Playground {
   /**
    * @param {Stage} stage
@@ -122,12 +121,12 @@ export class Playground {
   given() {
     const { m, R, alpha, gamma, inertia, g } = this.body.values;
     const { until, omega3, theta } = this.start.values;
-    const I3 = inertia * m * R * R;
+    const I3 = rounded(inertia * m * R * R);
     const law = part("law").value;
     const numbers = Object.fromEntries(facts.laws[law].map((name) => [name, this.friction.values[name]]));
     return {
       law,
-      parameters: { m, R, alpha, I1: gamma * I3, I3, g, ...numbers },
+      parameters: { m, R, alpha, I1: rounded(gamma * I3), I3, g, ...numbers },
       initial: { ...this.preset.initial, omega3, theta },
       atRest: this.preset.atRest,
       until,
@@ -166,18 +165,19 @@ export class Playground {
       text,
       words: by[name].words,
     });
-    this.start.mark("omega3", [mark("spin_upright", "ωᵤ"), mark("spin_full", "ωₛ")]);
-    this.body.mark("gamma", [mark("gamma_c", "γ_c"), mark("gamma_plus", "γ₊")]);
+    this.start.mark("omega3", [mark("spin_upright", "ω_u"), mark("spin_full", "ω_s")]);
+    this.body.mark("gamma", [mark("gamma_c", "γ_c"), mark("gamma_plus", "γ_+")]);
     const rows = ["lambda_u", "lambda_s", "lambda_de"].map((name) => {
       const { value, words } = by[name];
       const row = document.createElement("tr");
       const cells = [
-        NAMES[name],
+        "",
         isFinite(value) ? (1e6 * value).toPrecision(4) : "∞",
         words,
         lambda > value ? "above" : "below",
       ];
       row.append(...cells.map((text) => Object.assign(document.createElement("td"), { textContent: text })));
+      subscript(row.cells[0], name.replace("lambda", "λ"));
       row.dataset.above = String(lambda > value);
       return row;
     });
@@ -185,6 +185,9 @@ export class Playground {
     part("lambda").textContent = (1e6 * lambda).toPrecision(4);
   }
 }
+
+/** Without the rounding errors of the last digits. */
+const rounded = (/** @type {number} */ value) => Number(value.toPrecision(12));
 
 /**
  * Where the motion has come to, in a sentence.
@@ -198,7 +201,9 @@ function verdict({ motion, log, end }) {
   if (end === "lifts off") return `Lifts off at ${when} s, at θ = ${theta.toFixed(1)}°: the model ends here.`;
   if (end) return `The integration ends at ${when} s.`;
   const near = DEGREE * facts.near;
-  const where = theta > 180 - near ? "inverted" : theta < near ? "upright" : "between";
+  const pole = theta > 90 ? "inverted" : "upright";
+  const off = Math.min(theta, 180 - theta);
+  const where = off < near ? pole : off < 4 * near ? `nearly ${pole}` : "tilted";
   return `After ${when} s it is ${where}, at θ = ${theta.toFixed(1)}°${turned}.`;
 }
 
@@ -208,7 +213,7 @@ function verdict({ motion, log, end }) {
  */
 function scenario({ law, parameters, initial, atRest, until }) {
   const line = (/** @type {string} */ name, /** @type {number} */ value) =>
-    `${name} = ${Number.isInteger(value) ? value.toFixed(1) : value}`;
+    `${name} = ${Number.isInteger(value) ? value.toFixed(1) : Math.abs(value) < 1e-3 ? value.toExponential() : value}`;
   const table = (/** @type {string[]} */ names, /** @type {Record<string, number>} */ values) =>
     names.map((n) => line(n, values[n])).join("\n");
   const start = Object.keys(initial).filter((name) => initial[name]);

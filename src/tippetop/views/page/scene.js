@@ -36,18 +36,12 @@ export class Scene {
   constructor(canvas) {
     this.canvas = canvas;
     const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true, alpha: false });
-    if (!gl) throw new Error("this page draws with WebGL2, which this browser does not offer");
+    /** null: this browser does not offer WebGL2, and the body is not drawn */
     this.gl = gl;
     /** @type {Map<string, Program>} */
     this.programs = new Map();
-    this.ribbons = new Program(gl, RIBBON, INK);
-    this.screen = gl.createVertexArray();
-    gl.bindVertexArray(this.screen);
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
-    gl.enableVertexAttribArray(0);
-    gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
-    gl.bindVertexArray(null);
+    this.ribbons = gl && new Program(gl, RIBBON, INK);
+    this.screen = gl && triangle(gl);
     this.camera = new Camera();
     /** What is shown besides the body. */
     this.shown = /** @type {Record<string, boolean>} */ ({
@@ -132,8 +126,9 @@ export class Scene {
 
   /** Makes the traces of the contact point, of all samples: the first picture does without them. */
   trace() {
-    const { body, motion } = this;
-    if (!body || !motion) return;
+    const { gl, ribbons, body, motion } = this;
+    this.untraced = false;
+    if (!gl || !ribbons || !body || !motion) return;
     const n = motion.times.length;
     const floor = new Float32Array(3 * n);
     const skin = new Float32Array(3 * n);
@@ -143,20 +138,20 @@ export class Scene {
       skin.set(touched.skin, 3 * i);
     }
     const moves = body.kind !== "heavy" || !body.fixed;
-    this.floor = moves ? new Ribbon(this.gl, this.ribbons, floor, motion.times) : undefined;
-    this.skin = body.kind === "ball" ? new Ribbon(this.gl, this.ribbons, skin, motion.times) : undefined;
-    this.untraced = false;
+    this.floor = moves ? new Ribbon(gl, ribbons, floor, motion.times) : undefined;
+    this.skin = body.kind === "ball" ? new Ribbon(gl, ribbons, skin, motion.times) : undefined;
   }
 
   /**
    * The program that casts the rays, made when it is first wanted.
+   * @param {WebGL2RenderingContext} gl
    * @param {number} kind
    */
-  rays(kind) {
+  rays(gl, kind) {
     const key = [kind, this.quality.side, this.shown.mass ? 1 : 0];
     const known = this.programs.get(key.join());
     if (known) return known;
-    const made = new Program(this.gl, SCREEN, RAYS(key[0], key[1], key[2]));
+    const made = new Program(gl, SCREEN, RAYS(key[0], key[1], key[2]));
     this.programs.set(key.join(), made);
     return made;
   }
@@ -169,7 +164,7 @@ export class Scene {
     const { gl } = this;
     const began = performance.now();
     work();
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     return (performance.now() - began) / 1e3;
   }
 
@@ -210,7 +205,6 @@ export class Scene {
   draw(pose, colours, how) {
     const { gl, body, motion } = this;
     if (!body || !motion) return;
-    const rays = this.rays(KINDS[body.kind]);
     this.resize();
     const k = 1 / body.unit;
     const turned = axes(pose.orientation);
@@ -218,6 +212,8 @@ export class Scene {
     const above = times(k * (body.kind === "ball" ? body.balls[0].offset : 0), turned[2]);
     const looked = plus(centre, above);
     this.camera.follow([looked[0], looked[1], this.camera.home[2]], how.jump);
+    if (!gl || gl.isContextLost()) return;
+    const rays = this.rays(gl, KINDS[body.kind]);
     const view = this.camera.frame();
     const lens = LENS * Math.max(1, 0.8 * (this.height / this.width));
     const size = [this.width, this.height];
@@ -260,23 +256,24 @@ export class Scene {
     });
     gl.bindVertexArray(this.screen);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    if (this.shown.trace) this.traces(pose, { view, lens, size, turned, centre, dark: how.dark });
+    if (this.shown.trace) this.traces(gl, pose, { view, lens, size, turned, centre, dark: how.dark });
   }
 
   /**
    * Draws the traces of the contact point.
+   * @param {WebGL2RenderingContext} gl
    * @param {Pose} pose
    * @param {any} how
    */
-  traces(pose, how) {
-    const { gl, motion } = this;
-    if (!motion) return;
+  traces(gl, pose, how) {
+    const { motion, ribbons } = this;
+    if (!motion || !ribbons) return;
     gl.depthFunc(gl.LEQUAL);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     const to = motion.index(pose.time) + 1;
     const common = { size: how.size, ...how.view, lens: how.lens, near: NEAR, far: FAR, now: pose.time };
-    this.ribbons.set({
+    ribbons.set({
       ...common,
       turn: [
         [1, 0, 0],
@@ -291,7 +288,7 @@ export class Scene {
       ink: how.dark ? [0.5, 0.76, 1] : [0.1, 0.32, 0.6],
     });
     this.floor?.draw(0, to);
-    this.ribbons.set({
+    ribbons.set({
       turn: how.turned,
       shift: how.centre,
       memory: ON_BALL,
@@ -317,4 +314,19 @@ export class Scene {
     const k = this.height / (2 * lens * z);
     return [this.width / 2 + k * dot(q, right), this.height / 2 - k * dot(q, up)];
   }
+}
+
+/**
+ * One triangle that covers the picture.
+ * @param {WebGL2RenderingContext} gl
+ */
+function triangle(gl) {
+  const screen = gl.createVertexArray();
+  gl.bindVertexArray(screen);
+  gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+  gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
+  gl.enableVertexAttribArray(0);
+  gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
+  gl.bindVertexArray(null);
+  return screen;
 }

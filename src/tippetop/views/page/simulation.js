@@ -50,22 +50,26 @@ export function simulated(given, tolerance = TOLERANCE) {
   const times = new Float64Array(count + 1);
   const samples = new Float32Array((count + 1) * STRIDE);
   const seen = new Float64Array(STRIDE + 2);
+  const force = () => {
+    known.seen(solver.y, b, seen);
+    return seen[2 + FORCE];
+  };
+  const last = solver.y.slice();
   let end = "";
   let n = 0;
-  for (; n <= count; n++) {
+  for (; n <= count && !end; n++) {
     times[n] = (n / count) * given.until;
     if (!solver.to(times[n])) {
       end = "stalled";
       break;
     }
-    known.seen(solver.y, b, seen);
+    if (force() < 0) {
+      end = "lifts off";
+      if (n) times[n] = liftoff(solver, times[n - 1], last, force);
+    }
+    last.set(solver.y);
     samples.set(ofAxes([seen[0], seen[1], seen[2]], [seen[3], seen[4], seen[5]]), n * STRIDE);
     samples.set(seen.subarray(6), n * STRIDE + 4);
-    if (samples[n * STRIDE + FORCE] < 0) {
-      end = "lifts off";
-      n += 1;
-      break;
-    }
   }
   const motion = new Motion(times.slice(0, n), samples.slice(0, n * STRIDE), facts.planar);
   const log = new Log(turnings(motion, end), [], motion, facts.planar);
@@ -81,6 +85,30 @@ export function simulated(given, tolerance = TOLERANCE) {
       ? (/** @type {number} */ z, /** @type {number} */ one, /** @type {number} */ two) => potential(z, one, two, b)
       : undefined,
   };
+}
+
+/**
+ * Takes a motion back to the last moment at which the force is not negative; returns its time.
+ * @param {Extrapolation} solver
+ * @param {number} start time of the sample before [s]
+ * @param {Float64Array} state of the sample before
+ * @param {() => number} force of the state of the solver
+ */
+function liftoff(solver, start, state, force) {
+  let [held, lifted] = [start, solver.time];
+  const at = (/** @type {number} */ time) => {
+    solver.y.set(state);
+    solver.time = start;
+    solver.to(time);
+    return force();
+  };
+  for (let k = 0; k < 40; k++) {
+    const middle = (held + lifted) / 2;
+    if (at(middle) < 0) lifted = middle;
+    else held = middle;
+  }
+  at(held);
+  return held;
 }
 
 /**

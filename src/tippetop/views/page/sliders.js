@@ -1,6 +1,14 @@
 /** Sliders with their words and values. */
 
 /**
+ * Writes a name with its index below the line: `γ_c`.
+ * @type {(element: HTMLElement, name: string) => void}
+ */
+export const subscript = (element, name) => {
+  element.innerHTML = name.replace(/_(\S+)/, "<sub>$1</sub>");
+};
+
+/**
  * @typedef {object} Slider
  * @property {string} name
  * @property {string} words
@@ -9,6 +17,7 @@
  * @property {number} most
  * @property {boolean} [log] whether it is even in the logarithm
  * @property {(value: number) => number} [shown] what is written, of the value
+ * @property {(value: number) => string} [also] the value in another unit
  */
 
 const STEPS = 1000;
@@ -32,7 +41,7 @@ export class Sliders {
     const row = document.createElement("label");
     row.className = "slider";
     const words = document.createElement("span");
-    words.textContent = slider.words;
+    subscript(words, slider.words);
     const output = document.createElement("output");
     const input = document.createElement("input");
     input.type = "range";
@@ -86,7 +95,8 @@ export class Sliders {
   write(name) {
     const { slider, input, output } = this.all[name];
     const value = slider.shown ? slider.shown(this.values[name]) : this.values[name];
-    output.value = `${Number(value.toPrecision(4))}${slider.unit ? ` ${slider.unit}` : ""}`;
+    const also = slider.also ? ` = ${slider.also(value)}` : "";
+    output.value = `${Number(value.toPrecision(4))}${slider.unit ? ` ${slider.unit}` : ""}${also}`;
     input.setAttribute("aria-valuetext", output.value);
   }
 
@@ -104,7 +114,7 @@ export class Sliders {
         .map(({ value, text, words }) => {
           const mark = document.createElement("b");
           mark.style.left = `calc(8px + (100% - 16px) * ${this.part(known.slider, value)})`;
-          mark.textContent = text;
+          subscript(mark, text);
           mark.title = words;
           return mark;
         }),

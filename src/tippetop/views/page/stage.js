@@ -1,6 +1,7 @@
 /** A motion on the page: picture, plots, controls and keyboard, all at one time. */
 import { Clock, SPEEDS, speedText } from "./clock.js";
 import { AxisPanel } from "./axis.js";
+import { turns } from "./chart.js";
 import { keyboard, pointer } from "./gestures.js";
 import { ForcePanel, ThetaPanel } from "./panels.js";
 import { Key, named } from "./key.js";
@@ -55,6 +56,7 @@ export class Stage {
     this.near = false;
     this.calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.dirty = true;
+    this.printing = false;
     /** Whether the page has had a frame of its own: the first must not wait for traces. */
     this.framed = false;
     this.frames = { count: 0, seconds: 0, one: 0 };
@@ -63,6 +65,10 @@ export class Stage {
     this.controls();
     keyboard(this);
     pointer(this);
+    part("flat").hidden = !!this.scene.gl;
+    part("scene").addEventListener("webglcontextlost", () => (part("flat").hidden = false));
+    addEventListener("beforeprint", () => this.print(true));
+    addEventListener("afterprint", () => this.print(false));
     const again = () => (this.dirty = true);
     new ResizeObserver(again).observe(document.body);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
@@ -70,6 +76,7 @@ export class Stage {
   }
 
   get dark() {
+    if (this.printing) return false;
     const chosen = document.documentElement.dataset.theme;
     return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   }
@@ -110,6 +117,12 @@ export class Stage {
       this.frames.one = this.scene.timed(() => this.draw(0));
     }
     this.quality = SLOW.filter((limit) => this.frames.one > limit).length;
+  }
+
+  /** @param {boolean} printing on paper, which is white */
+  print(printing) {
+    this.printing = printing;
+    this.draw(0);
   }
 
   /** @param {number} time */
@@ -163,15 +176,18 @@ export class Stage {
         this.dirty = true;
       },
       record: () => this.record(),
+      full: () =>
+        document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen(),
     };
     for (const [name, action] of Object.entries(buttons)) part(name).addEventListener("click", action);
-    part("record").hidden = !this.recorder.possible;
+    part("record").hidden = !this.scene.gl || !this.recorder.possible;
+    part("full").hidden = !document.fullscreenEnabled;
     part("speed").addEventListener("change", () => this.pace(Number(part("speed").value)));
     part("scrub").addEventListener("input", () => this.set(Number(part("scrub").value)));
     part("camera").addEventListener("change", () => this.look(part("camera").value));
-    for (const [name, colour, letter, words] of ARROWS) this.toggle(name, `${letter} ${words}`, colour, letter);
-    this.toggle("trace", "trace of the contact point", "#5b7ea4", "trace");
-    this.toggle("mass", "see through: centre of mass", "#e4572e", "inside");
+    for (const [name, colour, words] of ARROWS) this.toggle(name, words, colour);
+    this.toggle("trace", "trace", "#5b7ea4");
+    this.toggle("mass", "centre of mass", "#e4572e");
     this.pace(this.calm ? 0.1 : 1);
   }
 
@@ -180,16 +196,13 @@ export class Stage {
    * @param {string} name
    * @param {string} words
    * @param {string} colour
-   * @param {string} text
    */
-  toggle(name, words, colour, text) {
+  toggle(name, words, colour) {
     const button = document.createElement("button");
     button.className = "toggle";
     button.dataset.part = `show-${name}`;
-    button.title = words;
-    button.setAttribute("aria-label", `show ${words}`);
     button.style.setProperty("--colour", colour);
-    button.textContent = text;
+    button.textContent = words;
     const press = () => button.setAttribute("aria-pressed", String(this.scene.shown[name]));
     button.addEventListener("click", () => {
       this.scene.shown[name] = !this.scene.shown[name];
@@ -267,7 +280,7 @@ export class Stage {
    * @param {number} step how far the motion went since the last picture [s]
    */
   draw(step) {
-    if (!this.shown) return;
+    if (!this.shown || !this.scene.canvas.clientWidth) return;
     const began = performance.now();
     const { body, motion, log, wound } = this.shown;
     const colours = palette(this.dark);
@@ -301,6 +314,7 @@ export class Stage {
     part("time").textContent = `${time.toFixed(4)} s`;
     part("spin-name").textContent = log.wound ? "θ′" : "ω₃";
     part("spin").textContent = `${spin.toFixed(1)} rad/s`;
+    part("turns").textContent = turns(spin);
     const phase = log.changes ? log.phase(time) : undefined;
     part("phase").textContent = phase ? named(phase) : "";
     const scrub = part("scrub");

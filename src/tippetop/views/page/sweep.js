@@ -41,6 +41,7 @@ export class SweepPage {
     this.map.slice(this.further);
     new ResizeObserver(() => this.draw()).observe(part("map"));
     part("theme").addEventListener("click", () => this.draw());
+    for (const moment of ["beforeprint", "afterprint"]) addEventListener(moment, () => this.draw());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
     this.choose(this.map.tops[this.map.tops.length >> 1], false);
   }

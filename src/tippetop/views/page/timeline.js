@@ -56,7 +56,7 @@ export class TimeLine {
       context.lineTo(x + (small ? 2 : 4), small ? 29 : 30);
       context.fill();
     }
-    chart.bottom = chart.canvas.clientHeight - 16;
+    chart.bottom = chart.canvas.clientHeight - 16 * chart.scale;
     context.fillStyle = colours.quiet;
     context.textAlign = "center";
     context.textBaseline = "top";

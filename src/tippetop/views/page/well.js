@@ -124,18 +124,12 @@ export class WellPanel {
     chart.within(() => {
       context.fillStyle = colours.fill;
       context.beginPath();
-      for (let k = 0; k < steps; k++) {
-        const value = v(k);
-        if (value < level) {
-          context.lineTo(chart.x(at(k)), chart.y(value));
-        } else {
-          context.lineTo(chart.x(at(k)), chart.y(level));
-        }
-      }
-      context.closePath();
+      context.lineTo(chart.left, chart.y(level));
+      for (let k = 0; k < steps; k++) context.lineTo(chart.x(at(k)), chart.y(Math.min(v(k), level)));
+      context.lineTo(chart.right, chart.y(level));
       context.fill();
       context.strokeStyle = colours.run;
-      context.lineWidth = 1.6;
+      context.lineWidth = 1.6 * chart.scale;
       context.beginPath();
       for (let k = 0; k < steps; k++) context.lineTo(chart.x(at(k)), Math.max(chart.y(v(k)), -1e4));
       context.stroke();
