@@ -26,7 +26,6 @@ class Point(NamedTuple):
     b: DoubleDouble  # X at the pole q = oo
     k: DoubleDouble  # times psi: what X has in between
     spin: DoubleDouble
-    other: DoubleDouble  # spin^2 - other^2 is
     offset: DoubleDouble  # what gamma V has besides weight and X^2 [J]
 
 
@@ -39,7 +38,6 @@ def at_momenta(first, second, c):
         tidy(plus(scaled(first, c.b1), scaled(second, c.b2))),
         scaled(second, c.k),
         spin,
-        other,
         minus(times(spin, spin), times(other, other)),
     )
 
@@ -126,7 +124,7 @@ def momentum_slopes(q, p, c):
     second1 = c.b2.head * q - c.a2.head - turn.head * c.k.head * root.head
     return MomentumSlopes(
         plus(times(Y, first), scaled(q, times(p.spin, c.spin1))),
-        minus(times(Y, second), scaled(q, times(p.other, c.spin2))),
+        minus(times(Y, second), scaled(q, times(p.k, c.spin22_by_k))),
         (Y1.head * first.head + Y.head * first1) / 2,
         (Y1.head * second.head + Y.head * second1) / 2,
         -(slope.head + slope.tail) / slopes(q, p, c)[1],

@@ -15,12 +15,7 @@ class PotentialCoefficients(NamedTuple):
     height_energy: DoubleDouble  # energy of weight at q = 0 [J]
     height_gain: DoubleDouble  # what it gains up to q = oo [J]
     gamma: DoubleDouble
-    root_gamma: DoubleDouble
-    sigma: DoubleDouble
-    sigma_over_gamma: DoubleDouble
     root_gamma_gain: Operand  # sqrt(gamma height_gain) [sqrt(J)]
-    alpha_minus_1: DoubleDouble
-    alpha_plus_1: DoubleDouble
     sqrt_d0: DoubleDouble  # sqrt(d) at q = 0
     sqrt_d1: DoubleDouble  # sqrt(d) at q = oo
     K: DoubleDouble
@@ -31,6 +26,7 @@ class PotentialCoefficients(NamedTuple):
     k: DoubleDouble  # k second, times psi, is what X has besides a and b [sqrt(J)]
     spin1: DoubleDouble  # (spin1 first)^2 - (spin2 second)^2 is gamma times what V has besides weight and X^2 [J]
     spin2: DoubleDouble
+    spin22_by_k: DoubleDouble  # spin2^2/k, 0 where spin2 is
 
 
 def rounded(c: PotentialCoefficients) -> PotentialCoefficients:

@@ -81,12 +81,7 @@ def coefficients(b) -> PotentialCoefficients:
         height_energy=b.m * b.g * b.c,
         height_gain=-2 * b.m * b.g * b.c,
         gamma=one,
-        root_gamma=one,
-        sigma=zero,
-        sigma_over_gamma=zero,
         root_gamma_gain=sqrt(-2 * b.m * b.g * b.c),
-        alpha_minus_1=zero,
-        alpha_plus_1=zero,
         sqrt_d0=one,
         sqrt_d1=one,
         K=zero,
@@ -97,6 +92,7 @@ def coefficients(b) -> PotentialCoefficients:
         k=zero,
         spin1=1 / sqrt(2 * b.I3),
         spin2=zero,
+        spin22_by_k=zero,
     )
 
 

@@ -104,12 +104,7 @@ def coefficients(b) -> PotentialCoefficients:
         height_energy=contact.height_energy(1, b),
         height_gain=2 * b.m * b.g * b.c,
         gamma=gamma,
-        root_gamma=sqrt(gamma),
-        sigma=sigma,
-        sigma_over_gamma=sigma / gamma,
         root_gamma_gain=sqrt(2 * gamma * b.m * b.g * b.c),
-        alpha_minus_1=alpha - 1,
-        alpha_plus_1=alpha + 1,
         sqrt_d0=d0,
         sqrt_d1=d1,
         K=(gamma - sigma * (1 - alpha) * (1 + alpha) - d0 * d1) / 2 + sigma * gamma,
@@ -120,6 +115,7 @@ def coefficients(b) -> PotentialCoefficients:
         k=1 / per,
         spin1=1 / sqrt(2 * b.I3),
         spin2=sqrt(sigma / (2 * b.I3)) / b.R,
+        spin22_by_k=sigma / (2 * b.I3 * b.R**2) * per,
     )
 
 
