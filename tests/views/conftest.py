@@ -20,7 +20,8 @@ def launch() -> Iterator[Callable[..., Any]]:
     if CHROMIUM is None:
         pytest.skip("no chromium: apt-get install chromium")
     with playwright.sync_playwright() as driver:
-        yield lambda *flags: driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *flags])
+        chromium = driver.chromium
+        yield lambda *flags: chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *flags])
 
 
 @pytest.fixture(scope="session")
@@ -35,9 +36,9 @@ def browser_without_webgl(launch: Callable[..., Any]) -> Any:
 
 @pytest.fixture(scope="session")
 def open_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
-    """Opens a page from a file, with the network off; `faults` of the tab is what went wrong, or was asked for.
+    """Open a page from a file, with the network off, and wait until `ready` is true in it.
 
-    A page is open when `ready` is true in it; `used` is the browser.
+    `faults` of the tab lists errors, messages and requests of the page; `used` is the browser.
     """
     folder = tmp_path_factory.mktemp("pages")
 

@@ -213,7 +213,7 @@ def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:
     assert tab.faults == []
 
 
-def test_a_page_without_webgl2_names_it_and_shows_its_plots(browser_without_webgl: Any, open_page: Any) -> None:
+def test_a_page_without_webgl2_shows_its_plots(browser_without_webgl: Any, open_page: Any) -> None:
     tab = open_page(tt.run("inverting", until=0.2).view().text, used=browser_without_webgl)
     assert "WebGL2" in tab.get_by_role("alert").inner_text()
     tab.wait_for_function(DRAWN)
@@ -241,14 +241,14 @@ def test_the_camera_in_orbit_keeps_the_body_in_the_picture(tab: Any) -> None:
         const { scene } = tippetop.stage;
         const { right } = scene.camera.frame();
         const centre = tippetop.pose(t).position.map((part) => part / scene.body.unit);
-        const sides = [-1, 1].map((way) => scene.project(centre.map((part, i) => part + way * right[i])));
-        return sides.map(([x, y]) => [x / scene.width, y / scene.height]);
+        const sides = [-1, 1].map((way) => centre.map((part, i) => part + way * right[i]));
+        return sides.map((side) => scene.project(side)).map(([x, y]) => [x / scene.width, y / scene.height]);
     })""")
     assert np.all((np.array(places) > 0) & (np.array(places) < 1)), places
 
 
 def test_fingers_scroll_the_page_or_move_the_time(inverting: tt.Run, open_page: Any) -> None:
-    """Upwards a finger scrolls and changes nothing else; sideways it turns the camera or moves the time."""
+    """Upwards a finger only scrolls; sideways it turns the camera or moves the time."""
     tab = open_page(inverting.view().text, has_touch=True, is_mobile=True)
     for part in ("scene", "theta", "line"):
         assert swiped(tab, part, 0, -60) == {"scroll"}, part
@@ -263,12 +263,16 @@ def test_fingers_scroll_the_page_or_move_the_time(inverting: tt.Run, open_page: 
 def swiped(tab: Any, part: str, dx: int, dy: int) -> set[str]:
     """Draw a finger across a part of a page at 3 s, and return the names of what this changes."""
     touch = tab.context.new_cdp_session(tab)
-    tab.locator(f"[data-part={part}]").evaluate("e => { e.scrollIntoView({ block: 'center' }); tippetop.set(3); }")
-    box = tab.locator(f"[data-part={part}]").bounding_box()
+    place = tab.locator(f"[data-part={part}]")
+    place.evaluate("e => e.scrollIntoView({ block: 'center' })")
+    tab.evaluate("tippetop.set(3)")
     before = tab.evaluate(STATE)
+    box = place.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     for s in np.linspace(0, 1, 11):
-        place = {"x": box["x"] + box["width"] / 2 + s * dx, "y": box["y"] + box["height"] / 2 + s * dy}
-        touch.send("Input.dispatchTouchEvent", {"type": "touchMove" if s else "touchStart", "touchPoints": [place]})
+        finger = {"x": x + s * dx, "y": y + s * dy}
+        kind = "touchMove" if s else "touchStart"
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [finger]})
         tab.wait_for_timeout(30)
     tab.wait_for_timeout(200)
     touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
@@ -281,7 +285,8 @@ def test_letters_are_larger_in_full_screen(tab: Any) -> None:
     tab.set_viewport_size({"width": 1920, "height": 1080})
     sizes = """() => {
         tippetop.draw();
-        const fonts = [tippetop.stage.theta.chart.context.font, getComputedStyle(document.body).font];
+        const { font } = tippetop.stage.theta.chart.context;
+        const fonts = [font, getComputedStyle(document.body).font];
         return fonts.map((font) => parseFloat(font.match(/[0-9.]+px/)[0]));
     }"""
     usual = tab.evaluate(sizes)
@@ -307,12 +312,15 @@ def test_paper_is_white_and_balls_are_round(tab: Any) -> None:
         const { canvas, context } = tippetop.stage.theta.chart;
         const pixels = context.getImageData(0, 0, canvas.width, 20).data;
         let darkest = 255;
-        for (let i = 0; i < pixels.length; i += 4) if (pixels[i + 3] > 200) darkest = Math.min(darkest, pixels[i]);
+        for (let i = 0; i < pixels.length; i += 4) {
+            if (pixels[i + 3] > 200) darkest = Math.min(darkest, pixels[i]);
+        }
         const stretched = [...document.querySelectorAll("canvas")].map((canvas) => {
             const { width, height } = canvas.getBoundingClientRect();
             return (width / height) / (canvas.width / canvas.height);
         });
-        return [darkest, getComputedStyle(document.querySelector("figure")).backgroundColor, stretched];
+        const { backgroundColor } = getComputedStyle(document.querySelector("figure"));
+        return [darkest, backgroundColor, stretched];
     }""")
     assert ink < 60
     assert paper == "rgb(255, 255, 255)"
@@ -363,8 +371,8 @@ STATE = """() => {
 }"""
 DRAWN = """(() => {
   const canvas = document.querySelector("[data-part=theta]");
-  const pixels = canvas.width && canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
-  return pixels && pixels.some((part) => part);
+  const { width, height } = canvas;
+  return width && canvas.getContext("2d").getImageData(0, 0, width, height).data.some((part) => part);
 })()"""
 PLAYED = """([type, film]) => new Promise((done) => {
   const video = document.createElement("video");

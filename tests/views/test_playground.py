@@ -140,7 +140,11 @@ def test_the_well_is_shaded_where_the_potential_is_below_the_energy(tab: Any) ->
 
 @pytest.mark.parametrize(
     ("start", "where"),
-    [({"until": 6.9}, "nearly inverted"), ({"until": 10.0}, "is inverted"), ({"omega3": 44.0}, "tilted")],
+    [
+        ({"until": 6.9}, "nearly inverted"),
+        ({"until": 10.0}, "is inverted"),
+        ({"omega3": 44.0}, "tilted"),
+    ],
 )
 def test_the_end_of_a_motion_has_a_word(tab: Any, start: dict, where: str) -> None:
     assert where in shown(tab, **start)

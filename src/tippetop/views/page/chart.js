@@ -135,7 +135,8 @@ export class Chart {
       const x = this.x(value);
       if (x < this.left - 1 || x > this.right + 1) continue;
       const wide = context.measureText(text).width / 2;
-      context.fillText(text, Math.min(x, this.right + MARGIN.right * this.scale - 2 - wide), this.bottom + 7);
+      const last = this.right + MARGIN.right * this.scale - 2 - wide;
+      context.fillText(text, Math.min(x, last), this.bottom + 7);
       this.stroke(Math.round(x) + 0.5, this.bottom, Math.round(x) + 0.5, this.bottom + 4);
     }
     this.stroke(this.left, this.bottom + 0.5, this.right, this.bottom + 0.5);
@@ -146,7 +147,8 @@ export class Chart {
    * @returns {[number, string][]}
    */
   times() {
-    const xs = ticks(this.low[0], this.high[0], Math.max(2, (this.right - this.left) / (80 * this.scale)));
+    const count = Math.max(2, (this.right - this.left) / (80 * this.scale));
+    const xs = ticks(this.low[0], this.high[0], count);
     return xs.map((t, i) => [t, i === xs.length - 1 ? `${tidy(t)} s` : tidy(t)]);
   }
 

@@ -64,8 +64,8 @@ export function pointer(stage) {
     const last = down.get(event.pointerId);
     if (!last) return;
     if (down.size === 1) {
-      const up = event.pointerType === "touch" ? 0 : event.clientY - last.clientY; // a finger that goes up scrolls
-      stage.scene.camera.drag(event.clientX - last.clientX, up);
+      const scrolls = event.pointerType === "touch";
+      stage.scene.camera.drag(event.clientX - last.clientX, scrolls ? 0 : event.clientY - last.clientY);
     } else {
       const other = [...down.values()].find((e) => e.pointerId !== event.pointerId);
       if (other) {
@@ -101,8 +101,9 @@ export function pointer(stage) {
     chart.canvas.addEventListener("click", place);
     chart.canvas.addEventListener("pointermove", (event) => {
       if (event.buttons !== 1 || !from) return;
-      const scrolls = Math.abs(event.clientY - from.clientY) > Math.abs(event.clientX - from.clientX);
-      if (event.pointerType !== "touch" || !scrolls) place(event);
+      const [dx, dy] = [event.clientX - from.clientX, event.clientY - from.clientY];
+      const scrolls = event.pointerType === "touch" && Math.abs(dy) > Math.abs(dx);
+      if (!scrolls) place(event);
     });
   }
 }

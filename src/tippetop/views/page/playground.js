@@ -212,10 +212,12 @@ function verdict({ motion, log, end }) {
  * @param {Given} given
  */
 function scenario({ law, parameters, initial, atRest, until }) {
-  const line = (/** @type {string} */ name, /** @type {number} */ value) =>
-    `${name} = ${Number.isInteger(value) ? value.toFixed(1) : Math.abs(value) < 1e-3 ? value.toExponential() : value}`;
+  const written = (/** @type {number} */ value) => {
+    if (Number.isInteger(value)) return value.toFixed(1);
+    return Math.abs(value) < 1e-3 ? value.toExponential() : value;
+  };
   const table = (/** @type {string[]} */ names, /** @type {Record<string, number>} */ values) =>
-    names.map((n) => line(n, values[n])).join("\n");
+    names.map((n) => `${n} = ${written(values[n])}`).join("\n");
   const start = Object.keys(initial).filter((name) => initial[name]);
   return `system = "tippe-top"
 

@@ -176,8 +176,10 @@ export class Stage {
         this.dirty = true;
       },
       record: () => this.record(),
-      full: () =>
-        document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen(),
+      full: () => {
+        if (document.fullscreenElement) document.exitFullscreen();
+        else document.documentElement.requestFullscreen();
+      },
     };
     for (const [name, action] of Object.entries(buttons)) part(name).addEventListener("click", action);
     part("record").hidden = !this.scene.gl || !this.recorder.possible;

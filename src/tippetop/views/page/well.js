@@ -125,7 +125,9 @@ export class WellPanel {
       context.fillStyle = colours.fill;
       context.beginPath();
       context.lineTo(chart.left, chart.y(level));
-      for (let k = 0; k < steps; k++) context.lineTo(chart.x(at(k)), chart.y(Math.min(v(k), level)));
+      for (let k = 0; k < steps; k++) {
+        context.lineTo(chart.x(at(k)), chart.y(Math.min(v(k), level)));
+      }
       context.lineTo(chart.right, chart.y(level));
       context.fill();
       context.strokeStyle = colours.run;
