@@ -42,6 +42,11 @@ ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore
 SYSTEMS = "mechanics.systems"
 CONTACT, RUNS = "mechanics/contact", "engine/contact"
 JUDGES: dict[str, tuple[str, ...]] = {
+    "mechanics.disc_friction": (
+        "mechanics/test_disc_friction.py",
+        f"{RUNS}/test_rows_of_phases.py",
+        f"{RUNS}/test_phases_of_runs.py",
+    ),
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
     "mechanics.events": ("runs/test_events.py", "-k", "TestSignificance"),
     "mechanics.systems.spinning": ("mechanics/test_spinning.py",),
@@ -57,7 +62,6 @@ JUDGES: dict[str, tuple[str, ...]] = {
     ),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_ball.py"),
     "mechanics.contact.disc_at_rest": (f"{CONTACT}/test_disc_held.py",),
-    "mechanics.contact.drilling": (f"{CONTACT}/test_drilling.py",),
     "mechanics.contact.impact": (f"{CONTACT}/test_arrival.py", f"{CONTACT}/test_impact.py", "-m", "not slow"),
     "mechanics.contact.flight": (f"{CONTACT}/test_flight.py",),
     "mechanics.contact.landing": (f"{CONTACT}/test_flight.py", f"{RUNS}/test_reference_cases.py"),

@@ -14,7 +14,7 @@ import heyoka as hy
 import numpy as np
 
 from ..mechanics.contact.body import Body, height
-from ..mechanics.friction import LAWS, Law
+from ..mechanics.friction import Law, named
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.units import Scales
@@ -79,8 +79,9 @@ class Kind(NamedTuple):
     @property
     def law(self) -> Law:
         """The friction law."""
-        laws = {**LAWS, **self.system.laws}.values()
-        return next(law for law in laws if law.record is self.friction)
+        known = named(self.friction, self.system.laws)
+        assert known is not None, self.friction
+        return known[1]
 
 
 class Line:

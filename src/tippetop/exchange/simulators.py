@@ -9,7 +9,7 @@ from ..engine.observables import Observables
 from ..errors import InputError, a_system
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.gliding.vector import angular_velocity
-from ..mechanics.friction import Coulomb, SetValued, is_frictionless
+from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..problem import Problem
@@ -94,9 +94,9 @@ def _cannot(problem: Problem) -> tuple[float, list[str]]:
         sentences.append("pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips")
     elif problem.system.frictional and is_frictionless(law):
         mu = 0.0
-    elif isinstance(law, SetValued):
+    elif problem.law.set_valued:
         pass
-    elif isinstance(law, Coulomb):
+    elif problem.law.without is not None:
         sentences.append(f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own")
     elif problem.system.frictional:
         long_name = problem.law.long_name

@@ -10,11 +10,11 @@ from ..engine.observables import Observables
 from ..engine.taylor import driver_of
 from ..mechanics.contact.ball import Ball, angular_velocity, mobility
 from ..mechanics.contact.disc_at_rest import turning
-from ..mechanics.contact.drilling import drilling_torque, inside
 from ..mechanics.contact.gliding.vector import axis, momentum
 from ..mechanics.contact.phases.drilling import RESTS_BELOW
 from ..mechanics.contact.phases.row import Row
-from ..mechanics.friction import Contensou, is_frictionless
+from ..mechanics.disc_friction import drilling_torque, inside
+from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..sampling import ListedTimes
@@ -189,7 +189,7 @@ def cost(problem: Problem) -> dict[str, float]:
     rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
     fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))
     steps, dearer = problem.until * fastest * STEPS_PER_RADIAN[problem.precision], 1.0
-    if isinstance(problem.friction, Contensou) and not is_frictionless(problem.friction):
+    if problem.law.regions and not is_frictionless(problem.friction):
         until, stiff = drilling(problem)
         steps, dearer = MORE_STEPS * steps * min(1.0, until / problem.until) + stiff, DEARER
     return {

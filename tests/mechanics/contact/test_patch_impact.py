@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 
 from tippetop.mechanics.contact import patch_impact
 from tippetop.mechanics.contact.ball import Ball, mobility, spin_mobility
-from tippetop.mechanics.contact.drilling import drag
 from tippetop.mechanics.contact.patch_impact import (
     P_Z,
     Patch,
@@ -19,6 +18,7 @@ from tippetop.mechanics.contact.patch_impact import (
     patch_struck,
 )
 from tippetop.mechanics.contact.struck import RESTITUTIONS, struck
+from tippetop.mechanics.disc_friction import drag
 
 
 BODY = Ball(0.006, 8e-7, 7e-7, 9.81, 0.3, 0.003, 0.015)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ...mechanics.contact.phases.legs import Body
-from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless, slip_coefficient
+from ...mechanics.friction import LAWS, Frictionless, is_frictionless, slip_coefficient
 from ...mechanics.operand import leaves, refill
 from ...mechanics.units import METRE
 from ...problem import Problem
@@ -24,12 +24,11 @@ class Balls:
         body, number = problem.internal_body, problem.number
         rules = problem.contact
         assert rules is not None
-        friction = body.friction
-        self.dry = isinstance(friction, SetValued) and not is_frictionless(friction)
-        self.drills = isinstance(friction, Contensou) and not is_frictionless(friction)
-        friction = (
-            friction if self.dry or self.drills or not isinstance(friction, SetValued | Contensou) else Frictionless()
-        )
+        friction, law = body.friction, problem.law
+        if (law.set_valued or law.regions) and is_frictionless(friction):
+            friction, law = Frictionless(), LAWS["none"]
+        self.dry, self.regions = law.set_valued, law.regions
+        self.drills = bool(self.regions)
         one = number(1)
         self.stem = rules.stem
         self.bodies = [Body(body.m, one * body.R, body.c, body.I1, body.I3, body.g, friction, one, 0 * one)]

@@ -12,7 +12,6 @@ from ...mechanics.contact.phases.both import BOTH_FOLLOWS, STAYS
 from ...mechanics.contact.phases.drilling import (
     DRILLING_KINDS,
     FOLLOWS,
-    REGIONS,
     RESTS,
     region_kind,
     stays_at_rest,
@@ -91,7 +90,7 @@ class Transitions(Sliding, Standing):
         """The kinds of standing on both balls that a run may have: of friction that drills, one for each region."""
         if self.balls.dry or not self.balls.stem:
             return ()
-        return tuple(f"both-{name}-{name}" for name in REGIONS) if self.balls.drills else ("both",)
+        return tuple(f"both-{name}-{name}" for name in self.balls.regions) or ("both",)
 
     # --- the phases' ends -----------------------------------------------------------------------------------------
 

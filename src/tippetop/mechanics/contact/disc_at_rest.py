@@ -8,6 +8,7 @@ k_zz = k.zhat, tau is eliminated, and F is that of rolling with K - t t/k_zz ins
 import math
 from typing import Any, NamedTuple
 
+from ..disc_friction import drag
 from ..operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
 from .ball import (
     angular_velocity,
@@ -19,7 +20,6 @@ from .ball import (
     spin_mobility,
     torque_acceleration,
 )
-from .drilling import drag
 
 
 class Turning(NamedTuple):

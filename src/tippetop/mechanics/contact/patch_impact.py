@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..disc_friction import drag
 from ..operand import Operand, formula, rounding, sqrt
 from .ball import Ball, Mobility, Spin, mobility, spin_mobility
-from .drilling import drag
 from .struck import RESTITUTIONS
 
 

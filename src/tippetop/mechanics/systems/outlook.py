@@ -11,7 +11,7 @@ import numpy as np
 
 from ..contact.body import Body, tip_inertia
 from ..contact.phases.rules import ContactLaw
-from ..friction import Contensou, SetValued, is_frictionless
+from ..friction import is_frictionless, named
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
@@ -67,9 +67,10 @@ def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
     if is_frictionless(b.friction):
         return Outlook(FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
-    if isinstance(b.friction, SetValued):
+    known = named(type(b.friction))
+    if known and known[1].set_valued:
         sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
-    elif isinstance(b.friction, Contensou):
+    elif known and known[1].regions:
         sentence += "; drilling takes of Jellett's integral, which decides that"
     return Outlook(sentence, "", limits)
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.body import Body
-from ..friction import SLIP, Contensou, SetValued, slip_coefficient
+from ..friction import named, slip_coefficient
 
 
 def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
@@ -50,7 +50,8 @@ def _gliding(omega3: Any, b: Body, up: int, slip: Any) -> np.ndarray:
 def _slip(omega3: Any, up: int, law: Any) -> Any:
     """The slip coefficient at rest [s/m]; of a disc that drills at omega3 the limit of small sliding, 3 pi mu/(8 patch
     |omega3|), its rolling resistance left out."""
-    if not isinstance(law, Contensou):
+    known = named(type(law))
+    if known is None or not known[1].regions:
         return slip_coefficient(0.0, float(up), law)
     drilling = np.asarray(8 * law.patch * np.abs(omega3))
     return np.where(np.asarray(law.mu) == 0, 0.0, 3 * np.pi * law.mu / drilling)
@@ -68,9 +69,8 @@ SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
 def shows_sliding(b: Body) -> Any:
     """Whether friction is so strong that a motion without loss is one without sliding: a loss k g_n |v_A|^2 below 1e-12
     of its unit, at which a motion counts as settled, says |v_A| < 1e-3 sqrt(gR). Of one body, or of many, (n,)."""
-    if (
-        isinstance(b.friction, SetValued | Contensou) or type(b.friction) not in SLIP
-    ):  # exact Coulomb friction sticks, and drilling takes without sliding
+    known = named(type(b.friction))
+    if known is None or known[1].set_valued or known[1].regions:  # it sticks; drilling takes without sliding
         return True
     strength = slip_coefficient(0.0, 1.0, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12

@@ -8,6 +8,7 @@ from collections import namedtuple
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from ...disc_friction import REGIONS
 from ...events import Event
 from ...form import Form, Integral
 from ...friction import slip_coefficient
@@ -17,7 +18,7 @@ from ..ball import Ball, angular_velocity, arm, arm_velocity, height
 from ..integrals import integral
 from ..orientation import carried_along
 from . import legs, row
-from .drilling import BORDERS, LOST, REGIONS, border, patch_speed2, per_force, region
+from .drilling import LOST, borders, patch_speed2, per_force, region
 
 
 class State(NamedTuple):
@@ -246,16 +247,14 @@ class BothKind(NamedTuple):
 
 
 def _drilling(sphere: str, stem_: str) -> BothKind:
-    sides = _sides((drills(REGIONS[sphere]), drills(REGIONS[stem_])))
+    sides = _sides((drills(REGIONS[sphere].drag), drills(REGIONS[stem_].drag)))
     pair = _pair(sides)
-    borders = (
-        *(border(*line) for line in BORDERS[sphere]),
-        *(
-            Event(f"stem-{event.name}", event.long_name, _of_stem(event.formula), event.direction, f"stem-{event.ends}")
-            for event in (border(*line) for line in BORDERS[stem_])
-        ),
-    )
-    kind = legs.Kind("both", _form(pair, True), (*LEAVES, *borders), place, _says(pair), state, axis_stays=True)
+    of_stem = [
+        Event(f"stem-{event.name}", event.long_name, _of_stem(event.formula), event.direction, f"stem-{event.ends}")
+        for event in borders(stem_)
+    ]
+    events = (*LEAVES, *borders(sphere), *of_stem)
+    kind = legs.Kind("both", _form(pair, True), events, place, _says(pair), state, axis_stays=True)
     return BothKind(kind, sides)
 
 
@@ -274,15 +273,15 @@ BOTH = {"both": _smooth()} | {f"both-{one}-{two}": _drilling(one, two) for one i
 BOTH_KINDS = {name: both.kind for name, both in BOTH.items()}
 
 BOTH_FOLLOWS = {
-    (f"both-{one}-{two}", word): f"both-{to}-{two}"
+    (f"both-{one}-{two}", border.event): f"both-{border.follows}-{two}"
     for two in REGIONS
-    for one, borders in BORDERS.items()
-    for word, _, _, to in borders
+    for one, its in REGIONS.items()
+    for border in its.borders
 } | {
-    (f"both-{one}-{two}", f"stem-{word}"): f"both-{one}-{to}"
+    (f"both-{one}-{two}", f"stem-{border.event}"): f"both-{one}-{border.follows}"
     for one in REGIONS
-    for two, borders in BORDERS.items()
-    for word, _, _, to in borders
+    for two, its in REGIONS.items()
+    for border in its.borders
 }
 """The kind that follows a kind and the event that ended it."""
 

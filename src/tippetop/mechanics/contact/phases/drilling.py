@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ...disc_friction import EDGE, OUTSIDE_FROM, REGIONS, STOPS_ROLLING, drilling_force, rolling_torque, torque
 from ...events import Event
 from ...form import Form, Integral
 from ...operand import Operand, Vector, cross, dot, formula, plus, times
@@ -25,7 +26,6 @@ from ..ball import (
 )
 from ..coulomb import loaded_normal_force
 from ..disc_at_rest import holding, holds, stopped
-from ..drilling import OUTSIDE_FROM, between, drilling_force, drilling_torque, inside, outside, rolling_torque
 from ..gliding import catalogue as gliding
 from ..integrals import integral
 from ..orientation import carried_along
@@ -36,15 +36,6 @@ from .legs import ball
 STILL = 1e-9
 """Speed of the disc's edge, internal units, below which friction on a disc that does not turn is smooth. Where such a
 disc begins to slide, or turns back, the motion differs from that under Coulomb's law by about so much."""
-
-
-SLOW = 1e-6
-"""Sliding speed, internal units, at which a step ends: a longer one may pass the rest of a disc that hardly turns, as
-short as STILL, and not see it."""
-
-
-STOPS_ROLLING = 1e-6
-"""Angular velocity, internal units, below which the direction of rolling is smooth."""
 
 
 RESTS_BELOW = 1e-4
@@ -99,10 +90,8 @@ def patch_speed2(omega, b):
 @formula
 def per_force(drag, omega, v, b):
     """Of friction per normal force: minus the horizontal force, and the torque, (3,) each."""
-    law = b.friction
-    force, rolling = drilling_force(1, v, drag, law.mu), rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
-    torque = Vector(rolling.x, rolling.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))
-    return Vector(-force.x, -force.y, 0 * omega.z), torque
+    force = drilling_force(1, v, drag, b.friction.mu)
+    return Vector(-force.x, -force.y, 0 * omega.z), torque(drag, omega, b.friction)
 
 
 def _contact(drag: Callable) -> Callable:
@@ -192,15 +181,6 @@ def state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Any) -> State:
 # --- from region to region --------------------------------------------------------------------------------------------
 
 
-def _beyond(x: float) -> Callable:
-    return formula(lambda s, b: s.v2 - x**2 * s.U2)
-
-
-@formula
-def _beyond_slow(s, b):
-    return s.v2 - SLOW**2
-
-
 @formula
 def normal_force(s, b):
     """Normal force [N]."""
@@ -215,32 +195,27 @@ def speed_beyond_rest(s, b):
 
 RESTS = Event("rests", "the contact's disc neither slides nor turns", speed_beyond_rest, -1, "rests")
 COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH, RESTS)
-REGIONS = {"inside": inside, "between": between, "outside": outside}
-EDGE = 1 + 1e-5
-"""x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where
-U is least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
-
-BORDERS: dict[str, tuple[tuple[str, Callable, int, str], ...]] = {
-    "inside": (("faster", _beyond(EDGE), 1, "between"),),
-    "between": (("slower", _beyond(EDGE), -1, "inside"), ("faster", _beyond(OUTSIDE_FROM), 1, "outside")),
-    "outside": (("slower", _beyond(OUTSIDE_FROM), -1, "between"), ("slow", _beyond_slow, -1, "outside")),
-}
-"""Of each region: name of the event in which it ends, its function, direction, and the region that follows."""
 
 
-def border(word: str, function: Callable, direction: int, follows: str) -> Event:
-    """The event in which a region ends."""
-    return Event(word, "sliding against turning", function, direction, word)
+def borders(name: str) -> list[Event]:
+    """Return the events in which a region ends."""
+    return [
+        Event(border.event, "sliding against turning", border.beyond, border.direction, border.event)
+        for border in REGIONS[name].borders
+    ]
 
 
 def _kind(name: str) -> legs.Kind:
-    contact = _contact(REGIONS[name])
-    borders = (border(*line) for line in BORDERS[name])
-    return legs.Kind("slip", _form(name, contact), (*COMMON, *borders), place, _says(contact), state)
+    contact = _contact(REGIONS[name].drag)
+    return legs.Kind("slip", _form(name, contact), (*COMMON, *borders(name)), place, _says(contact), state)
 
 
 DRILLING_KINDS = {f"drill-{name}": _kind(name) for name in REGIONS} | {"flight": legs.KINDS["flight"]}
-FOLLOWS = {(f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.items() for word, _, _, to in borders}
+FOLLOWS = {
+    (f"drill-{name}", border.event): f"drill-{border.follows}"
+    for name, region in REGIONS.items()
+    for border in region.borders
+}
 """The kind that follows a kind and the event that ended it."""
 
 
