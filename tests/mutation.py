@@ -54,13 +54,20 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
     "mechanics.friction": (f"{CONTACT}/test_coulomb_case.py",),
-    "mechanics.contact.ball": (
+    "mechanics.contact.body": (f"{CONTACT}/test_body.py", f"{CONTACT}/test_response.py"),
+    "mechanics.contact.response": (
         *(
             f"{CONTACT}/{name}"
-            for name in ("test_planar.py", "test_first_slip.py", "test_ball.py", "test_patch_impact.py")
+            for name in (
+                "test_planar.py",
+                "test_first_slip.py",
+                "test_response.py",
+                "test_patch_impact.py",
+                "test_arrival.py",
+            )
         ),
     ),
-    "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_ball.py"),
+    "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_response.py"),
     "mechanics.contact.disc_at_rest": (f"{CONTACT}/test_disc_held.py",),
     "mechanics.contact.impact": (f"{CONTACT}/test_arrival.py", f"{CONTACT}/test_impact.py", "-m", "not slow"),
     "mechanics.contact.flight": (f"{CONTACT}/test_flight.py",),

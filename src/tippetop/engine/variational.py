@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from ..mechanics.contact.body import Body, height
+from ..mechanics.contact.body import Touch, height
 from ..mechanics.friction import Law, named
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
@@ -184,7 +184,7 @@ def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any
     functions."""
     form = kind.form
     values = observed(kind.system, form, q, carried, body)
-    if isinstance(body, Body):
+    if isinstance(body, Touch):
         values |= {"height": height(form.scalars(q, body).z, body)}
     if kind.orientation and form.orientation:
         axes = orientation_of(form, q, carried, body)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact.phases.legs import Body
+from ...mechanics.contact.body import Ball, Body, Touch, touch
 from ...mechanics.friction import LAWS, Frictionless, is_frictionless, slip_coefficient
 from ...mechanics.operand import leaves, refill
 from ...mechanics.units import METRE
@@ -30,21 +30,21 @@ class Balls:
         self.dry, self.regions = law.set_valued, law.regions
         self.drills = bool(self.regions)
         one = number(1)
-        self.stem = rules.stem
-        self.bodies = [Body(body.m, one * body.R, body.c, body.I1, body.I3, body.g, friction, one, 0 * one)]
+        self.stem, balls = rules.stem, [Ball(body.c, one * body.R, 0 * one)]
         if rules.stem:
             metre = problem.exact(1) / problem.exact(problem.scales.of(METRE))
             r, h = (number(problem.exact(x) * metre) for x in (rules.r, rules.h))
-            clear = body.R - r
-            self.bodies = [self.bodies[0]._replace(clearance=clear, lever=h)]
-            self.bodies.append(self.bodies[0]._replace(R=r, c=body.c + h, clearance=-clear, lever=-h))
-        elif number is np.float64 and not self.dry and not self.drills and _has_a_value_at_rest(friction):
+            balls.append(Ball(body.c + h, r, h))
+        whole = Body(body.m, body.I1, body.I3, body.g, friction, tuple(balls))
+        self.bodies = [touch(whole, i) for i in range(len(balls))]
+        plain = number is np.float64 and not (self.stem or self.dry or self.drills)
+        if plain and _has_a_value_at_rest(friction):
             self.bodies = [refill(self.bodies[0], map(float, leaves(self.bodies[0])))]  # formulas take these faster
 
     def __len__(self) -> int:
         return len(self.bodies)
 
-    def __getitem__(self, ball: int) -> Body:
+    def __getitem__(self, ball: int) -> Touch:
         return self.bodies[ball]
 
 

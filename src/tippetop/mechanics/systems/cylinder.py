@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Body
+from ..contact.body import Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
@@ -44,10 +44,10 @@ PARAMETERS = {
 }
 
 
-def body(parameters, friction) -> Body:
+def body(parameters, friction) -> Touch:
     """The body of a cylinder: c = alpha*R, I1 = I; I3 plays no part."""
     m, R, alpha, I, g = (parameters[name] for name in PARAMETERS)
-    return Body(m, R, alpha * R, I, I, g, friction)
+    return Touch(m, R, alpha * R, I, I, g, friction)
 
 
 # --- the modified reaction, as a law of the contact -----------------------------------------------------------------
@@ -217,7 +217,7 @@ def to_angles(q, carried, b):
     return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
     """The angle record of the given initial values; centre_at_rest may stand for nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
     return e._replace(nu_x=e.nu_x - e.theta_dot * (b.R - b.c * z)) if data.get("centre_at_rest") else e

@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Body
+from ..contact.body import Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
@@ -105,7 +105,7 @@ def rolling_to_angles(q, carried, b):
     return RollingAngles(carried.theta, q.theta_dot, carried.x, carried.impulse)
 
 
-def rolling_start(data: dict[str, Any], s: Any, z: Any, b: Body) -> RollingAngles:
+def rolling_start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> RollingAngles:
     """The angle record of the given initial values."""
     return RollingAngles(*(data.get(name, 0) for name in RollingAngles._fields))
 

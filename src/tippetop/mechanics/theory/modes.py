@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.body import Body
+from ..contact.body import Touch
 from ..friction import named, slip_coefficient
 
 
-def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
+def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
     """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body. [section 6; Friedl 1997]
 
     Parameters
@@ -36,7 +36,7 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     return _fastest_first(modes)
 
 
-def _gliding(omega3: Any, b: Body, up: int, slip: Any) -> np.ndarray:
+def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
     """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many, with slip coefficients."""
     Lz, h = up * b.I3 * omega3, b.R - up * b.c
     n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
@@ -66,7 +66,7 @@ def is_nowhere_linear(omega3: float, law: Any, *, inverted: bool = False) -> boo
 SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
 
 
-def shows_sliding(b: Body) -> Any:
+def shows_sliding(b: Touch) -> Any:
     """Whether friction is so strong that a motion without loss is one without sliding: a loss k g_n |v_A|^2 below 1e-12
     of its unit, at which a motion counts as settled, says |v_A| < 1e-3 sqrt(gR). Of one body, or of many, (n,)."""
     known = named(type(b.friction))
@@ -85,7 +85,7 @@ WEAK = 1e-3  # of the fastest angle's rate: where friction turns a spin into ano
 LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
 
 
-def will_leave(theta: float, omega3: float, b: Body) -> bool:
+def will_leave(theta: float, omega3: float, b: Touch) -> bool:
     """Whether a gliding body at theta [rad] with spin omega3 [rad/s] is about to leave the pole: it is so near that its
     motion is linear, and a mode grows there. [section 6]"""
     inverted = theta > math.pi / 2
@@ -93,7 +93,7 @@ def will_leave(theta: float, omega3: float, b: Body) -> bool:
     return near and bool(is_unstable(omega3, b, inverted=inverted))
 
 
-def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool = True) -> Any:
+def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool = True) -> Any:
     """Whether a spinning state is unstable; of one body, or of many, (n,).
 
     Parameters
@@ -132,7 +132,7 @@ def _fastest_first(p: np.ndarray) -> np.ndarray:
     return p[np.lexsort((-p.imag, -turn, -growth))]
 
 
-def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
+def rolling_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
     """The two rates p near a spinning state of a body whose contact is at rest: rolling, or a fixed tip.
 
     Parameters

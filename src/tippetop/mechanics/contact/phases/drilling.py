@@ -14,23 +14,14 @@ from ...events import Event
 from ...form import Form, Integral
 from ...operand import Operand, Vector, cross, dot, formula, plus, times
 from ...units import ANGULAR_MOMENTUM, JELLETT, METRE_PER_SECOND, ONE
-from ..ball import (
-    angular_velocity,
-    arm,
-    bias_vector,
-    centre_velocity,
-    contact_acceleration_vector,
-    contact_velocity,
-    height,
-    torque_acceleration,
-)
+from ..body import angular_velocity, arm, centre_velocity, contact_velocity, height
 from ..coulomb import loaded_normal_force
 from ..disc_at_rest import holding, holds, stopped
 from ..gliding import catalogue as gliding
 from ..integrals import integral
 from ..orientation import carried_along
+from ..response import bias_vector, contact_acceleration_vector, torque_acceleration
 from . import legs, row
-from .legs import ball
 
 
 STILL = 1e-9
@@ -100,10 +91,10 @@ def _contact(drag: Callable) -> Callable:
     @formula
     def contact(q, b):
         u, L, v = row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz)
-        omega = angular_velocity(u, L, ball(b))
+        omega = angular_velocity(u, L, b)
         U2 = patch_speed2(omega, b)
         push, torque = per_force(drag(v.x * v.x + v.y * v.y, U2), omega, v, b)
-        N = loaded_normal_force(u, bias_vector(u, L, ball(b)), push, torque, ball(b))
+        N = loaded_normal_force(u, bias_vector(u, L, b), push, torque, b)
         return Contact(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), U2, omega)
 
     return contact
@@ -121,10 +112,10 @@ def _form(name: str, contact: Callable) -> Form:
     def rates(q, b):
         u, c = row.axis(q), contact(q, b)
         G = plus(
-            contact_acceleration_vector(u, bias_vector(u, row.momentum(q), ball(b)), c.force, ball(b)),
-            torque_acceleration(u, c.torque, ball(b)),
+            contact_acceleration_vector(u, bias_vector(u, row.momentum(q), b), c.force, b),
+            torque_acceleration(u, c.torque, b),
         )
-        turn = plus(cross(arm(u, ball(b)), c.force), c.torque)
+        turn = plus(cross(arm(u, b), c.force), c.torque)
         return State._make((*row.axis_rate(q, b), *turn, G.x, G.y))
 
     @formula
@@ -145,7 +136,7 @@ def _form(name: str, contact: Callable) -> Form:
             integral("work", lambda q, carried, b: power(q, b)),
             integral("impulse", lambda q, carried, b: contact(q, b).force.z),
             Integral(
-                *LOST, formula(lambda q, carried, b: dot(contact(q, b).torque, arm(row.axis(q), ball(b))))
+                *LOST, formula(lambda q, carried, b: dot(contact(q, b).torque, arm(row.axis(q), b)))
             ),
         ),
         orientation=carried_along(row.axis, row.axis_rate, row.spin),
@@ -159,8 +150,8 @@ LOST = ("jellett_lost", JELLETT, "Jellett's integral taken by the torque of the 
 def place(q, b):
     """Where the body is."""
     u, L = row.axis(q), row.momentum(q)
-    velocity = centre_velocity(u, L, Vector(q.vx, q.vy, 0 * q.uz), ball(b))
-    return legs.Placed(u, L, velocity, height(q.uz, ball(b)))
+    velocity = centre_velocity(u, L, Vector(q.vx, q.vy, 0 * q.uz), b)
+    return legs.Placed(u, L, velocity, height(q.uz, b))
 
 
 def _says(contact: Callable) -> Callable:
@@ -174,7 +165,7 @@ def _says(contact: Callable) -> Callable:
 
 def state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Any) -> State:
     """The state of sliding of a body on the plane."""
-    v = contact_velocity(u, L, velocity, ball(b))
+    v = contact_velocity(u, L, velocity, b)
     return State(*u, *L, v.x, v.y)
 
 
@@ -221,15 +212,14 @@ FOLLOWS = {
 
 def stays_at_rest(u: Vector, L: Vector, velocity: Vector, b: Any) -> bool:
     """Whether friction can hold the disc of a body, once it is at rest."""
-    touching = ball(b)
-    L, _ = stopped(u, L, velocity, touching)
-    rolling = rolling_torque(1, angular_velocity(u, L, touching), b.friction.mu_r, STOPS_ROLLING)
-    return holds(holding(u, L, rolling, touching), b.friction.mu, b.friction.patch)
+    L, _ = stopped(u, L, velocity, b)
+    rolling = rolling_torque(1, angular_velocity(u, L, b), b.friction.mu_r, STOPS_ROLLING)
+    return holds(holding(u, L, rolling, b), b.friction.mu, b.friction.patch)
 
 
 def region(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
     """The region of a body's sliding, by the numbers of its state."""
-    v, U2 = contact_velocity(u, L, velocity, ball(b)), patch_speed2(angular_velocity(u, L, ball(b)), b)
+    v, U2 = contact_velocity(u, L, velocity, b), patch_speed2(angular_velocity(u, L, b), b)
     x2 = (v.x * v.x + v.y * v.y) / U2
     return "inside" if x2 < EDGE**2 else "between" if x2 < OUTSIDE_FROM**2 else "outside"
 

@@ -1,7 +1,7 @@
 """A body of revolution whose contact point is at rest, v_A = 0: contact arm a = c*3hat - R*zhat as in `gliding`.
 
 c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. The reaction F = m s'' + m g zhat at the
-contact follows from the motion, and is not vertical. Every formula takes its parameters as a `gliding.Body`.
+contact follows from the motion, and is not vertical. Every formula takes its parameters as a `contact.body.Touch`.
 """
 
 from typing import NamedTuple
