@@ -11,7 +11,8 @@ import pytest
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import coulomb, response
-from tippetop.mechanics.contact.body import Components, Touch
+from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.response import Components
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector, leaves
 
@@ -179,7 +180,6 @@ def test_velocities_of_the_contact_point(states: list[State], at_poles: list[Sta
         v = contact.contact_velocity(u, L, vector(V), x.ball)
         assert_close(v, expected)
         assert_close(contact.centre_velocity(u, L, v, x.ball), V)
-        assert_close(contact.arm_components(*by_angles(x), *x.rates, x.ball), components(x, expected - V))
 
 
 def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], at_poles: list[State]) -> None:
@@ -196,9 +196,6 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], a
         n_e, n_t = dot(x.n, x.e), dot(x.n, x.t)
         F = coulomb.slip_force(b, K, n_e, n_t, x.ball)
         assert_close(F, components(x, slipping(x)))
-        P, Q = coulomb.along_and_across_components(response.contact_acceleration(b, K, F), n_e, n_t)
-        G = acceleration(x, slipping(x))
-        assert_close((P, Q), (dot(x.n, G), dot(cross(Z, x.n), G)))
 
 
 def test_the_normal_force_with_a_torque_keeps_the_contact_closed(states: list[State], at_poles: list[State]) -> None:
@@ -223,22 +220,6 @@ def test_the_forces_of_rolling_are_those_of_newton_and_euler(states: list[State]
         assert_close([coulomb.cone(*F, x.ball.friction.mu)], [(x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2])
 
 
-def test_accelerations_of_the_angles_are_those_of_the_axis(states: list[State]) -> None:
-    """theta'', phi'' and omega_3' with a force, against the second derivative of the axis."""
-    for x in states:
-        theta_dot, phi_dot, _ = x.rates
-        s, z = by_angles(x)
-        F = slipping(x)
-        a = x.ball.c * x.u - x.ball.R * Z
-        turn = mp.lu_solve(inertia(x), cross(a, F) - cross(x.omega, momentum(x)))
-        u_dot = cross(x.omega, x.u)
-        u_dot2 = cross(turn, x.u) + cross(x.omega, u_dot)
-        found = response.euler_accelerations(s, z, *x.rates, components(x, F), x.ball)
-        theta_dot2 = -(u_dot2[2] + z * theta_dot**2) / s
-        phi_dot2 = (dot(x.t, u_dot2) - 2 * theta_dot * phi_dot * z) / s
-        assert_close(found, (theta_dot2, phi_dot2, dot(turn, x.u) + dot(x.omega, u_dot)))
-
-
 def test_no_force_at_the_contact_changes_jelletts_integral(states: list[State]) -> None:
     for x in states:
         a, F, L = x.ball.c * x.u - x.ball.R * Z, column(1, 2, 3), momentum(x)
@@ -247,19 +228,15 @@ def test_no_force_at_the_contact_changes_jelletts_integral(states: list[State]) 
 
 
 def test_jumps_of_velocity_and_momentum_are_those_of_the_contact_velocity() -> None:
-    """dv = K p, by way of dV = p/m and dL = a x p, and by way of the angles."""
+    """dv = K p, by way of dV = p/m and dL = a x p."""
     phi, theta, b = 0.7, 1.1, Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, None)
     e, t = np.array([np.cos(phi), np.sin(phi), 0]), np.array([-np.sin(phi), np.cos(phi), 0])
     u = Vector(*(np.sin(theta) * e + np.cos(theta) * np.array([0, 0, 1])))
     p, K = (1e-3, -2e-3, 5e-3), response.mobility(np.sin(theta), np.cos(theta), b)
-    dV, dL = response.jumps_vector(u, Vector(*(p[0] * e + p[1] * t + p[2] * np.array([0, 0, 1]))), b)
+    dV, dL = response.jumps(u, Vector(*(p[0] * e + p[1] * t + p[2] * np.array([0, 0, 1]))), b)
     dv = np.array(contact.contact_velocity(u, dL, dV, b))
     expected = (K.ee * p[0] + K.ez * p[2], K.tt * p[1], K.ez * p[0] + K.zz * p[2])
     np.testing.assert_allclose((dv @ e, dv @ t, dv[2]), expected, rtol=1e-12)
-    theta_dot, phi_dot, omega3 = response.jumps(*p, np.sin(theta), np.cos(theta), b)
-    assert np.dot(dL, t) == pytest.approx(b.I1 * theta_dot, rel=1e-12)
-    assert np.dot(dL, u) == pytest.approx(b.I3 * omega3, rel=1e-12)
-    assert dL.z == pytest.approx(b.I1 * phi_dot * np.sin(theta) ** 2 + b.I3 * omega3 * np.cos(theta), rel=1e-12)
 
 
 def test_the_gap_is_the_height_of_the_lowest_point(states: list[State]) -> None:

@@ -56,14 +56,6 @@ def body_units(friction: Any) -> Touch:
     return Touch(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
 
 
-class Components(NamedTuple):
-    """Components of a vector along e, 2hat and zhat."""
-
-    e: Operand
-    t: Operand  # along 2hat = zhat x e
-    z: Operand
-
-
 # --- geometry and velocities ------------------------------------------------------------------------------------------
 
 
@@ -131,16 +123,9 @@ def centre_velocity(u, L, v, b):
 
 
 @formula
-def arm_components(s, z, theta_dot, phi_dot, omega3, b):
-    """omega x a [m/s]; s, z = sin(theta), cos(theta). [contact 0]"""
-    across = s * (b.R * omega3 + phi_dot * (b.c - b.R * z))
-    return Components(-(theta_dot * height(z, b)), across, -(b.c * (theta_dot * s)))
-
-
-@formula
 def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
     """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0. [section 3.2]"""
-    return theta_dot * (b.R - b.c * z), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
+    return theta_dot * height(z, b), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
 
 
 # --- functions of the scalars -----------------------------------------------------------------------------------------
@@ -173,7 +158,7 @@ def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
 def contact_mobility(s, b):
     """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
-    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - (b.R - b.c * s.z) * slip)
+    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - height(s.z, b) * slip)
 
 
 @formula
@@ -247,7 +232,7 @@ def modified_energy(s, b):
 def modified_energy_rate(push_u, push_n, s, b):
     """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
     turn = (b.c - b.R * s.z) * s.phi_dot_s2 + b.R * (s.L3 / b.I3) * s.s2
-    return b.m * ((b.R - b.c * s.z) * (s.z_dot * push_u) + turn * push_n) / s.s2
+    return b.m * (height(s.z, b) * (s.z_dot * push_u) + turn * push_n) / s.s2
 
 
 @formula

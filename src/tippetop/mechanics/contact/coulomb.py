@@ -5,8 +5,8 @@ A slip direction n is a horizontal unit vector; F = N (zhat - mu n). Everything 
 """
 
 from ..operand import Vector, formula
-from .body import Components
-from .response import bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
+from .body import height
+from .response import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
 
 
 # --- slip ------------------------------------------------------------------------------------------------------------
@@ -28,7 +28,7 @@ def slip_force(b, K, n_e, n_t, body):
 @formula
 def response(u, push, b):
     """zhat.K(zhat - push) [1/kg]: upward acceleration of the contact point for N = 1 and the horizontal force -push."""
-    lever = b.c * (u.x * u.x + u.y * u.y) - (b.R - b.c * u.z) * (u.x * push.x + u.y * push.y)
+    lever = b.c * (u.x * u.x + u.y * u.y) - height(u.z, b) * (u.x * push.x + u.y * push.y)
     return 1 / b.m + b.c * lever / b.I1
 
 
@@ -55,12 +55,6 @@ def slip_force_vector(u, b, n, body):
 def along_and_across(G, n):
     """P = n.G, the rate of the slip speed w, and Q = (zhat x n).G, w times the turn of n in space; Vectors [m/s^2]."""
     return n.x * G.x + n.y * G.y, n.x * G.y - n.y * G.x
-
-
-@formula
-def along_and_across_components(G, n_e, n_t):
-    """P and Q of Components [m/s^2]; Q = w (beta' + phi')."""
-    return n_e * G.e + n_t * G.t, n_e * G.t - n_t * G.e
 
 
 @formula

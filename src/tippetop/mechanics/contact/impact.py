@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ..operand import Operand, Vector, cos, dot, exp, formula, plus, sin, sqrt
 from .body import angular_velocity, contact_velocity
-from .response import Mobility, jumps_vector, mobility
+from .response import Mobility, jumps, mobility
 
 
 class ImpactRates(NamedTuple):
@@ -73,7 +73,7 @@ class Struck(NamedTuple):
 def after_impact(u, L, velocity, a, p_e, p_2, p_z, twist, b):
     """The body after an impulse at its contact and, of a patch, one of a torque about the vertical."""
     p = Vector(p_e * a.e.x - p_2 * a.e.y, p_e * a.e.y + p_2 * a.e.x, p_z)
-    pushed, turned = jumps_vector(u, p, b)
+    pushed, turned = jumps(u, p, b)
     velocity, newer = plus(velocity, pushed), plus(L, turned)
     newer = Vector(newer.x, newer.y, newer.z + twist)
     v = contact_velocity(u, newer, velocity, b)

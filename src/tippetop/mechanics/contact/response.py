@@ -7,7 +7,15 @@ regular everywhere.
 from typing import NamedTuple
 
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from .body import Components, angular_velocity, arm, arm2, axis_rate, height
+from .body import angular_velocity, arm, arm2, axis_rate, height
+
+
+class Components(NamedTuple):
+    """Components of a vector along e, 2hat and zhat."""
+
+    e: Operand
+    t: Operand  # along 2hat = zhat x e
+    z: Operand
 
 
 class Mobility(NamedTuple):
@@ -116,22 +124,6 @@ def contact_acceleration_vector(u, b, F, body):
 
 
 @formula
-def euler_accelerations(s, z, theta_dot, phi_dot, omega3, F, b):
-    """theta'', phi'' and omega_3' [rad/s^2] with the force F, Components, at the contact; phi'' is 0/0 at a pole."""
-    q = b.c - b.R * z
-    theta_dot2 = s * (phi_dot**2 * z - b.I3 * omega3 * phi_dot / b.I1) - (b.c * s * F.z + height(z, b) * F.e) / b.I1
-    phi_dot2 = (b.I3 * omega3 * theta_dot + q * F.t) / (b.I1 * s) - 2 * theta_dot * phi_dot * z / s
-    return theta_dot2, phi_dot2, b.R * s * F.t / b.I3
-
-
-@formula
-def jumps(p_e, p_2, p_z, s, z, b):
-    """What the impulse at the contact adds to theta', phi' and omega_3 [rad/s]; phi' is 0/0 at a pole. [contact 3.2]"""
-    tilt = -(b.c * s * p_z + (b.R - b.c * z) * p_e) / b.I1
-    return tilt, (b.c - b.R * z) * p_2 / (b.I1 * s), b.R * s * p_2 / b.I3
-
-
-@formula
-def jumps_vector(u, p, b):
+def jumps(u, p, b):
     """What the impulse p, (3,), adds to the velocity of the centre of mass and to L: p/m and a x p."""
     return times(1 / b.m, p), cross(arm(u, b), p)

@@ -68,7 +68,7 @@ def start(angles: Any, data: dict[str, Any], s: Any, z: Any, b: contact.Touch) -
 def planar_start(data: dict[str, Any], s: Any, z: Any, b: contact.Touch) -> PlanarAngles:
     """The angles of what the user gave; centre_at_rest may stand for nu_x."""
     e = PlanarAngles(*(data.get(name, 0) for name in PlanarAngles._fields))
-    return e._replace(nu_x=e.nu_x - e.theta_dot * (b.R - b.c * z)) if data.get("centre_at_rest") else e
+    return e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b)) if data.get("centre_at_rest") else e
 
 
 @formula

@@ -171,7 +171,7 @@ SLIP_FORM = Form(
     to_angles=lambda q, carried, b: None,
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
-        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * (b.R - b.c * q.z)),
+        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * contact.height(q.z, b)),
         integral("work", lambda q, carried, b: -(_slip(q, b).F_x * q.nu_x)),
         integral("impulse", lambda q, carried, b: _slip(q, b).N),
     ),

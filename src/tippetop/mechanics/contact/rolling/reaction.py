@@ -51,7 +51,7 @@ def motion_terms(s, b):
 @formula
 def z_dot2(s, b):
     """z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
-    h = b.R - b.c * s.z
+    h = contact.height(s.z, b)
     drive = b.c * (b.g * s.s2) + h * motion_terms(s, b)
     return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
 
@@ -65,7 +65,7 @@ def normal_force(s, b):
 @formula
 def push_along(s, b):
     """F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
-    return b.m * (motion_terms(s, b) - (b.R - b.c * s.z) * z_dot2(s, b))
+    return b.m * (motion_terms(s, b) - contact.height(s.z, b) * z_dot2(s, b))
 
 
 @formula

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from ...operand import Operand, Vector, dot, formula
 from ...units import ANGULAR_MOMENTUM, ONE
+from ..body import height
 from ..gliding.vector import axis, axis_rate, momentum
 from .reaction import completed, kinematics, normal_force, reaction
 
@@ -51,7 +52,7 @@ def vector_rates(q, b):
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
     s = kinematics(u, L, u_dot, b)
     F = reaction(u, L, u_dot, s, b)
-    h = b.R - b.c * u.z
+    h = height(u.z, b)
     return VectorState(
         u_dot.x,
         u_dot.y,
