@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.mechanics.contact.gliding import catalogue
-from tippetop.mechanics.contact.gliding.vector import VectorState, contact_velocity
+from tippetop.mechanics.contact.gliding.vector import VectorState, sliding_velocity
 from tippetop.mechanics.friction import Coulomb
 from tippetop.problem import Problem
 from tippetop.scenario.build import load
@@ -64,7 +64,7 @@ def inversion(problem: Problem, step: float, until: float = UNTIL) -> tuple[floa
 
 def slides(y: np.ndarray, body: Any) -> float:
     """|v_A| [m/s]."""
-    v = contact_velocity(VectorState._make(y.tolist()), body)
+    v = sliding_velocity(VectorState._make(y.tolist()), body)
     return float(np.hypot(v.x, v.y))
 
 

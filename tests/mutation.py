@@ -42,6 +42,11 @@ ROOT = Path(importlib.import_module("tippetop").__file__).parent  # type: ignore
 SYSTEMS = "mechanics.systems"
 CONTACT, RUNS = "mechanics/contact", "engine/contact"
 JUDGES: dict[str, tuple[str, ...]] = {
+    "mechanics.disc_friction": (
+        "mechanics/test_disc_friction.py",
+        f"{RUNS}/test_rows_of_phases.py",
+        f"{RUNS}/test_phases_of_runs.py",
+    ),
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
     "mechanics.events": ("runs/test_events.py", "-k", "TestSignificance"),
     "mechanics.systems.spinning": ("mechanics/test_spinning.py",),
@@ -49,15 +54,21 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
     "mechanics.friction": (f"{CONTACT}/test_coulomb_case.py",),
-    "mechanics.contact.ball": (
+    "mechanics.contact.body": (f"{CONTACT}/test_body.py", f"{CONTACT}/test_response.py"),
+    "mechanics.contact.response": (
         *(
             f"{CONTACT}/{name}"
-            for name in ("test_planar.py", "test_first_slip.py", "test_ball.py", "test_patch_impact.py")
+            for name in (
+                "test_planar.py",
+                "test_first_slip.py",
+                "test_response.py",
+                "test_patch_impact.py",
+                "test_arrival.py",
+            )
         ),
     ),
-    "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_ball.py"),
+    "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_response.py"),
     "mechanics.contact.disc_at_rest": (f"{CONTACT}/test_disc_held.py",),
-    "mechanics.contact.drilling": (f"{CONTACT}/test_drilling.py",),
     "mechanics.contact.impact": (f"{CONTACT}/test_arrival.py", f"{CONTACT}/test_impact.py", "-m", "not slow"),
     "mechanics.contact.flight": (f"{CONTACT}/test_flight.py",),
     "mechanics.contact.landing": (f"{CONTACT}/test_flight.py", f"{RUNS}/test_reference_cases.py"),

@@ -84,7 +84,7 @@ def body_of_ratio(gamma, alpha="0.3"):
     """The body of the source's figure 4.1 with another I1 = gamma I3."""
     m, R, alpha = mp.mpf("0.02"), mp.mpf("0.02"), mp.mpf(alpha)
     I3 = m * R**2 * 2 / 5
-    return contact.Body(m, R, alpha * R, mp.mpf(gamma) * I3, I3, mp.mpf("9.82"), None)
+    return contact.Touch(m, R, alpha * R, mp.mpf(gamma) * I3, I3, mp.mpf("9.82"), None)
 
 
 def curvature(z, b):
@@ -133,7 +133,7 @@ def floats(b):
     """The body in double precision with the source's friction law."""
     from tippetop.mechanics.friction import Viscous
 
-    return contact.Body(*map(float, b[:6]), Viscous(0.3))
+    return contact.Touch(*map(float, b[:6]), Viscous(0.3))
 
 
 def only_the_inverted_state():

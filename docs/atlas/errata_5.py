@@ -105,7 +105,7 @@ def expansion_of_d(d, m, R, alpha, I1, I3, s, c):
 def third_term(m, l, I1, I3, J1, g, phi_dot, omega3, s, c):
     """The O(R) term of [R(alpha - z) lambda sqrt(d) D + R^2 (alpha - z)^2 D^2] m/(I1 I3 d) at R = 0: its rate in R."""
     phi_dot, omega3, s, z = (value(x) for x in (phi_dot, omega3, s, c))
-    b = contact.Body(m, Jet(mp.mpf(0), mp.mpf(1)), -l, I1, I3, g, None)
+    b = contact.Touch(m, Jet(mp.mpf(0), mp.mpf(1)), -l, I1, I3, g, None)
     L3, d = I3 * omega3, tippe_top.d(z, b)
     lam, D, q = b.R * (I1 * phi_dot * s**2 + L3 * z) - b.c * L3, L3 * d.sqrt(), b.c - b.R * z
     term = m / (I1 * I3) * (q * lam * d.sqrt() * D + q**2 * D**2) / d

@@ -152,7 +152,7 @@ def _angles(x: SimpleNamespace, e: Any) -> None:
 def _vectors(x: SimpleNamespace, q: Any) -> None:
     """Adds 3hat, L, omega, a and their kin."""
     x.u, x.L = Vector(q.ux, q.uy, q.uz), Vector(q.Lx, q.Ly, q.Lz)
-    x.omega = gliding_vector.angular_velocity(x.u, x.L, dot(x.L, x.u), x.b)
+    x.omega = contact.angular_velocity(x.u, x.L, x.b)
     x.a = plus(times(x.b.c, x.u), Vector(0, 0, -x.b.R))
     x.omega_a = cross(x.omega, x.a)
 
@@ -163,7 +163,7 @@ def _gliding(x: SimpleNamespace, start: Angles) -> SimpleNamespace:
     x.q = moving(still, gliding_vector.vector_rates(still, x.b))
     _angles(x, gliding_chart.angles_of_vector(x.q, AT_ORIGIN, x.b))
     _vectors(x, x.q)
-    x.v_A = gliding_vector.contact_velocity(x.q, x.b)
+    x.v_A = gliding_vector.sliding_velocity(x.q, x.b)
     x.s_dot = Vector(x.q.rx_dot, x.q.ry_dot, -dot(x.omega_a, UP))
     x.scalars = gliding_vector.vector_scalars(x.q, x.b)
     x.g_n = contact.g_n(x.scalars, x.b)

@@ -31,7 +31,7 @@ def parameters(system: Any, rng: np.random.Generator, scale: float) -> dict[str,
 
 def friction(system: Any, rng: np.random.Generator, law: str = "") -> dict[str, Any]:
     """A law that the system takes, and its numbers."""
-    law = law or str(rng.choice(sorted(system.laws)))
+    law = law or str(rng.choice(sorted(name for name, rules in system.laws.items() if not rules.regions)))
     return {"law": law} | {name: spread(rng, *ENDS.get(name, (0.01, 1.0))) for name in system.laws[law].parameters}
 
 
@@ -73,7 +73,7 @@ def scenario(
 def opening(tables: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     """The tables of a scenario with a contact that sticks, opens and closes: by an exact or a drilling law, [contact],
     [stem], or on_liftoff, one at least; in its default form. As they are where the system has no such contact."""
-    from tippetop.mechanics.friction import CONTENSOU, SET_VALUED
+    from tippetop.mechanics.friction import LAWS
     from tippetop.mechanics.systems.with_contact import BODIES
 
     if tables["system"] not in BODIES:
@@ -83,8 +83,8 @@ def opening(tables: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     ways = rng.random(6)
     for law, there, share in (("contensou", round_body, 0.2), ("coulomb", True, 0.5)):
         if there and ways[0] < share:
-            numbers = {"contensou": CONTENSOU, "coulomb": SET_VALUED}[law].parameters
-            opened["friction"] = {"law": law} | {name: spread(rng, *ENDS[name]) for name in numbers}
+            exact = LAWS[law].given(())
+            opened["friction"] = {"law": law} | {name: spread(rng, *ENDS[name]) for name in exact.parameters}
             break
     if "mu_r" in opened["friction"] and ways[1] < 0.5:
         opened["friction"]["mu_r"] = 0.0

@@ -553,10 +553,10 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
 
 
 def cases(systems: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Every system x form x friction law, by name."""
+    """Every system x form x friction law of a contact that is a point, by name."""
     for name, system in systems.items():
         for form in system.forms:
-            for law in system.laws or ("none",):
+            for law in [law for law, rules in system.laws.items() if not rules.regions] or ("none",):
                 yield name, form, law
 
 

@@ -11,7 +11,7 @@ import pytest
 import tippetop as tt
 from tippetop.ensembles import outcomes
 from tippetop.mechanics import friction, systems
-from tippetop.mechanics.contact.body import Body
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.form import Exit, Integral
 from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, NEWTON, ONE, SECOND_PER_METRE
@@ -166,7 +166,7 @@ def test_an_end_by_an_event_of_ones_own_is_named() -> None:
 
 
 def test_a_top_with_more_in_its_body_is_shown() -> None:
-    Windy: Any = namedtuple("Windy", (*Body._fields, "W"))  # type: ignore[misc]
+    Windy: Any = namedtuple("Windy", (*Touch._fields, "W"))  # type: ignore[misc]
     name = registered(
         parameters={**BASE.parameters, "W": tt.Parameter(NEWTON, "wind", default=0.0)},
         body=lambda p, f: Windy(*BASE.body({k: v for k, v in p.items() if k != "W"}, f), p["W"]),

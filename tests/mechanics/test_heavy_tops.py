@@ -142,11 +142,11 @@ def test_regular_precession_has_its_name() -> None:
 # --- the tippe top with R alpha = -l, R -> 0 ------------------------------------------------------------------------
 
 
-def small_sphere(R: float) -> contact.Body:
-    return contact.Body(0.1, R, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
+def small_sphere(R: float) -> contact.Touch:
+    return contact.Touch(0.1, R, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 
 
-TIP = contact.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
+TIP = contact.Touch(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 RADII = 1e-5 * 0.5 ** np.arange(4)
 
 

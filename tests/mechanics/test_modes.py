@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact.body import Body
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.friction import Coulomb, Frictionless, Latitude, Viscous
 from tippetop.mechanics.operand import refill
 from tippetop.mechanics.systems import SYSTEMS
@@ -18,18 +18,18 @@ FRICTION = {"viscous": Viscous(0.4), "coulomb": Coulomb(0.1, 0.7), "latitude": L
 either_end = pytest.mark.parametrize("inverted", [False, True])
 
 
-def bodies(rng: np.random.Generator, friction: Any, n: int, *, tip: bool = False) -> Body:
+def bodies(rng: np.random.Generator, friction: Any, n: int, *, tip: bool = False) -> Touch:
     """n bodies with numbers of order one; with a tip, R = 0 and c < 0."""
     m, R, alpha, I1, I3, g = rng.uniform(0.6, 1.5, (6, n))
-    return Body(m, 0 * R, -R, I1, I3, g, friction) if tip else Body(m, R, 0.6 * alpha * R, I1, I3, g, friction)
+    return Touch(m, 0 * R, -R, I1, I3, g, friction) if tip else Touch(m, R, 0.6 * alpha * R, I1, I3, g, friction)
 
 
-def each(b: Body) -> list[Body]:
+def each(b: Touch) -> list[Touch]:
     """The bodies one by one."""
-    return [Body(*map(float, numbers), b.friction) for numbers in zip(*b[:6], strict=True)]
+    return [Touch(*map(float, numbers), b.friction) for numbers in zip(*b[:6], strict=True)]
 
 
-def linearised(system: str, omega3: float, b: Body, up: int) -> np.ndarray:
+def linearised(system: str, omega3: float, b: Touch, up: int) -> np.ndarray:
     """The characteristic polynomial of what moves across the axis next to a spin: axis, angular momentum, velocity."""
     form = SYSTEMS[system].forms["vector"]
     names = form.units._fields
@@ -107,7 +107,7 @@ def test_without_friction_nothing_but_rounding_grows_in_a_fast_top(faster: float
 
 @either_end
 def test_a_motion_leaves_a_pole_that_is_near_and_unstable(inverted: bool) -> None:
-    b = Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
+    b = Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
     unstable, stable = (5.0, 200.0) if inverted else (200.0, 5.0)
 
     def leaves(away: float, omega3: float) -> bool:
@@ -120,7 +120,7 @@ def test_a_motion_leaves_a_pole_that_is_near_and_unstable(inverted: bool) -> Non
 
 def test_rates_that_grow_alike_stand_in_the_order_of_their_turning() -> None:
     """Rounding put 198j first at one spin, and -0.86j at a spin beside it."""
-    b = Body(0.02, 0.02, 0.006, 2.994e-6, 3.2e-6, 9.82, Frictionless())
+    b = Touch(0.02, 0.02, 0.006, 2.994e-6, 3.2e-6, 9.82, Frictionless())
     for omega3 in (155.0, 154.985, *np.linspace(140, 160, 20)):
         for sign in (1, -1):
             rates = modes.rolling_modes(sign * omega3, b)

@@ -19,11 +19,11 @@ from tippetop.runs.run import solve
 from tippetop.runs.summary import lines
 
 
-B = contact.Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
-TIP = contact.Body(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
+B = contact.Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
+TIP = contact.Touch(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
 
 
-def with_gamma(gamma: float) -> contact.Body:
+def with_gamma(gamma: float) -> contact.Touch:
     return B._replace(I1=gamma * B.I3)
 
 

@@ -12,13 +12,13 @@ from tippetop.mechanics.theory import regimes, thresholds, tumbling
 from tippetop.mechanics.theory.least_energy import asymptotic_states
 
 
-B = contact.Body(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
+B = contact.Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 GAMMAS = (0.6, 0.72, 0.8, 0.936, 1.2, 1.5)
 """alpha is 0.3: below 0.7 tumbling states end before the upright pole, above 1.3 before the inverted one."""
 every_gamma = pytest.mark.parametrize("gamma", GAMMAS)
 
 
-def with_gamma(gamma: float) -> contact.Body:
+def with_gamma(gamma: float) -> contact.Touch:
     return B._replace(I1=gamma * B.I3)
 
 
@@ -82,7 +82,7 @@ def test_curves_of_tumbling_states_join_and_are_as_stable_as_the_regime_says(gam
 @pytest.mark.parametrize("lam", [1e3, 1e50, 1e100, 1e200, 1e300])
 def test_beyond_every_tumbling_state_there_is_none(lam: float) -> None:
     """Roots at infinity were found at the equator, and a square overflowed."""
-    body = contact.Body(0.02, 0.02, 0.006, 2.994e-6, 3.2e-6, 9.82, Viscous(0.3))
+    body = contact.Touch(0.02, 0.02, 0.006, 2.994e-6, 3.2e-6, 9.82, Viscous(0.3))
     assert regimes.regime(lam, body).tumbling == ()
     if lam < 1e150:
         assert [state.kind for state in asymptotic_states(lam, body)] == ["upright", "inverted"]

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact.body import Body
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.friction import LAWS, Mixed
 from tippetop.mechanics.operand import atan2, exp, formula, leaves, sqrt
 from tippetop.mechanics.systems import SYSTEMS
@@ -69,7 +69,7 @@ def test_the_right_hand_side_and_the_thresholds_of_a_top_survive_the_journey() -
     form = system.forms["vector"]
     numbers = [0.02, 0.021, 0.3, 3e-6, 3.2e-6, 9.82, 0.3, 0.2, 1e-2]
     b = system.body_of(dict(zip(system.parameters, numbers, strict=False)), Mixed(*numbers[6:]))
-    assert isinstance(b, Body)
+    assert isinstance(b, Touch)
     q = np.random.default_rng(4).normal(size=9)
     module = formulas.motions(system, form, {"mixed": law}).replace("export ", "")
     found = run(

@@ -86,12 +86,12 @@ def test_check_says_the_limits_of_rolling() -> None:
 
 def test_gamma_star_is_where_two_wells_begin() -> None:
     """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
-    from tippetop.mechanics.contact.body import Body
+    from tippetop.mechanics.contact.body import Touch
     from tippetop.mechanics.friction import Frictionless
     from tippetop.mechanics.systems import SYSTEMS
     from tippetop.mechanics.theory.thresholds import two_wells_from
 
     I3 = 8e-6 / 2.5
     parameters = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": I3, "I3": I3, "g": 9.82}
-    body: Body = SYSTEMS["rolling-tippe-top"].body_of(parameters, Frictionless())
+    body: Touch = SYSTEMS["rolling-tippe-top"].body_of(parameters, Frictionless())
     assert two_wells_from(body) == pytest.approx(2.1213, abs=5e-5)

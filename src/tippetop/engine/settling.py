@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.body import Body
+from ..mechanics.contact.body import Touch
 from ..mechanics.contact.phases.row import BALLS, PHASES
 from ..mechanics.friction import takes_nothing
 from ..mechanics.operand import leaves, refill
@@ -38,7 +38,7 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     The body in SI units; values are those of one state, (1,) each, in internal units, of which a time is `second` [s].
     A motion in a plane has no spin, hence no pole that it could leave.
     """
-    if not isinstance(body, Body) or "omega3" not in values:
+    if not isinstance(body, Touch) or "omega3" not in values:
         return True
     theta, omega3 = float(values["theta"][0]), float(values["omega3"][0]) / second
     return bool(shows_sliding(body, np.cos(theta))) and not will_leave(theta, omega3, body)
@@ -57,7 +57,7 @@ def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
         Numbers of the runs, (k,).
     """
     body = problems.body_of_pars(problems.pars[:, which].astype(float))
-    if not isinstance(body, Body):
+    if not isinstance(body, Touch):
         return np.zeros(states.shape[1], bool)
     scalars = problems.base.form.scalars(problems.record(states.astype(float)), body)
     fast = scalars.v2 > SLIDES**2 * body.g * (body.R + np.abs(body.c))
@@ -88,7 +88,7 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
     body
         The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has no modes.
     """
-    known = isinstance(body, Body)
+    known = isinstance(body, Touch)
     if known and system.frictional:
         settled = settled & shows_sliding(body, np.cos(theta))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from ..mechanics.contact.body import Body, height
-from ..mechanics.friction import LAWS, Law
+from ..mechanics.contact.body import Touch, height
+from ..mechanics.friction import Law, named
 from ..mechanics.moment import moment
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
@@ -81,8 +81,9 @@ class Kind(NamedTuple):
     @property
     def law(self) -> Law:
         """The friction law."""
-        laws = {**LAWS, **self.system.laws}.values()
-        return next(law for law in laws if law.record is self.friction)
+        known = named(self.friction, self.system.laws)
+        assert known is not None, self.friction
+        return known[1]
 
 
 class Line:
@@ -185,7 +186,7 @@ def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any
     functions."""
     form = kind.form
     values = observed(kind.system, form, q, carried, body)
-    if isinstance(body, Body):
+    if isinstance(body, Touch):
         values |= {"height": height(form.scalars(q, body).z, body)}
     if kind.orientation and form.orientation:
         axes = orientation_of(form, q, carried, body)

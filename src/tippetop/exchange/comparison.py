@@ -148,7 +148,7 @@ def _norm(rows: np.ndarray) -> np.ndarray:
 def conserved(there: Motion, problem: Problem) -> dict[str, np.ndarray]:
     """Energy and Jellett's integral of the other program's own motion, relative to their first values, less 1."""
     body = problem.system.body_of(problem.parameters, Frictionless())
-    if not isinstance(body, contact.Body) or there.axis is None or there.omega is None:
+    if not isinstance(body, contact.Touch) or there.axis is None or there.omega is None:
         return {}
     u, w = there.axis, there.omega
     w3 = (w * u).sum(axis=1)
@@ -174,7 +174,7 @@ def _relative(values: np.ndarray) -> np.ndarray:
 def _contact(there: Motion, problem: Problem) -> dict[str, Any]:
     """How deep the other's body is in the floor, and when it leaves it."""
     body = problem.system.body_of(problem.parameters, Frictionless())
-    if not isinstance(body, contact.Body) or there.place is None or there.axis is None:
+    if not isinstance(body, contact.Touch) or there.place is None or there.axis is None:
         return {}
     if problem.system.name == "heavy-top" or not np.isfinite(there.place[:, 2]).any():
         return {}

@@ -8,8 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError, a_system
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.gliding.vector import angular_velocity
-from ..mechanics.friction import Coulomb, SetValued, is_frictionless
+from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..problem import Problem
@@ -37,7 +36,7 @@ def start_of(problem: Problem) -> Start:
     u, L = np.asarray(columns["axis"]), np.asarray(columns["L"])
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
-    w = np.array(angular_velocity(Vector(*u), Vector(*L), float(L @ u), body._replace(I1=inertia)))
+    w = np.array(contact.angular_velocity_of(Vector(*u), Vector(*L), float(L @ u), body._replace(I1=inertia)))
     offset, radius = body.c, body.R
     if problem.contact is not None and columns["ball"]:  # it starts on its stem
         offset, radius = body.c + problem.contact.h, problem.contact.r
@@ -61,7 +60,7 @@ def text_of(problem: Problem, to: str) -> str:
     """The file. Raises InputError for a body that is none of three dimensions, or another format."""
     if to not in FORMATS:
         raise InputError([f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`."])
-    if not isinstance(problem.body(), contact.Body) or "axis" not in problem.system.vectors:
+    if not isinstance(problem.body(), contact.Touch) or "axis" not in problem.system.vectors:
         raise InputError([f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."])
     if not problem.orientation:
         raise InputError(["`run.orientation` must be true for a simulator, but is false."])
@@ -95,9 +94,9 @@ def _cannot(problem: Problem) -> tuple[float, list[str]]:
         sentences.append("pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips")
     elif problem.system.frictional and is_frictionless(law):
         mu = 0.0
-    elif isinstance(law, SetValued):
+    elif problem.law.set_valued:
         pass
-    elif isinstance(law, Coulomb):
+    elif problem.law.without is not None:
         sentences.append(f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own")
     elif problem.system.frictional:
         long_name = problem.law.long_name

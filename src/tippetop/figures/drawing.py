@@ -141,11 +141,10 @@ def states_of(system: str, parameters: dict[str, float], lam: float, look: Look 
 
 def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
     """The attributes of a run, with the units of the numbers of its friction law among its units."""
-    from ..mechanics.friction import CONTENSOU
     from ..mechanics.systems import find
 
     system, name = find(attrs["system"]), attrs.get("friction", {}).get("law", "")
-    law = (system.laws if system is not None else {}).get(name, {"contensou": CONTENSOU}.get(name))
+    law = system.laws.get(name) if system is not None else None
     units = {name: parameter.unit.symbol for name, parameter in law.parameters.items()} if law is not None else {}
     return attrs | {"units": attrs.get("units", {}) | units}
 

@@ -24,7 +24,7 @@ class Top:
     landscape: Landscape
     parameters: dict[str, float]  # SI
     coefficients: PotentialCoefficients
-    body: contact.Body  # SI
+    body: contact.Touch  # SI
     two_wells: bool  # V can have two minima
 
     @property

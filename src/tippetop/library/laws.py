@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from ..arguments import refuse_unknown
 from ..errors import InputError
-from ..mechanics.friction import CONTENSOU, SET_VALUED, Law
+from ..mechanics.friction import Law, named
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS, load_entry_points
+from ..mechanics.systems import SYSTEMS, laws_of, load_entry_points
 from ..scenario.numbers import checked
 
 
@@ -32,7 +32,7 @@ class Friction:
             object.__setattr__(self, name, value)
 
     def _law(self) -> Law:
-        return SYSTEMS[self.known_to].laws[self.law]
+        return SYSTEMS[self.known_to].laws[self.law].given(self.numbers())
 
     def numbers(self) -> dict[str, float]:
         """The numbers by name, in SI units."""
@@ -104,9 +104,6 @@ class Coulomb(Friction):
 
     law: ClassVar[str] = "coulomb"
 
-    def _law(self) -> Law:
-        return SET_VALUED if self.eps is None else super()._law()
-
 
 @dataclass(frozen=True)
 class Contensou(Friction):
@@ -140,9 +137,6 @@ class Contensou(Friction):
         def __init__(self, mu: Given, patch: Given, mu_r: Given = 0.0) -> None: ...
 
     law: ClassVar[str] = "contensou"
-
-    def _law(self) -> Law:
-        return CONTENSOU
 
 
 @dataclass(frozen=True)
@@ -298,19 +292,16 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
         raise InputError([f"the friction law must be a record such as {law.__name__}(...), but is the class itself."])
     if not isinstance(law, tuple):
         raise InputError([f"the friction law must be a record such as Viscous(mu=0.3), but is {law!r:.60}."])
-    for name, known in laws.items():
-        if isinstance(law, tuple) and type(law) is known.record:
-            return {"law": name, **cast(Any, law)._asdict()}
+    if known := named(type(law), laws):
+        return {"law": known[0], **cast(Any, law)._asdict()}
     kind = type(law).__name__
     raise InputError([f"the friction law {kind} must be registered: tippetop.register(Law({kind}, ...))."])
 
 
 def record_of(law: Any, system: System) -> Any:
     """The record that formulas take, of a law as `table_of` takes it."""
-    if isinstance(law, Friction):
-        if law.law not in system.laws:
-            raise InputError([f"`{system.name}` must have a law of {', '.join(system.laws)}, but has {law.law}."])
-        return law.record()
-    numbers = table_of(law, system.laws)
-    known = system.laws[numbers.pop("law")]
+    numbers, laws = table_of(law, system.laws), laws_of(system)
+    if (name := numbers.pop("law")) not in laws:
+        raise InputError([f"`{system.name}` must have a law of {', '.join(laws)}, but has {name}."])
+    known = laws[name].given(numbers)
     return known.record(**checked("friction", known.parameters, numbers))

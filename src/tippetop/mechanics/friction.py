@@ -1,11 +1,12 @@
 """The laws of the planar contact force: F_h = -k g_n v_A. To add a law: a record, its k, an entry in LAWS.
 
-k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies.
+k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies. The fields of a
+`Law` tell the rest of the package how a contact behaves under it: no code tests the name or the record of a law.
 """
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import reduce
 from operator import and_
 from typing import Any, NamedTuple
@@ -13,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, names_its_faults
-from .operand import Operand, exp, formula, select, sqrt
+from .disc_friction import REGIONS, Region, inside, torque
+from .operand import Operand, Vector, exp, formula, select, sqrt
 from .parameter import rules_faults
 from .readonly import freeze
 from .system import Parameter
@@ -135,15 +137,38 @@ class Law:
         k(v2, z, law) [s/m] under `@formula`: v2 = |v_A|^2 [m^2/s^2], z = cos(theta), law the record. It must be finite,
         at rest too, and not negative. A law that is no multiple of g_n v_A (the modified reaction of a cylinder) has
         none.
+    set_valued : bool
+        Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again. k is infinite at rest.
+    regions : dict of Region
+        The formulas of a law that has several, by the name of the region of w/U in which each holds.
+    torque : callable
+        torque(drag, omega, law) -> (3,) [m], the torque of the contact per normal force, in the region of this drag.
+    without : Law
+        The law of the same name where the numbers that this one has more are left out.
     """
 
     record: type
     parameters: dict[str, Parameter]
     long_name: str
     coefficient: Any = None
+    set_valued: bool = False
+    regions: Mapping[str, Region] = field(default_factory=dict)
+    torque: Callable | None = None
+    without: "Law | None" = None
 
     def __post_init__(self) -> None:
-        freeze(self, "parameters")
+        freeze(self, "parameters", "regions")
+
+    def given(self, names: Collection[str]) -> "Law":
+        """Return the law that these numbers belong to: `without`, if none of those that it lacks is among them."""
+        if self.without is None or any(name in names for name in self.optional):
+            return self
+        return self.without
+
+    @property
+    def optional(self) -> list[str]:
+        """Names of the numbers that may be left out."""
+        return [name for name in self.parameters if self.without and name not in self.without.parameters]
 
     def units(self) -> Any:
         """The law's record filled with units."""
@@ -154,9 +179,14 @@ _VISCOUS = Parameter(SECOND_PER_METRE, "viscous friction coefficient mu", least=
 _COULOMB = Parameter(ONE, "Coulomb friction coefficient mu", least=0)
 _EPS = Parameter(METRE_PER_SECOND, "regularisation speed eps", above=0)
 
+_EXACT = Law(
+    SetValued, {"mu": _COULOMB}, "F = -mu g_n v_A/|v_A|; |F| <= mu g_n where v_A = 0", set_valued, set_valued=True
+)
 LAWS = {
     "viscous": Law(Viscous, {"mu": _VISCOUS}, "F = -mu g_n v_A", viscous),
-    "coulomb": Law(Coulomb, {"mu": _COULOMB, "eps": _EPS}, "F = -mu g_n v_A/sqrt(v_A^2 + eps^2)", coulomb),
+    "coulomb": Law(
+        Coulomb, {"mu": _COULOMB, "eps": _EPS}, "F = -mu g_n v_A/sqrt(v_A^2 + eps^2)", coulomb, without=_EXACT
+    ),
     "mixed": Law(Mixed, {"mu": _VISCOUS, "mu_coulomb": _COULOMB, "eps": _EPS}, "viscous and Coulomb together", mixed),
     "stribeck": Law(
         Stribeck,
@@ -179,25 +209,41 @@ LAWS = {
         latitude,
     ),
     "none": Law(Frictionless, {}, "no friction", frictionless),
+    "contensou": Law(
+        Contensou,
+        {
+            "mu": _COULOMB,
+            "patch": Parameter(METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", above=0),
+            "mu_r": Parameter(
+                METRE,
+                "rolling resistance: torque per normal force; none within impacts",
+                least=0,
+                default=0.0,
+            ),
+        },
+        "Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz pressure",
+        regions=REGIONS,
+        torque=torque,
+    ),
 }
+"""The laws by name. A law that is set-valued, or has regions, is one of a body whose contact has phases; it has mu."""
 
-SET_VALUED = Law(SetValued, {"mu": _COULOMB}, "F = -mu g_n v_A/|v_A|; |F| <= mu g_n where v_A = 0", set_valued)
-"""Coulomb's law without `eps`, of systems whose contact has phases: sticking is a phase of its own."""
 
-CONTENSOU = Law(
-    Contensou,
-    {
-        "mu": _COULOMB,
-        "patch": Parameter(METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", above=0),
-        "mu_r": Parameter(
-            METRE, "rolling resistance: torque per normal force; none within impacts", least=0, default=0.0
-        ),
-    },
-    "Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz pressure",
-)
-"""A law with a torque, of systems whose contact has phases."""
+def all_laws(laws: Mapping[str, Law]) -> Iterator[tuple[str, Law]]:
+    """Yield every law with its name, also those of the same name with fewer numbers."""
+    for name, law in laws.items():
+        yield name, law
+        if law.without is not None:
+            yield name, law.without
 
-SLIP = {law.record: law.coefficient for law in (*LAWS.values(), SET_VALUED)}
+
+def named(record: type, laws: Mapping[str, Law] = LAWS) -> tuple[str, Law] | None:
+    """Return name and law of a record, of `laws` or else of LAWS; None if there is none."""
+    known = (pair for pair in (*all_laws(laws), *all_laws(LAWS)) if pair[1].record is record)
+    return next(known, None)
+
+
+SLIP = {law.record: law.coefficient for _, law in all_laws(LAWS) if law.coefficient is not None}
 slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
 
@@ -215,13 +261,17 @@ def is_frictionless(law: Any) -> bool:
 
 def takes_nothing(law: Any) -> Any:
     """As `is_frictionless`, of numbers (n,): which of them."""
-    if isinstance(law, SetValued):
-        return law.mu == 0
-    if isinstance(law, Contensou):
-        return (law.mu == 0) & (law.mu_r == 0)
-    if type(law) not in SLIP:  # a law of one system, which is no multiple of the sliding velocity
+    known = named(type(law))
+    if known is None:  # a law of one system, which is no multiple of the sliding velocity
         return False
-    return reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
+    rules = known[1]
+    if not (rules.set_valued or rules.regions):
+        return reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
+    none = law.mu == 0
+    if rules.torque is not None:  # of a body that rolls without turning
+        rolls = rules.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 0.0), law)
+        none = none & (rolls.x == 0)
+    return none
 
 
 FAST2 = np.float64(1e6)  # |v_A|^2 [m^2/s^2] beyond that of any top
@@ -231,6 +281,11 @@ def nowhere_vanishes(law: Any) -> bool:
     """Return whether a law k g_n v_A acts wherever on the body the contact lies, at rest and in fast sliding."""
     with np.errstate(all="ignore"):
         return all(slip_coefficient(v2, z, law) > 0 for v2 in (np.float64(0), FAST2) for z in HEIGHTS)
+
+
+def is_linear(law: Any) -> bool:
+    """Return whether k depends neither on the sliding speed nor on the place of the contact."""
+    return len({float(slip_coefficient(v2, z, law)) for v2 in (np.float64(0), FAST2) for z in HEIGHTS}) == 1
 
 
 def add(name: str, law: Law) -> None:
@@ -263,6 +318,8 @@ def _faults(name: Any, law: Any) -> list[str]:
         faults.append(f"the name of a law must be new, but `{name}` is that of {LAWS[name].record.__name__}.")
     if law.coefficient is None:
         faults.append(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
+    more = [word for word in ("set_valued", "regions", "torque", "without") if getattr(law, word)]
+    faults += [f"`{word}` of the law `{name}` must be left out: it is for the laws of this package." for word in more]
     if set(fields) != set(law.parameters):
         names, given = ", ".join(fields) or "none", ", ".join(law.parameters) or "none"
         faults.append(f"the parameters of the law `{name}` must be the fields of its record, {names}, but are {given}.")

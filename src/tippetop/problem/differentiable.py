@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..mechanics.friction import Contensou, SetValued
 from .faults import key_faults
 
 
@@ -19,9 +18,8 @@ MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 def derivative_faults(problem: "Problem") -> list[str]:
     """Why a run has no derivatives, or none that is computed; empty if it has."""
     if problem.contact is not None:
-        law = problem.friction
-        why = "sticks and slips under a set-valued law" if isinstance(law, SetValued) else "may open and close"
-        why = "is a disc, which may come to rest" if isinstance(law, Contensou) else why
+        why = "sticks and slips under a set-valued law" if problem.law.set_valued else "may open and close"
+        why = "is a disc, which may come to rest" if problem.law.regions else why
         return [
             f"the contact must never change for derivatives to exist along the run, but this one {why}: give a smooth "
             'law (a Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'

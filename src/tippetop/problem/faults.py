@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InputError, suggestion
 from ..mechanics.contact.phases.rules import ContactLaw
-from ..mechanics.friction import LAWS, SLIP
+from ..mechanics.friction import SLIP, named
 from ..mechanics.system import Form, System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
 from ..mechanics.variables import INTEGRAL_SCALE
@@ -101,8 +101,7 @@ def shape_faults(problem: "Problem") -> list[str]:
     faults = [f"`{name}` of a Problem must be {words}, but is {getattr(problem, name)!r:.60}." for name, words in wrong]
     if faults:
         return faults
-    laws = {**LAWS, **problem.system.laws}.values()
-    if any(type(problem.friction) is law.record for law in laws):
+    if named(type(problem.friction), problem.system.laws):
         return []
     return [f"`friction` of a Problem must be the record of a known law, but is {problem.friction!r:.60}."]
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..caching import cached_property
 from ..errors import unknown_key
 from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactLaw, stem_faults
-from ..mechanics.friction import LAWS, Law
+from ..mechanics.friction import Law, named
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
 from ..mechanics.system import Form, Parameter, System
@@ -109,16 +109,22 @@ class Problem:
         """The number type in which units are converted: never less than 80 bits."""
         return np.longdouble if self.precision == "double" else self.number
 
-    @cached_property
+    @property
     def law_name(self) -> str:
         """The name of the friction law, as in `[friction] law`."""
-        laws = {**LAWS, **self.system.laws}
-        return next(name for name, law in laws.items() if law.record is type(self.friction))
+        return self._law[0]
 
     @property
     def law(self) -> Law:
         """The friction law: its numbers and their units."""
-        return {**LAWS, **self.system.laws}[self.law_name]
+        return self._law[1]
+
+    @cached_property
+    def _law(self) -> tuple[str, Law]:
+        """Name and law of the friction record."""
+        known = named(type(self.friction), self.system.laws)
+        assert known is not None, self.friction
+        return known
 
     @cached_property
     def tables(self) -> dict[str, dict[str, Any]]:

@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Any
 
 from ..columns import Column, with_coordinates
-from ..mechanics.friction import CONTENSOU
 from ..mechanics.systems import find
 from ..problem import ROUNDING, Problem
 from ..scenario.build import resolved, tables_of
@@ -79,8 +78,7 @@ def headline_of(attrs: dict[str, Any]) -> str:
     if "friction" in attrs:
         law, *numbers = attrs["friction"].items()
         system = find(attrs["system"])
-        laws = {"contensou": CONTENSOU, **(system.laws if system else {})}
-        known = laws.get(law[1])  # None: of a package that is not installed here
+        known = system.laws.get(law[1]) if system else None  # None: of a package that is not installed here
         units = {name: known.parameters[name].unit.symbol if known else "" for name, _ in numbers}
         parts = [f"{name} = {value:g} {units[name]}".removesuffix(" 1").rstrip() for name, value in numbers]
         words.append(", ".join([f"{law[1]} friction", *parts]) if numbers else "no friction")

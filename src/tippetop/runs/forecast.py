@@ -8,13 +8,14 @@ import numpy as np
 
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
-from ..mechanics.contact.ball import Ball, angular_velocity, mobility
+from ..mechanics.contact.body import angular_velocity
 from ..mechanics.contact.disc_at_rest import turning
-from ..mechanics.contact.drilling import drilling_torque, inside
 from ..mechanics.contact.gliding.vector import axis, momentum
 from ..mechanics.contact.phases.drilling import RESTS_BELOW
 from ..mechanics.contact.phases.row import Row
-from ..mechanics.friction import Contensou, is_frictionless
+from ..mechanics.contact.response import mobility
+from ..mechanics.disc_friction import drilling_torque, inside
+from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..sampling import ListedTimes
@@ -175,13 +176,13 @@ def drilling(problem: Problem) -> tuple[float, float]:
     """
     q, body = Row._make(problem.start()[: len(Row._fields)]), problem.internal_body
     law, second = body.friction, float(problem.scales.of(SECOND))
-    u, L, ball = axis(q), momentum(q), Ball(body.m, body.I1, body.I3, body.g, 0, body.c, body.R)
-    turn = max(abs(float(angular_velocity(u, L, ball).z)), RESTS_BELOW)
+    u = axis(q)
+    turn = max(abs(float(angular_velocity(u, momentum(q), body).z)), RESTS_BELOW)
     drag, weight = inside(0.0, float(law.patch * turn) ** 2), float(body.m * body.g)
-    slowing = -float(drilling_torque(weight, turn, drag, law.mu, law.patch) * turning(u, ball).own)
+    slowing = -float(drilling_torque(weight, turn, drag, law.mu, law.patch) * turning(u, body).own)
     if slowing == 0:  # mu = 0: the disc does not slow the spin
         return math.inf, 0.0
-    rate = float(law.mu * weight * drag.k * mobility(math.sin(math.acos(u.z)), u.z, ball).ee)
+    rate = float(law.mu * weight * drag.k * mobility(math.sin(math.acos(u.z)), u.z, body).ee)
     rest = SHARE * turn / slowing
     left = max(turn * (1 - problem.until / second / rest), RESTS_BELOW)
     steps = rate * turn / (SPAN * slowing) * math.log(turn / left)
@@ -193,7 +194,7 @@ def cost(problem: Problem) -> dict[str, float]:
     rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
     fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))
     steps, dearer = problem.until * fastest * STEPS_PER_RADIAN[problem.precision], 1.0
-    if isinstance(problem.friction, Contensou) and not is_frictionless(problem.friction):
+    if problem.law.regions and not is_frictionless(problem.friction):
         until, stiff = drilling(problem)
         steps, dearer = MORE_STEPS * steps * min(1.0, until / problem.until) + stiff, DEARER
     return {

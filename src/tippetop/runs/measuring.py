@@ -7,7 +7,6 @@ from typing import Any
 
 from ..engine.status import Status
 from ..engine.taylor import driver_of
-from ..mechanics.friction import Contensou
 from ..problem import Problem
 from ..sampling import EvenTimes, ListedTimes
 from .integration import Integration
@@ -75,7 +74,7 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     except _TooLong as reached:
         return {"seconds": round(reached.seconds, 4)}
     whole, count = 1.0 if ended else problem.until / until, solution.report["steps"]
-    if isinstance(problem.friction, Contensou) and whole > 1:
+    if problem.law.regions and whole > 1:
         whole = max(1.0, steps / max(count, 1))
     steps_of_all = {"steps": round(count * whole)} if count >= FEWEST or whole == 1.0 else {}
     return {
@@ -93,7 +92,7 @@ def _piece(problem: Problem, until: float, steps: float, clock: Callable[[], flo
     else:
         times = ListedTimes(times.times[times.times <= until])
     first: list[tuple[float, float]] = []  # clock and share after the first slice, which comes after compiling
-    uneven = isinstance(problem.friction, Contensou)
+    uneven = bool(problem.law.regions)
 
     def watch(integration: Integration) -> None:
         now = clock()

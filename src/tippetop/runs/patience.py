@@ -5,7 +5,6 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from ..mechanics.friction import Contensou
 from ..problem import Problem
 
 
@@ -68,7 +67,7 @@ def sentence(problem: Problem, left: float, step: float, often: bool = False) ->
     elif step * fastest < SHORT:
         keys = [f"friction.{name}" for name in problem.friction._fields]
         why = f", because friction is stiff ({', '.join(keys)})"
-        if isinstance(problem.friction, Contensou):
+        if problem.law.regions:
             why = ", because friction on a disc that hardly turns is stiff (friction.patch, initial.omega3)"
     return (
         f"the rest of this run will take about {left:.2g} s ({left / 3600:.2g} hours): its steps are {step:.2g} s "

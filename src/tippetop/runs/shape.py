@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, a_system
-from ..mechanics.contact.body import Body
+from ..mechanics.contact.body import Touch
 from ..mechanics.friction import Frictionless
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
@@ -14,7 +14,7 @@ from ..mechanics.systems import find
 BIGGEST = 0.78  # of the distance from the tip: the longest half axis of the ellipsoid of a heavy top
 
 
-def body_of(attrs: dict[str, Any]) -> Body:
+def body_of(attrs: dict[str, Any]) -> Touch:
     """The body of a store, SI; without a friction law where its contact changes its phase. Raises InputError for what
     cannot be drawn."""
     system = find(attrs["system"])
@@ -23,11 +23,12 @@ def body_of(attrs: dict[str, Any]) -> Body:
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
     law = getattr(system.laws.get(friction.get("law")), "record", Frictionless)
     body = system.body_of(attrs["parameters"], law(**{name: friction[name] for name in law._fields}))
-    missing = [name for name in Body._fields if not hasattr(body, name)]
+    needed = [name for name in Touch._fields if name not in Touch._field_defaults]
+    missing = [name for name in needed if not hasattr(body, name)]
     if missing:
-        what = f"a body that is shown must have {', '.join(Body._fields)}"
+        what = f"a body that is shown must have {', '.join(needed)}"
         raise InputError([f"{what}, but that of {a_system(attrs['system'])} has no {missing[0]}."])
-    return Body(*(getattr(body, name) for name in Body._fields))
+    return Touch(*(getattr(body, name) for name in needed))
 
 
 def is_planar(attrs: dict[str, Any]) -> bool:
@@ -67,7 +68,7 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def sizes(b: Body, *, heavy: bool) -> tuple[Any, ...]:
+def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
     """Of a body that touches the plane with one ball: the ball's offset along 3hat and radius, the weight, and the half
     axes, across and along, of the ellipsoid with its moments of inertia; of a heavy top's it shrinks until it ends
     before the tip. Numbers, or symbols of a page."""

@@ -7,9 +7,10 @@ from ..errors import InputError
 from ..mechanics.contact.phases.drilling import LEAST_PATCH
 from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
 from ..mechanics.contact.uniqueness import painleve_bound
-from ..mechanics.friction import LAWS, Contensou, SetValued
+from ..mechanics.friction import LAWS
 from ..mechanics.system import System
-from ..mechanics.systems.with_contact import ABOVE, BODIES, DRILLED, STEMMED, with_contact
+from ..mechanics.systems import laws_of
+from ..mechanics.systems.with_contact import ABOVE, BODIES, DRILLED, STEMMED, kind_of, with_contact
 from ..problem import Problem
 
 
@@ -17,14 +18,16 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     """The system of a scenario: one whose contact may open where the scenario says so, by `[contact]`, `[stem]`, a
     Coulomb law without `eps`, or `on_liftoff = "fly"`. Raises InputError where it cannot."""
     friction, run = tables.get("friction"), tables.get("run")
-    law = friction.get("law") if isinstance(friction, dict) else None
-    dry = law == "coulomb" and isinstance(friction, dict) and "eps" not in friction
+    name = friction.get("law") if isinstance(friction, dict) else None
+    law = {**LAWS, **system.laws}.get(name) if isinstance(name, str) else None
+    law = law and law.given(friction)
+    kind = kind_of(law) if law is not None else "smooth"  # an unknown law is refused later
     asked = [f"`{name}`" for name in ("contact", "stem") if name in tables]
     if isinstance(run, dict) and run.get("on_liftoff") == "fly":
         asked.append('`run.on_liftoff = "fly"`')
-    if law == "contensou":
-        asked.append('`friction.law = "contensou"`')
-    if not (asked or (dry and system.name in BODIES)):
+    if kind == "drilling":
+        asked.append(f'`friction.law = "{name}"`')
+    if not (asked or (kind == "dry" and system.name in BODIES)):
         initial = tables.get("initial")
         above = [name for name in ABOVE if isinstance(initial, dict) and name in initial]
         if above and system.name in BODIES:
@@ -37,16 +40,15 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         return system
     if "stem" in tables and system.name != STEMMED:
         raise InputError([f"`stem` must be of a {STEMMED}, but the system is {system.name}."])
-    what = asked[0] if asked else '`friction.law = "coulomb"` without eps'
+    what = asked[0] if asked else f'`friction.law = "{name}"` without eps'
     if system.name not in BODIES:
         raise InputError([f"{what} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
     if BODIES[system.name] is not system:
         raise InputError([f"{what} must stand without events and columns of one's own, but some are given."])
-    if isinstance(law, str) and law in system.laws and law not in LAWS:
-        raise InputError([f'`friction.law` must not be "{law}" where the contact may open, by {what}.'])
-    kind = "dry" if dry else "drilling" if law == "contensou" else "smooth"
-    if kind == "drilling" and system.name != DRILLED:
-        raise InputError([f'`friction.law = "contensou"` must be of a {DRILLED}, but the system is {system.name}.'])
+    if not kind:
+        raise InputError([f'`friction.law` must not be "{name}" where the contact may open, by {what}.'])
+    if kind == "drilling" and name not in laws_of(system):
+        raise InputError([f'`friction.law = "{name}"` must be of a {DRILLED}, but the system is {system.name}.'])
     return with_contact(system.name, kind, "stem" in tables)
 
 
@@ -82,7 +84,7 @@ def contact_faults(problem: Problem) -> list[str]:
         faults.append('`run.output` must not be "keyframes" where the contact may change its phase.')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
-    if problem.precision == "quad" and isinstance(problem.friction, SetValued) and problem.friction.mu:
+    if problem.precision == "quad" and problem.law.set_valued and problem.friction.mu:
         faults.append(
             '`run.precision` must be "double" or "longdouble" under Coulomb\'s law without eps, but is "quad".'
         )
@@ -97,7 +99,7 @@ def contact_faults(problem: Problem) -> list[str]:
             f"{problem.initial['nu_z']:g}."
         )
     least = (1 - 1e-12) * LEAST_PATCH * R  # which may be written
-    if isinstance(problem.friction, Contensou) and not least <= problem.friction.patch <= R:
+    if problem.law.regions and not least <= problem.friction.patch <= R:
         small = (
             ' A smaller disc slides as a point does: `law = "coulomb"`, without patch and mu_r.'
             if problem.friction.patch < R
@@ -110,7 +112,7 @@ def contact_faults(problem: Problem) -> list[str]:
     rules = problem.contact
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
         return faults  # which are found already
-    if isinstance(problem.friction, SetValued | Contensou):
+    if problem.law.set_valued or problem.law.regions:
         faults += _unique(problem)
     return faults + _under(problem)
 

@@ -11,7 +11,7 @@ from pydantic_core import PydanticUndefined
 
 from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.events import Event
-from ..mechanics.friction import SET_VALUED, Law
+from ..mechanics.friction import Law
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws
@@ -188,7 +188,10 @@ def _flags(system: System) -> list[tuple[str, ...]]:
 def friction() -> list[Section]:
     """The friction laws and their numbers."""
     load_entry_points()
-    laws = {**systems_of_laws(), "coulomb (without eps)": (SET_VALUED, list(BODIES))}
+    laws = systems_of_laws()
+    for name, (law, _) in list(laws.items()):
+        if law.without is not None:
+            laws[f"{name} (without {', '.join(law.optional)})"] = (law.without, list(BODIES))
     return [
         Section(name, f"{_meaning(law)} Of {', '.join(of) or 'no system'}.", KEYS, _numbers(law.parameters))
         for name, (law, of) in laws.items()

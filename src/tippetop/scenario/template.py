@@ -8,7 +8,7 @@ from ..errors import InputError, suggestion
 from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems import SYSTEMS, laws_of
 from ..mechanics.systems.with_contact import BODIES
 from ..problem import AUTO, KEYFRAME_STEPS, UNTIL
 from . import reading
@@ -62,7 +62,7 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
     if system.frictional:
         given = tables["friction"]
         law = system.laws[given["law"]]
-        lines += ["", "[friction]", _line("law", given["law"], f"one of {', '.join(system.laws)}")]
+        lines += ["", "[friction]", _line("law", given["law"], f"one of {', '.join(laws_of(system))}")]
         lines += _keys(given, _rules(law.parameters), {})
     flags = {a.name: "true: the centre of mass does not move sideways" for a in system.alternatives if a.flag}
     start = {**dict.fromkeys(system.initial, 0.0), **dict.fromkeys(flags, True)}

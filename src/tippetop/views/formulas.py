@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..engine.expressions import component, observed
-from ..mechanics.contact.body import Body, tip_inertia
+from ..mechanics.contact.body import Touch, angular_velocity, tip_inertia
 from ..mechanics.contact.gliding.catalogue import COS_INVERTED
-from ..mechanics.contact.gliding.vector import angular_velocity, axis, contact_velocity
+from ..mechanics.contact.gliding.vector import axis, sliding_velocity
 from ..mechanics.contact.rolling.reaction import kinematics, reaction
 from ..mechanics.friction import Law, slip_coefficient
-from ..mechanics.operand import Vector, atan2, cross, dot, leaves, refill, sqrt, times
+from ..mechanics.operand import Vector, atan2, cross, leaves, refill, sqrt, times
 from ..mechanics.system import Form, System
 from ..mechanics.systems.heavy_top import momentum_about_centre, tip_axis_rate
 from ..mechanics.theory.thresholds import thresholds
@@ -26,7 +26,7 @@ NO_POTENTIAL = "export const potential = null;\n"
 NOTHING = f"export const facts = {{}};\nexport const formulas = {{}};\n{NO_POTENTIAL}"
 
 
-def potential(system: System, b: Body) -> str:
+def potential(system: System, b: Touch) -> str:
     """The module `formulas.js` of the page of a run: V of the system at the momenta that it takes, for this body."""
     if system.potential is None:
         return NO_POTENTIAL
@@ -118,18 +118,18 @@ def _of_law(system: System, variables: Variables, law: Law) -> str:
     return "{\n" + ",\n".join(f"{name}: {text}" for name, text in parts.items()) + "\n}"
 
 
-def _start(system: System, variables: Variables, data: dict[str, Any], s: Any, z: Any, b: Body) -> list:
+def _start(system: System, variables: Variables, data: dict[str, Any], s: Any, z: Any, b: Touch) -> list:
     """The variables at the start of what the user gives."""
     q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
     return [*q, *carried]
 
 
-def _potential(system: System, symbols: Sequence[Any], b: Body) -> Any:
+def _potential(system: System, symbols: Sequence[Any], b: Touch) -> Any:
     assert system.potential is not None
     return system.potential(*symbols[: 1 + len(system.momenta)], b)
 
 
-def seen(system: System, form: Form, q: Any, carried: Any, b: Body) -> list:
+def seen(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
     """What the page draws of a state: axes 1 and 3, then the channels of a sample from omega on. [see motion.js]"""
     values = observed(system, form, q, carried, b)
     assert form.orientation is not None
@@ -138,7 +138,7 @@ def seen(system: System, form: Form, q: Any, carried: Any, b: Body) -> list:
     if system.vectors:
         u, L = (Vector(*(values[component(v)] for v in names)) for names in system.vectors.values())
         inert = b._replace(I1=tip_inertia(b)) if rigid else b  # L is about the tip then
-        omega = angular_velocity(u, L, dot(L, u), inert)
+        omega = angular_velocity(u, L, inert)
     else:
         omega, L = Vector(0, q.theta_dot, 0), Vector(0, b.I1 * q.theta_dot, 0)
     arm = Vector(b.c * third.x, b.c * third.y, b.c * third.z - b.R)
@@ -152,16 +152,16 @@ def seen(system: System, form: Form, q: Any, carried: Any, b: Body) -> list:
     return [*first, *third, *omega, *place, *force, *slip[:2], 0, *L, theta, *momenta]
 
 
-def _slip(q: Any, b: Body) -> Vector:
+def _slip(q: Any, b: Touch) -> Vector:
     """The velocity of the contact point."""
     if hasattr(q, "vx"):
         return Vector(q.vx, q.vy, 0)
     if hasattr(q, "rx_dot"):
-        return contact_velocity(q, b)
+        return sliding_velocity(q, b)
     return Vector(getattr(q, "nu_x", 0), 0, 0)
 
 
-def _force(system: System, q: Any, b: Body, s: Any, slip: Vector, values: dict[str, Any]) -> Vector:
+def _force(system: System, q: Any, b: Touch, s: Any, slip: Vector, values: dict[str, Any]) -> Vector:
     """The force of the plane: by the friction law where the contact slides, else the reaction of a contact at rest."""
     normal = values.get("normal_force", 0)
     if system.frictional:
@@ -184,7 +184,7 @@ def _power(unit: Unit, mass: Any, length: Any, time: Any) -> Any:
     return value
 
 
-def _thresholds(system: System, template: Body, numbers: list[str]) -> str:
+def _thresholds(system: System, template: Touch, numbers: list[str]) -> str:
     """The thresholds of a tippe top, as a list of records; an empty one for others."""
     if not system.inverts:
         return "() => []"

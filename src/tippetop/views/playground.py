@@ -3,7 +3,6 @@
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.friction import LAWS
 from ..mechanics.systems import SYSTEMS
 from ..scenario import build
 from ..scenario.reading import presets
@@ -18,7 +17,8 @@ FIRST = "inverting"
 def playground() -> str:
     """The text of its HTML file."""
     system = SYSTEMS["tippe-top"]
-    scripts = {"formulas.js": formulas.motions(system, system.forms["vector"], dict(LAWS))}
+    laws = {name: law for name, law in system.laws.items() if law.coefficient is not None}
+    scripts = {"formulas.js": formulas.motions(system, system.forms["vector"], laws)}
     data = {"presets": sorted(filter(None, map(_preset, presets())), key=lambda p: (p["name"] != FIRST, p["name"]))}
     return pages.page(TITLE, "page_playground.js", data, scripts, aside=pages.source("playground.html"), about=ABOUT)
 

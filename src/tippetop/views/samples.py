@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.body import Body, tip_inertia
-from ..mechanics.contact.gliding.vector import angular_velocity
+from ..mechanics.contact.body import Touch, angular_velocity_of, tip_inertia
 from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
@@ -83,7 +82,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         momentum = Vector(*columns["L"].T)
         inert = b._replace(I1=tip_inertia(b)) if is_fixed(attrs) else b  # L is about the tip then
         L3 = b.I3 * columns["omega3"]
-        omega = angular_velocity(Vector(*columns["axis"].T), momentum, L3, inert)
+        omega = angular_velocity_of(Vector(*columns["axis"].T), momentum, L3, inert)
     offset, radius = _ball(columns, attrs, b)
     arm = Vector(offset * third.x, offset * third.y, offset * third.z - radius)
     slip = _slip(columns, n)
@@ -102,7 +101,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     return out
 
 
-def _ball(columns: Columns, attrs: dict[str, Any], b: Body) -> tuple[Any, Any]:
+def _ball(columns: Columns, attrs: dict[str, Any], b: Touch) -> tuple[Any, Any]:
     """Offset and radius of the ball that touches the plane, or did last; numbers or (n,)."""
     if "ball" not in columns or "stem" not in attrs:
         return b.c, b.R
@@ -135,7 +134,7 @@ def _place(columns: Columns, third: Vector, offset: Any, radius: Any, fixed: boo
     return np.stack([columns["x"], columns.get("y", np.zeros(len(third.z))), height], axis=1)
 
 
-def _force(columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Body) -> np.ndarray:
+def _force(columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Touch) -> np.ndarray:
     """The force of the plane, (n, 3): friction by its law where the contact slides by a law of one phase, and else as
     the horizontal part of m r'', from row to row."""
     n = velocity.shape[1]

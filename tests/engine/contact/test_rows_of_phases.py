@@ -9,6 +9,7 @@ from test_both import STEM, Z
 from test_phases_of_runs import LEINE_GLOCKER, run
 
 from tippetop.engine.status import Status
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.phases.both import BOTH_KINDS, stem
 from tippetop.mechanics.contact.phases.drilling import (
     LEAST_PATCH,
@@ -17,7 +18,6 @@ from tippetop.mechanics.contact.phases.drilling import (
     patch_speed2,
     speed_beyond_rest,
 )
-from tippetop.mechanics.contact.phases.legs import Body
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import Vector
 
@@ -60,14 +60,14 @@ def test_the_mass_answers_to_the_sum_of_the_forces(rng: np.random.Generator) -> 
     kind = BOTH_KINDS["both"]
     for _ in range(20):
         m, R, c, I1, I3, g, clearance, lever = rng.uniform(0.5, 2.0, 8)
-        body = Body(m, R, c, I1, I3, g, Viscous(0.3), clearance, -lever)
+        body = Touch(m, R, c, I1, I3, g, Viscous(0.3), clearance, -lever)
         q = kind.form.units._make(rng.uniform(-1, 1, len(kind.form.units)))
         force, rates = kind.says(q, body).force, kind.form.rates(q, body)
         assert (rates.rx_dot * m, rates.ry_dot * m) == pytest.approx((force.x, force.y), rel=1e-12)
 
 
 def test_the_other_ball_of_the_stem_is_the_sphere(rng: np.random.Generator) -> None:
-    body = Body(*rng.uniform(0.5, 2.0, 6), Viscous(0.3), *rng.uniform(0.5, 2.0, 2))
+    body = Touch(*rng.uniform(0.5, 2.0, 6), Viscous(0.3), *rng.uniform(0.5, 2.0, 2))
     again = stem(stem(body))
     assert again.friction == body.friction
     assert again._replace(friction=0.0) == pytest.approx(body._replace(friction=0.0), rel=1e-15)

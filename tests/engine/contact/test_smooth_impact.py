@@ -12,8 +12,9 @@ from scipy.optimize import brentq
 from tippetop.engine.contact import balls
 from tippetop.engine.contact.balls import Balls
 from tippetop.engine.contact.smooth_impact import SmoothImpacts
-from tippetop.mechanics.contact.ball import Ball, Mobility, mobility
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.impact import after_impact, arrival
+from tippetop.mechanics.contact.response import Mobility, mobility
 from tippetop.mechanics.contact.struck import struck
 from tippetop.mechanics.friction import Coulomb, Viscous
 from tippetop.mechanics.operand import Vector, leaves
@@ -23,7 +24,7 @@ from tippetop.scenario import build
 def contacts(n: int = 20) -> list[tuple[Mobility, tuple[float, float, float]]]:
     """Mobilities of the canonical body, m = R = 1, and velocities before an impact."""
     rng = np.random.default_rng(5)
-    ball = Ball(1.0, 131 / 350, 0.4, 1.0, 0.0, 0.3, 1.0)
+    ball = Touch(1.0, 1.0, 0.3, 131 / 350, 0.4, 1.0, None)
     angles = rng.uniform(0.1, 3.0, n)
     velocities = [(rng.normal(), rng.normal(), -rng.uniform(0.01, 1.0)) for _ in range(n)]
     return [(mobility(np.sin(a), np.cos(a), ball), v) for a, v in zip(angles, velocities, strict=True)]
@@ -106,7 +107,7 @@ def test_a_law_that_cannot_be_followed_is_refused() -> None:
 @pytest.mark.parametrize("e_n", [0.0, 0.6])
 def test_a_body_is_struck_in_machine_code_as_its_formulas_say(e_n: float) -> None:
     """The axis vertical, too: then e is the direction of the slip, or any where nothing slips."""
-    ball = Ball(0.02, 3e-6, 3.2e-6, 9.82, 0.0, 0.006, 0.02)
+    ball = Touch(0.02, 0.02, 0.006, 3e-6, 3.2e-6, 9.82, None)
     impacts = SmoothImpacts(Viscous(0.3), "energetic")
     tilted, upright = Vector(0.48, 0.36, 0.8), Vector(0.0, 0.0, 1.0)
     starts = [(tilted, Vector(1e-4, 2e-4, 9e-4)), (upright, Vector(0.0, 1e-5, 9e-4)), (upright, Vector(0.0, 0.0, 9e-4))]

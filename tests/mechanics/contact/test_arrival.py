@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact.ball import Ball, mobility
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.impact import after_impact, arrival
+from tippetop.mechanics.contact.response import mobility
+from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector
 
 
@@ -22,14 +24,14 @@ class Body:
 
     def __init__(self, axis: str, rng: np.random.Generator):
         I1, I3 = rng.uniform(0.3, 0.6, 2)
-        self.ball = Ball(rng.uniform(0.5, 2), I1, I3, 9.8, 0.3, rng.uniform(-1.5, 1.5), rng.uniform(0.5, 1.5))
+        self.ball = Touch(*rng.uniform((0.5, 0.5, -1.5), (2, 1.5, 1.5)), I1, I3, 9.8, SetValued(0.3))
         u = rng.normal(size=3)
         self.u = np.array(AXES[axis]) if AXES[axis] else u / np.linalg.norm(u)
         self.inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(self.u, self.u)
         self.L, self.V = rng.normal(size=3), rng.normal(size=3)
         if axis.endswith("falling"):
             self.L, self.V = self.L * Z, self.V * Z
-        self.a = self.ball.offset * self.u - self.ball.radius * Z
+        self.a = self.ball.c * self.u - self.ball.R * Z
 
     def omega(self, L: np.ndarray) -> np.ndarray:
         """Angular velocity."""

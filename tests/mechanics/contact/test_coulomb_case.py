@@ -8,14 +8,16 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from tippetop.mechanics import friction
-from tippetop.mechanics.contact import ball as contact
+from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import coulomb
-from tippetop.mechanics.contact.ball import Ball
-from tippetop.mechanics.operand import Vector, cross, times
+from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.response import bias, bias_vector, mobility
+from tippetop.mechanics.friction import SetValued
+from tippetop.mechanics.operand import Vector, cross, dot, times
 
 
 FOLDER = Path(__file__).parents[2] / "reference"
-BALL = Ball(0.02, 131 / 43750000, 1 / 312500, 9.82, 0.3, 0.006, 0.02)
+BALL = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.3))
 STOP = 1e-12  # [m/s]
 
 
@@ -46,9 +48,9 @@ def test_the_canonical_top_sticks_when_the_reference_does() -> None:
     u, L, _, P, _ = parts(end)
     assert end[8] - STOP / P == pytest.approx(event["t"], abs=1e-14)
     assert np.arctan2(np.hypot(u.x, u.y), u.z) == pytest.approx(event["theta"], abs=1e-13)
-    F = coulomb.reaction_of_rolling_vector(u, contact.bias_vector(u, L, BALL), BALL)
-    assert np.hypot(F.x, F.y) / (BALL.mu * F.z) == pytest.approx(event["cone_ratio"], rel=1e-10)
-    assert contact.jellett(u, L, BALL) == pytest.approx(event["lambda"], rel=1e-13)
+    F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, BALL), BALL)
+    assert np.hypot(F.x, F.y) / (BALL.friction.mu * F.z) == pytest.approx(event["cone_ratio"], rel=1e-10)
+    assert contact.jellett_of(L.z, dot(L, u), BALL) == pytest.approx(event["lambda"], rel=1e-13)
 
 
 def test_normal_forces_of_the_references_are_these() -> None:
@@ -61,7 +63,7 @@ def test_normal_forces_of_the_references_are_these() -> None:
                 continue
             theta, *rates = (float(case[k][i]) for k in ("theta", "thetadot", "phidot", "omega3"))
             s, z = np.sin(theta), np.cos(theta)
-            b, K = contact.bias(s, z, *rates, BALL), contact.mobility(s, z, BALL)
+            b, K = bias(s, z, *rates, BALL), mobility(s, z, BALL)
             nu = [float(case[k][i]) for k in ("nu_x", "nu_y")]
             n_e = nu[0] / np.hypot(*nu) if phase == "slip" else 0
             N = coulomb.slip_normal_force(b, K, n_e, BALL) if phase == "slip" else coulomb.reaction_of_rolling(b, K).z
@@ -73,5 +75,5 @@ def test_normal_forces_of_the_references_are_these() -> None:
 def test_the_set_valued_law_pulls_with_mu_at_every_speed() -> None:
     """k |v| = mu: the law that regularised Coulomb friction tends to."""
     speeds = np.array([1e-6, 0.1, 3.0])
-    k = friction.set_valued(speeds**2, 0.3, friction.SetValued(0.4))
+    k = friction.set_valued(speeds**2, 0.3, SetValued(0.4))
     np.testing.assert_allclose(k * speeds, 0.4, rtol=1e-15)

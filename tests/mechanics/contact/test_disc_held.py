@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tippetop.mechanics.contact import ball as balls
-from tippetop.mechanics.contact.ball import Ball
+from tippetop.mechanics.contact.body import Touch, contact_velocity
 from tippetop.mechanics.contact.disc_at_rest import holding, is_within, stopped, stopping
+from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector
 
 
@@ -17,11 +17,11 @@ def state(seed):
     """A ball, and its 3hat, L, velocity: numpy vectors, and the tensor of inertia."""
     rng = np.random.default_rng(seed)
     I1, I3 = rng.uniform(0.3, 0.6, 2)
-    ball = Ball(rng.uniform(0.5, 2), I1, I3, rng.uniform(0.5, 2), 0.3, rng.uniform(-1.5, 1.5), rng.uniform(0.5, 1.5))
+    ball = Touch(*rng.uniform((0.5, 0.5, -1.5), (2, 1.5, 1.5)), I1, I3, rng.uniform(0.5, 2), SetValued(0.3))
     u = rng.normal(size=3)
     u /= np.linalg.norm(u)
     inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(u, u)
-    return ball, u, inertia, rng.normal(size=3), rng.normal(size=3), ball.offset * u - ball.radius * Z
+    return ball, u, inertia, rng.normal(size=3), rng.normal(size=3), ball.c * u - ball.R * Z
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -37,7 +37,7 @@ def test_a_disc_at_rest_neither_slides_nor_turns(seed):
         """v_A' and Omega_z' by F and tau."""
         F, tau = x[:3], x[3]
         turn = inverse @ (np.cross(a, F) + tau * Z + F[2] * rolling - np.cross(omega, L))
-        arm_rate = ball.offset * np.cross(omega, u)
+        arm_rate = ball.c * np.cross(omega, u)
         v_rate = F / ball.m - ball.g * Z + np.cross(turn, a) + np.cross(omega, arm_rate)
         return np.append(v_rate, turn[2])
 
@@ -56,7 +56,7 @@ def test_impulses_bring_it_to_rest_and_take_energy(seed):
     assert np.array(V_end) + np.cross(omega_end, a) == pytest.approx(np.zeros(3), abs=1e-13)
     assert omega_end[2] == pytest.approx(0.0, abs=1e-13)
     gained = (np.dot(V_end, V_end) - V @ V) * ball.m / 2 + (omega_end @ np.array(L_end) - omega @ L) / 2
-    v = balls.contact_velocity(*start, ball)
+    v = contact_velocity(*start, ball)
     assert gained == pytest.approx((np.dot(held.force, v) + held.torque * omega[2]) / 2, rel=1e-12)
     assert gained < 0
 

@@ -7,26 +7,28 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tippetop.mechanics.contact import ball as contact
+from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import coulomb
-from tippetop.mechanics.contact.ball import Ball
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
-from tippetop.mechanics.operand import Vector, cross
+from tippetop.mechanics.contact.response import bias_vector
+from tippetop.mechanics.friction import SetValued
+from tippetop.mechanics.operand import Vector, cross, leaves, refill
 
 
-BODY = Ball(0.02, 131 / 43750000, 1 / 312500, 9.82, 0.3, 0.006, 0.02)
+BODY = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.3))
 
 
 class Edge(NamedTuple):
     """A rolling state on the edge of its cone, which it leaves."""
 
-    ball: Ball
+    ball: Touch
     state: np.ndarray  # 3hat, L, x and y of the centre of mass
     beta: float
     omega: float
 
 
-def slip_rates(ball: Ball) -> Callable:
+def slip_rates(ball: Touch) -> Callable:
     """rates(state, w, beta) of 3hat, L and the place of the centre of mass."""
 
     def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple:
@@ -38,22 +40,22 @@ def slip_rates(ball: Ball) -> Callable:
     return rates
 
 
-def slipped(ball: Ball, *given: Any) -> FirstSlip:
+def slipped(ball: Touch, *given: Any) -> FirstSlip:
     """The first slip of a ball."""
     rates = slip_rates(ball)
     return first_slip(rates, lambda state, beta: rates(state, 0.0, beta)[2], *given)
 
 
-def rolling_rate(state: np.ndarray, ball: Ball) -> np.ndarray:
+def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
     u, L = Vector(*state[:3]), Vector(*state[3:6])
-    F = coulomb.reaction_of_rolling_vector(u, contact.bias_vector(u, L, ball), ball)
+    F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
     V = contact.centre_velocity(u, L, Vector(0, 0, 0), ball)
     return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
 
 
-def reaction(state: np.ndarray, ball: Ball) -> Vector:
+def reaction(state: np.ndarray, ball: Touch) -> Vector:
     u, L = Vector(*state[:3]), Vector(*state[3:6])
-    return coulomb.reaction_of_rolling_vector(u, contact.bias_vector(u, L, ball), ball)
+    return coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
 
 
 def edges(rng: np.random.Generator, count: int) -> list[Edge]:
@@ -67,7 +69,7 @@ def edges(rng: np.random.Generator, count: int) -> list[Edge]:
             state = np.concatenate([state[:3], sign * state[3:6], state[6:]])
             F = reaction(state, BODY)
             mu = np.hypot(F.x, F.y) / F.z
-            ball = BODY._replace(mu=mu)
+            ball = BODY._replace(friction=SetValued(mu))
             later = coulomb.cone(*reaction(state + 1e-7 * rolling_rate(state, ball), ball), mu)
             if F.z > 0.05 and 0.05 < mu < 0.8 and later < 0:
                 omega = contact.angular_velocity(Vector(*state[:3]), Vector(*state[3:6]), ball)
@@ -122,7 +124,7 @@ def test_the_start_is_exact_to_rounding(rng: np.random.Generator) -> None:
     """Against 16 nodes in longdouble numbers: angles to 1e-16, momenta and slip speed far below their rounding."""
     for edge in edges(rng, 3):
         made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
-        wide = Ball(*map(np.longdouble, edge.ball))
+        wide = refill(edge.ball, map(np.longdouble, leaves(edge.ball)))
         state = edge.state.astype(np.longdouble)
         exact = slipped(wide, state, np.longdouble(edge.beta), np.longdouble(0.03 / edge.omega), 16)
         assert np.abs(made.state[:3, -1] - exact.state[:3, -1]).max() < 3e-16
@@ -145,16 +147,16 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(rng: np.r
         u = rng.normal(0, 1, 3)
         u = Vector(*(u / np.sqrt(u @ u)))
         L = Vector(*(3e-6 * rng.normal(0, 60, 3)))
-        ball = BODY._replace(mu=rng.uniform(0.05, 1.4))
-        F = coulomb.reaction_of_rolling_vector(u, contact.bias_vector(u, L, ball), ball)
-        if contact.bias_vector(u, L, ball).z > 0:
+        ball = BODY._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
+        F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
+        if bias_vector(u, L, ball).z > 0:
             continue  # the contact opens
 
-        def law(beta: np.ndarray, u: Vector = u, L: Vector = L, ball: Ball = ball) -> tuple:
+        def law(beta: np.ndarray, u: Vector = u, L: Vector = L, ball: Touch = ball) -> tuple:
             F, P, Q = coulomb.slip_motion(u, L, Vector(np.cos(beta), np.sin(beta), 0), ball)
             return P, Q, F.z
 
-        rolls = bool(F.z > 0 and coulomb.cone(*F, ball.mu) >= 0)
+        rolls = bool(F.z > 0 and coulomb.cone(*F, ball.friction.mu) >= 0)
         found = first_directions(law)
         assert len(found) == (0 if rolls else 1)
         counts[rolls] += 1

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact import landing
-from tippetop.mechanics.contact.ball import Ball
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.flight import (
     Hop,
     gap_in_flight,
@@ -20,11 +20,12 @@ from tippetop.mechanics.contact.gliding.chart import axis_and_momentum
 from tippetop.mechanics.contact.gliding.euler import Angles
 from tippetop.mechanics.contact.landing import fall_below, first_landing, gap_below, landing_time, latest
 from tippetop.mechanics.contact.phases.rules import stem_height
+from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import Vector
 
 
 CASE = json.loads((Path(__file__).parents[2] / "reference" / "caseC3_liftoff_flight_plastic_landing.json").read_text())
-BALL = Ball(0.02, 131 / 43750000, 1 / 312500, 9.82, 0.3, 0.006, 0.02)
+BALL = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, Frictionless())
 U, L = Vector(0.6, 0.0, 0.8), Vector(1e-4, -3e-4, 2e-4)
 
 
@@ -53,7 +54,7 @@ def test_the_gap_is_that_of_the_height_and_the_axis() -> None:
 
         def gap(t: Any) -> Any:
             turned = cosine * mp.cos(Omega * t) + sine * mp.sin(Omega * t) - cosine
-            return mp.mpf(0.01) + mp.mpf(0.3) * t - BALL.g * t**2 / 2 + BALL.offset * turned
+            return mp.mpf(0.01) + mp.mpf(0.3) * t - BALL.g * t**2 / 2 + BALL.c * turned
 
         h = hop(U, L, 0.3, 0.01, BALL)
         for t in (0, 1e-9, 1e-3, 0.02, 0.05):
@@ -71,7 +72,7 @@ def test_the_reference_lands_where_it_does() -> None:
     for number, digits in ((np.float64, 1e-15), (np.longdouble, 2e-18)):
         u, momentum = thrown(liftoff, number)
         I1, I3 = number(131) / 43750000, number(1) / 312500
-        ball = Ball(number(1) / 50, I1, I3, number(982) / 100, 0, number(6) / 1000, number(1) / 50)
+        ball = Touch(number(1) / 50, number(1) / 50, number(6) / 1000, I1, I3, number(982) / 100, Frictionless())
         h = hop(u, momentum, number(liftoff["sdot"][2]), 0, ball, 3)
         with mp.workdps(25):
             expected = number(mp.nstr(mp.mpf(touch["t"]) - mp.mpf(liftoff["t"]), 22))

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact import planar
-from tippetop.mechanics.contact.ball import Ball
+from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.friction import SetValued
 
 
 CASE = json.loads((Path(__file__).parents[2] / "reference" / "caseC6_cylinder_coulomb.json").read_text())
-BALL = Ball(0.02, 131 / 43750000, 1 / 312500, 9.82, 0.1, 0.006, 0.02)
+BALL = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.1))
 
 
 def test_slip_is_what_the_torque_and_the_constraint_ask_for(rng: np.random.Generator) -> None:
@@ -20,10 +21,10 @@ def test_slip_is_what_the_torque_and_the_constraint_ask_for(rng: np.random.Gener
         theta, theta_dot = rng.uniform(-7, 7), rng.normal(0, 20)
         s, z = np.sin(theta), np.cos(theta)
         F_x, N, turn, nu_dot = planar.slip(s, z, theta_dot, sigma, BALL)
-        lever, H = BALL.offset * s, BALL.radius - BALL.offset * z
+        lever, H = BALL.c * s, BALL.R - BALL.c * z
         assert F_x == -0.1 * sigma * N
         assert pytest.approx(-(lever * N + H * F_x), rel=1e-12) == BALL.I1 * turn
-        height_dot2 = BALL.offset * (z * theta_dot**2 + s * turn)
+        height_dot2 = BALL.c * (z * theta_dot**2 + s * turn)
         assert pytest.approx(BALL.m * (BALL.g + height_dot2), rel=1e-12) == N
         assert nu_dot == pytest.approx(F_x / BALL.m - H * turn - lever * theta_dot**2, rel=1e-12)
 
@@ -32,7 +33,7 @@ def test_rolling_keeps_the_contact_at_rest(rng: np.random.Generator) -> None:
     for theta, theta_dot in zip(rng.uniform(-7, 7, 20), rng.normal(0, 20, 20), strict=True):
         s, z = np.sin(theta), np.cos(theta)
         F_x, N, turn, nu_dot = planar.roll(s, z, theta_dot, BALL)
-        lever, H = BALL.offset * s, BALL.radius - BALL.offset * z
+        lever, H = BALL.c * s, BALL.R - BALL.c * z
         assert nu_dot == pytest.approx(0, abs=1e-12 * (1 + theta_dot**2))
         assert pytest.approx(-(lever * N + H * F_x), rel=1e-10, abs=1e-12) == BALL.I1 * turn
         assert pytest.approx(BALL.m * (H * turn + lever * theta_dot**2), rel=1e-10, abs=1e-12) == F_x
@@ -55,6 +56,6 @@ def test_the_reference_reverses_and_sticks_as_the_force_of_rolling_says() -> Non
     for event in CASE["events"]:
         theta, theta_dot = float(event["theta_unwrapped"]), float(event["thetadot"])
         force = planar.roll(np.sin(theta), np.cos(theta), theta_dot, BALL)
-        ratio = abs(force.F_x) / (BALL.mu * force.N)
+        ratio = abs(force.F_x) / (BALL.friction.mu * force.N)
         expected = {"reversal": ratio > 1, "stick": ratio < 1, "slip": ratio == pytest.approx(1, abs=1e-13)}
         assert expected[event["kind"]], (event["kind"], ratio)

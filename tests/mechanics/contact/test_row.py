@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact.phases.legs import Body
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.phases.row import Angles, Row, free_rates, row_of_angles, row_scalars
 from tippetop.mechanics.friction import Viscous
 
@@ -11,11 +11,11 @@ from tippetop.mechanics.friction import Viscous
 Z = np.array([0.0, 0.0, 1.0])
 
 
-def body(rng: np.random.Generator) -> Body:
-    return Body(*rng.uniform(0.5, 2.0, 6), Viscous(0.3), 0.0, 0.0)
+def body(rng: np.random.Generator) -> Touch:
+    return Touch(*rng.uniform(0.5, 2.0, 6), Viscous(0.3), 0.0, 0.0)
 
 
-def contact_velocity(q: Row, b: Body) -> np.ndarray:
+def contact_velocity(q: Row, b: Touch) -> np.ndarray:
     """Of the lowest point of the ball that the row names."""
     u, L = np.array([q.ux, q.uy, q.uz]), np.array([q.Lx, q.Ly, q.Lz])
     omega = np.linalg.solve(b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u), L)

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact.ball import Ball, mobility
+from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.response import mobility
 from tippetop.mechanics.contact.uniqueness import both_touch_at, hand_over_bound, painleve_bound
 
 
@@ -16,7 +17,7 @@ BODY, STEM = (0.003, 0.015), (0.016, 0.005)
 
 def scanned(m: float, I1: float, offset: float, radius: float) -> float:
     theta = np.linspace(0, np.pi, 100_001)[1:-1]
-    K = mobility(np.sin(theta), np.cos(theta), Ball(m, I1, I1, 9.8, 0, offset, radius))
+    K = mobility(np.sin(theta), np.cos(theta), Touch(m, radius, offset, I1, I1, 9.8, None))
     with np.errstate(divide="ignore"):
         return float(np.min(K.zz / np.abs(K.ez)))
 
@@ -35,7 +36,7 @@ def test_most_of_the_coupling_is_as_published() -> None:
     theta = np.linspace(0, np.pi, 100_001)
     for body, expected in ((CANONICAL, 0.2203), ((*LEINE, *BODY), 0.126), ((*LEINE, *STEM), 0.652)):
         m, I1, offset, radius = body
-        K = mobility(np.sin(theta), np.cos(theta), Ball(m, I1, I1, 9.8, 0, offset, radius))
+        K = mobility(np.sin(theta), np.cos(theta), Touch(m, radius, offset, I1, I1, 9.8, None))
         assert np.max(np.abs(K.ez) / K.ee) == pytest.approx(expected, abs=6e-4)
 
 

@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 import tippetop as tt
-from tippetop.mechanics.contact.body import Body
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.operand import Operand, formula
 from tippetop.mechanics.systems.tippe_top import TIPPE_TOP
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
@@ -58,10 +58,10 @@ SPIN_ENERGY = tt.Quantity("spin_energy", "E_3", JOULE, "energy of the rotation a
 # --- a system: a tippe top whose moments of inertia are given in m R^2 -----------------------------------------------
 
 
-def body(parameters: Any, friction: Any) -> Body:
+def body(parameters: Any, friction: Any) -> Touch:
     """The body: I1 = k1 m R^2 and I3 = k3 m R^2."""
     m, R, alpha, k1, k3, g = (parameters[name] for name in ("m", "R", "alpha", "k1", "k3", "g"))
-    return Body(m, R, alpha * R, k1 * m * R**2, k3 * m * R**2, g, friction)
+    return Touch(m, R, alpha * R, k1 * m * R**2, k3 * m * R**2, g, friction)
 
 
 def checks(parameters: Any) -> list[str]:

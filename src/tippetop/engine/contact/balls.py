@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact.phases.legs import Body
-from ...mechanics.friction import Contensou, Frictionless, SetValued, is_frictionless, slip_coefficient
+from ...mechanics.contact.body import Ball, Body, Touch, touch
+from ...mechanics.friction import LAWS, Frictionless, is_frictionless, slip_coefficient
 from ...mechanics.operand import leaves, refill
 from ...mechanics.units import METRE
 from ...problem import Problem
@@ -24,28 +24,27 @@ class Balls:
         body, number = problem.internal_body, problem.number
         rules = problem.contact
         assert rules is not None
-        friction = body.friction
-        self.dry = isinstance(friction, SetValued) and not is_frictionless(friction)
-        self.drills = isinstance(friction, Contensou) and not is_frictionless(friction)
-        friction = (
-            friction if self.dry or self.drills or not isinstance(friction, SetValued | Contensou) else Frictionless()
-        )
+        friction, law = body.friction, problem.law
+        if (law.set_valued or law.regions) and is_frictionless(friction):
+            friction, law = Frictionless(), LAWS["none"]
+        self.dry, self.regions = law.set_valued, law.regions
+        self.drills = bool(self.regions)
         one = number(1)
-        self.stem = rules.stem
-        self.bodies = [Body(body.m, one * body.R, body.c, body.I1, body.I3, body.g, friction, one, 0 * one)]
+        self.stem, balls = rules.stem, [Ball(body.c, one * body.R, 0 * one)]
         if rules.stem:
             metre = problem.exact(1) / problem.exact(problem.scales.of(METRE))
             r, h = (number(problem.exact(x) * metre) for x in (rules.r, rules.h))
-            clear = body.R - r
-            self.bodies = [self.bodies[0]._replace(clearance=clear, lever=h)]
-            self.bodies.append(self.bodies[0]._replace(R=r, c=body.c + h, clearance=-clear, lever=-h))
-        elif number is np.float64 and not self.dry and not self.drills and _has_a_value_at_rest(friction):
+            balls.append(Ball(body.c + h, r, h))
+        whole = Body(body.m, body.I1, body.I3, body.g, friction, tuple(balls))
+        self.bodies = [touch(whole, i) for i in range(len(balls))]
+        plain = number is np.float64 and not (self.stem or self.dry or self.drills)
+        if plain and _has_a_value_at_rest(friction):
             self.bodies = [refill(self.bodies[0], map(float, leaves(self.bodies[0])))]  # formulas take these faster
 
     def __len__(self) -> int:
         return len(self.bodies)
 
-    def __getitem__(self, ball: int) -> Body:
+    def __getitem__(self, ball: int) -> Touch:
         return self.bodies[ball]
 
 

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...mechanics.contact.body import Touch
 from ...mechanics.contact.first_slip import FirstSlip
-from ...mechanics.contact.phases.legs import Body, Kind
+from ...mechanics.contact.phases.legs import Kind
 from ...mechanics.variables import INTEGRAL_SCALE
 from ..tallies import SIGN
 from .beginning import states
@@ -73,7 +74,7 @@ def zero_of(function: Callable[[Any], float], sign: float, end: Any) -> Any:
     return high
 
 
-def _along(event: Any, kind: Kind, body: Body, between: FirstSlip) -> Callable[[Any], float]:
+def _along(event: Any, kind: Kind, body: Touch, between: FirstSlip) -> Callable[[Any], float]:
     """An event function of the time since the beginning of a slide."""
 
     def function(t: Any) -> float:

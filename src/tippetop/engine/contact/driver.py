@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact.ball import jellett
+from ...mechanics.contact.body import jellett_of
 from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
+from ...mechanics.operand import dot
 from ...mechanics.units import SECOND
 from ...mechanics.variables import INTEGRAL_SCALE
 from ...problem import Problem
@@ -154,7 +155,7 @@ class ContactDriver:
             self.tables.begin(PHASES.index(phase.kind.phase), ball, began, change)
         if change.takes:
             lost = moment.carried[self.transitions.lost] / INTEGRAL_SCALE if self.transitions.lost >= 0 else 0
-            self.taken = number(jellett(moment.u, moment.L, self.transitions.ball(ball))) + lost
+            self.taken = number(jellett_of(moment.L.z, dot(moment.L, moment.u), self.balls[ball])) + lost
         self.carried = moment.carried
         driver = phase.driver
         state = np.zeros(len(driver.state), dtype=number)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tippetop_kernels.jit import entry
 
-from ...mechanics.contact.ball import Ball
+from ...mechanics.contact.body import Touch
 from ...mechanics.contact.flight import hop
 from ...mechanics.contact.landing import landing_within
 from ...mechanics.operand import Vector
@@ -20,8 +20,8 @@ ROUNDING = {np.float64: 2.0**-52, np.longdouble: float(np.finfo(np.longdouble).e
 def land(numbers, zeros):
     """Puts in place of the first number when a ball lands: its place and motion, and what it is, of `landing`."""
     u, L = Vector(numbers[1], numbers[2], numbers[3]), Vector(numbers[4], numbers[5], numbers[6])
-    ball = Ball(numbers[9], numbers[10], numbers[11], numbers[12], numbers[13], numbers[14], numbers[15])
-    numbers[0] = landing_within(hop(u, L, numbers[7], numbers[8], ball, zeros), 2.0**-52)
+    b = Touch(numbers[9], numbers[10], numbers[11], numbers[12], numbers[13], numbers[14], (), (), ())
+    numbers[0] = landing_within(hop(u, L, numbers[7], numbers[8], b, zeros), 2.0**-52)
 
 
 class Landings:
@@ -36,13 +36,13 @@ class Landings:
     def __init__(self, number: Any):
         self.rounding = ROUNDING.get(number, 2.0**-112)
         self.compiled = number is np.float64
-        self.numbers = np.zeros(16)
+        self.numbers = np.zeros(15)
         self.land = land.on(self.numbers)
 
-    def of(self, u: Vector, L: Vector, V_z: Any, gap: Any, ball: Ball, zeros: int) -> Any:
+    def of(self, u: Vector, L: Vector, V_z: Any, gap: Any, b: Touch, zeros: int) -> Any:
         """The time from now to the landing of a ball, as `flight.hop` takes it."""
         if not self.compiled:
-            return landing_within(hop(u, L, V_z, gap, ball, zeros), self.rounding)
-        self.numbers[1:] = (*u, *L, V_z, gap, *ball)
+            return landing_within(hop(u, L, V_z, gap, b, zeros), self.rounding)
+        self.numbers[1:] = (*u, *L, V_z, gap, *b[:6])
         self.land(zeros)
         return float(self.numbers[0])

@@ -8,12 +8,10 @@ import numpy as np
 
 from tippetop_kernels.jit import entry
 
-from ...mechanics.contact import ball as balls_
-from ...mechanics.contact.ball import Ball
+from ...mechanics.contact import body as contact
 from ...mechanics.contact.impact import Struck, after_impact, arrival
 from ...mechanics.contact.patch_impact import MOST_COMPILED, follow, new_room, patch_struck
 from ...mechanics.contact.phases.drilling import LOST
-from ...mechanics.contact.phases.legs import Body
 from ...mechanics.contact.phases.row import Row
 from ...mechanics.contact.struck import struck
 from ...mechanics.friction import Frictionless
@@ -97,15 +95,6 @@ class Impacts:
         self.smooth = SmoothImpacts(law, rules.restitution, problem.number) if smooth else None
         self.room = new_room(problem.number) if self.balls.drills else None
         self.patch = follow_patch.on(self.room) if self.room and problem.number is np.float64 else None
-        self.touching = [self._ball(body) for body in balls.bodies]
-
-    def ball(self, index: int) -> Ball:
-        """A ball as the formulas of its contact take it."""
-        return self.touching[index]
-
-    def _ball(self, b: Body) -> Ball:
-        mu = b.friction.mu if self.balls.dry or self.balls.drills else 0 * b.m
-        return Ball(b.m, b.I1, b.I3, b.g, mu, b.c, b.R)
 
     def state(self, kind: str, index: int, moment: Moment) -> Any:
         """The state of a phase in which the body is so, with this ball in contact."""
@@ -120,16 +109,16 @@ class Impacts:
 
     def gap(self, index: int, moment: Moment) -> Any:
         """Height of a ball above the plane."""
-        return balls_.gap(moment.height, moment.u.z, self.ball(index))
+        return contact.gap(moment.height, moment.u.z, self.balls[index])
 
     def point(self, index: int, moment: Moment) -> Vector:
         """Velocity of the lowest point of a ball."""
-        return balls_.contact_velocity(moment.u, moment.L, moment.velocity, self.ball(index))
+        return contact.contact_velocity(moment.u, moment.L, moment.velocity, self.balls[index])
 
     def _struck(self, index: int, moment: Moment, v_n: float) -> tuple[Moment, Strike]:
         """The body after an impact of a ball, whose lowest point falls with v_n."""
         closes = abs(v_n) < CLOSES_AT
-        e_n, b = 0.0 if closes else self.rules.e_n, self.ball(index)
+        e_n, b = 0.0 if closes else self.rules.e_n, self.balls[index]
         impact: Any
         if self.smooth is not None and self.smooth.compiled:
             v, impact, after = self.smooth.body_struck(moment.u, moment.L, moment.velocity, b, e_n)
@@ -137,7 +126,7 @@ class Impacts:
             v, impact, after = self._followed(index, moment, e_n)
         carried = moment.carried.copy()
         if self.balls.drills:
-            carried[self.lost] = carried[self.lost] + impact.twist * balls_.arm(moment.u, b).z * INTEGRAL_SCALE
+            carried[self.lost] = carried[self.lost] + impact.twist * contact.arm(moment.u, b).z * INTEGRAL_SCALE
         carried[self.work] = carried[self.work] - after.gained * INTEGRAL_SCALE
         carried[self.impulse] = carried[self.impulse] + after.p.z * INTEGRAL_SCALE
         velocity, plastic = after.velocity, closes or self.rules.e_n == 0
@@ -158,14 +147,14 @@ class Impacts:
 
     def _followed(self, index: int, moment: Moment, e_n: float) -> tuple[Vector, Any, Struck]:
         """What `SmoothImpacts.body_struck` gives, under any law and in any numbers."""
-        u, b, law = moment.u, self.ball(index), self.balls[index].friction
+        u, b = moment.u, self.balls[index]
         a, restitution = arrival(u, moment.L, moment.velocity, b), self.rules.restitution
         if self.balls.drills:
-            turn = balls_.angular_velocity(u, moment.L, b).z
-            patch, slip = self.number(law.patch), (a.along, a.sideways, a.v.z)
-            impact: Any = patch_struck(slip, turn, a.s, u.z, b, patch, e_n, restitution, self.room, self.patch)
+            turn, slip = contact.angular_velocity(u, moment.L, b).z, (a.along, a.sideways, a.v.z)
+            impact: Any = patch_struck(slip, turn, a.s, u.z, b, e_n, restitution, self.room, self.patch)
         elif self.smooth is None:
-            impact = struck(a.along, a.sideways, a.v.z, a.K, b.mu, e_n, restitution)
+            mu = b.friction.mu if self.balls.dry else 0 * b.m
+            impact = struck(a.along, a.sideways, a.v.z, a.K, mu, e_n, restitution)
         else:
             impact = self.smooth.struck(a.along, a.sideways, a.v.z, a.K, u.z, e_n)
         twist = impact.twist if self.balls.drills else 0 * a.s

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact.phases.legs import Body
+from ...mechanics.contact.body import Touch
 from ...mechanics.moment import moment
 from ...mechanics.operand import leaves
 from ...mechanics.systems.with_contact import kinds_of, leg
@@ -53,7 +53,7 @@ class Leg(Problem):
         )
 
 
-def new_leg(whole: Problem, kind: str, internal: Body, first: np.ndarray) -> Leg:
+def new_leg(whole: Problem, kind: str, internal: Touch, first: np.ndarray) -> Leg:
     """The phase of a run, of the kind `legs.KINDS`, with this ball in contact."""
     system = leg(whole.system.name, kind)
     return Leg(

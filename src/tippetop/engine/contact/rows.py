@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact.ball import Ball, jellett
+from ...mechanics.contact.body import jellett_of
 from ...mechanics.contact.phases.legs import Kind, Reached
 from ...mechanics.contact.phases.row import PHASES, Row
 from ...mechanics.contact.phases.rules import stem_height
+from ...mechanics.operand import dot
 from .balls import Balls
 
 
@@ -39,7 +40,7 @@ def rows_of(
     body, n = balls[ball], len(states)
     says: Reached = kind.says(type(kind.form.units)(*states.T[: len(kind.form.units)]), body)
     if not kind.keeps_jellett:
-        taken = jellett(says.u, says.L, Ball(body.m, body.I1, body.I3, body.g, 0, body.c, body.R))
+        taken = jellett_of(says.L.z, dot(says.L, says.u), body)
     gap = stem_height(says.height, says.u.z, balls[1].c, balls[1].R) if balls.stem else 0
     row = Row(
         *says.u, *says.L, *says.velocity, says.height, *says.force,

@@ -13,8 +13,9 @@ import numpy as np
 
 from tippetop_kernels.jit import entry
 
-from ...mechanics.contact.ball import Ball, Mobility
+from ...mechanics.contact.body import Touch
 from ...mechanics.contact.impact import Struck, after_impact, arrival
+from ...mechanics.contact.response import Mobility
 from ...mechanics.contact.struck import RESTITUTIONS, Impact
 from ...mechanics.friction import slip_coefficient
 from ...mechanics.operand import Vector, formula
@@ -245,24 +246,25 @@ def strike(room, nodes, law, restitution):
 
 @entry
 def hit(numbers, room, nodes, law, restitution):
-    """The impact of a body of which numbers[:17] say axis, L, velocity, ball, e_n; gives how it went. After them
-    stand the velocity of the contact before, `Struck`, and the impulses along e and 2hat; room.result has the rest."""
+    """The impact of a body of which numbers[:16] are axis, L, velocity, the numbers of its Touch, e_n; gives how it
+    went. After them come the velocity of the contact before, `Struck`, and the impulses along e and 2hat; room.result
+    has the rest."""
     u, L = Vector(numbers[0], numbers[1], numbers[2]), Vector(numbers[3], numbers[4], numbers[5])
     velocity = Vector(numbers[6], numbers[7], numbers[8])
-    ball = Ball(numbers[9], numbers[10], numbers[11], numbers[12], numbers[13], numbers[14], numbers[15])
-    a = arrival(u, L, velocity, ball)
+    body = Touch(numbers[9], numbers[10], numbers[11], numbers[12], numbers[13], numbers[14], (), (), ())
+    a = arrival(u, L, velocity, body)
     room.given[0], room.given[1], room.given[2] = a.along, a.sideways, a.v.z
     room.given[3], room.given[4], room.given[5], room.given[6] = a.K.ee, a.K.zz, a.K.ez, a.K.tt
-    room.given[7], room.given[8] = u.z, numbers[16]
+    room.given[7], room.given[8] = u.z, numbers[15]
     how = _strike(room, nodes, law, restitution, 2.0**-52)
     p_e, p_2 = _impulses(room, a.along, a.sideways, a.K)
-    b = after_impact(u, L, velocity, a, p_e, p_2, room.result[IMPULSE], 0.0, ball)
-    numbers[17], numbers[18], numbers[19] = a.v.x, a.v.y, a.v.z
-    numbers[20], numbers[21], numbers[22] = b.p.x, b.p.y, b.p.z
-    numbers[23], numbers[24], numbers[25] = b.L.x, b.L.y, b.L.z
-    numbers[26], numbers[27], numbers[28] = b.velocity.x, b.velocity.y, b.velocity.z
-    numbers[29], numbers[30], numbers[31] = b.v.x, b.v.y, b.v.z
-    numbers[32], numbers[33], numbers[34] = b.gained, p_e, p_2
+    b = after_impact(u, L, velocity, a, p_e, p_2, room.result[IMPULSE], 0.0, body)
+    numbers[16], numbers[17], numbers[18] = a.v.x, a.v.y, a.v.z
+    numbers[19], numbers[20], numbers[21] = b.p.x, b.p.y, b.p.z
+    numbers[22], numbers[23], numbers[24] = b.L.x, b.L.y, b.L.z
+    numbers[25], numbers[26], numbers[27] = b.velocity.x, b.velocity.y, b.velocity.z
+    numbers[28], numbers[29], numbers[30] = b.v.x, b.v.y, b.v.z
+    numbers[31], numbers[32], numbers[33] = b.gained, p_e, p_2
     return how
 
 
@@ -285,7 +287,7 @@ class SmoothImpacts:
         self.room, self.nodes = new_room(count, number), new_nodes(count, number)
         self.compiled = number is np.float64
         if self.compiled:
-            self.numbers, given = np.zeros(35), (self.room, self.nodes, law, self.restitution)
+            self.numbers, given = np.zeros(34), (self.room, self.nodes, law, self.restitution)
             self.strike, self.hit = strike.on(*given), hit.on(self.numbers, *given)
 
     def struck(self, v_e: Any, v_2: Any, v_n: Any, K: Mobility, z: Any, e_n: Any) -> Impact:
@@ -320,15 +322,15 @@ class SmoothImpacts:
         return self._impact(*_impulses(room, v_e, v_2, K))
 
     def body_struck(
-        self, u: Vector, L: Vector, velocity: Vector, ball: Ball, e_n: float
+        self, u: Vector, L: Vector, velocity: Vector, b: Touch, e_n: float
     ) -> tuple[Vector, Impact, Struck]:
         """The impact of a body in doubles, from its axis, momentum and velocity: the velocity of its lowest point
         before it, the impact, the body after it. Raises ArithmeticError, as `struck` does."""
-        self.numbers[:17] = (*u, *L, *velocity, *ball, e_n)
+        self.numbers[:16] = (*u, *L, *velocity, *b[:6], e_n)
         how = self.hit()
         if how != ENDED:
             raise ArithmeticError(MEANT[how])
-        n = self.numbers[17:].tolist()
+        n = self.numbers[16:].tolist()
         v, p, newer, moves, after = (Vector(*n[k : k + 3]) for k in range(0, 15, 3))
         return v, self._impact(n[16], n[17]), Struck(p, newer, moves, after, n[15])
 

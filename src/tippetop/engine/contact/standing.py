@@ -1,6 +1,6 @@
 """Standing on sphere and stem at once: when a body does, and how it comes to rest there. [contact 4.3]"""
 
-from ...mechanics.contact.ball import angular_velocity
+from ...mechanics.contact.body import angular_velocity
 from ...mechanics.contact.phases.both import BOTH, Touching, both_kind, force_of, lost_of, shares
 from ...mechanics.operand import Vector, cross, dot, plus, times
 from ...mechanics.variables import INTEGRAL_SCALE
@@ -35,17 +35,17 @@ class Standing(Impacts):
     def _at_rest(self, moment: Moment) -> tuple[Moment, str]:
         """The body without theta' and vertical velocity, which impulses at both balls take, as the endless hops from
         one to the other would; and the kind of standing on both, empty if a ball does not press."""
-        body, b = self.balls[0], self.ball(0)
+        body = self.balls[0]
         name = both_kind(moment.u, moment.L, moment.velocity, body, self.balls.drills)
         kind, sides = BOTH[name]
         q = kind.state(moment.u, moment.L, moment.velocity, moment.height, body)
         one, two = sides(q, body)
         u, L, V = moment.u, moment.L, moment.velocity
-        P = shares(one, two, -(b.m * V.z), L.y * u.x - L.x * u.y)
+        P = shares(one, two, -(body.m * V.z), L.y * u.x - L.x * u.y)
         one, two = one._replace(N=P[0]), two._replace(N=P[1])
         p, turn = self._impulses(one, two)
-        stands = moment._replace(L=plus(L, turn), velocity=plus(V, times(1 / b.m, p)), carried=moment.carried.copy())
-        mean = times(0.5, plus(angular_velocity(u, L, b), angular_velocity(u, stands.L, b)))
+        stands = moment._replace(L=plus(L, turn), velocity=plus(V, times(1 / body.m, p)), carried=moment.carried.copy())
+        mean = times(0.5, plus(angular_velocity(u, L, body), angular_velocity(u, stands.L, body)))
         gained = dot(p, times(0.5, plus(V, stands.velocity))) + dot(turn, mean)
         stands.carried[self.work] = stands.carried[self.work] - gained * INTEGRAL_SCALE
         stands.carried[self.impulse] = stands.carried[self.impulse] + p.z * INTEGRAL_SCALE

@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.contact import ball as balls_
 from ...mechanics.contact import coulomb
+from ...mechanics.contact.body import centre_velocity
 from ...mechanics.contact.first_slip import FirstSlip
 from ...mechanics.contact.phases.both import BOTH_FOLLOWS, STAYS
 from ...mechanics.contact.phases.drilling import (
     DRILLING_KINDS,
     FOLLOWS,
-    REGIONS,
     RESTS,
     region_kind,
     stays_at_rest,
 )
 from ...mechanics.contact.phases.dry import STOPS_AT
+from ...mechanics.contact.response import bias_vector
 from ...mechanics.operand import Vector
 from ...mechanics.systems.with_contact import PLANAR
 from ...mechanics.variables import INTEGRAL_SCALE
@@ -91,7 +91,7 @@ class Transitions(Sliding, Standing):
         """The kinds of standing on both balls that a run may have: of friction that drills, one for each region."""
         if self.balls.dry or not self.balls.stem:
             return ()
-        return tuple(f"both-{name}-{name}" for name in REGIONS) if self.balls.drills else ("both",)
+        return tuple(f"both-{name}-{name}" for name in self.balls.regions) or ("both",)
 
     # --- the phases' ends -----------------------------------------------------------------------------------------
 
@@ -158,12 +158,12 @@ class Transitions(Sliding, Standing):
 
     def _stick(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Sliding stops: what is left of it takes the time |v_A|/|P|."""
-        kind, body, b = self.kinds["dry-slip"], self.balls[ball], self.ball(ball)
+        kind, body = self.kinds["dry-slip"], self.balls[ball]
         v = self.point(ball, moment)
         w = self._size(v)
         if w > 0:
-            moment, lag = self._run_out(kind, body, b, moment, v, w)
-            moment = self._stopped(b, moment)
+            moment, lag = self._run_out(kind, body, moment, v, w)
+            moment = self._stopped(body, moment)
         else:
             lag = 0 * w
         change = self._on_plane(ball, moment, "stick")
@@ -188,9 +188,9 @@ class Transitions(Sliding, Standing):
 
     def _slip(self, ball: int, moment: Moment, signs: dict[str, float]) -> Change:
         """Rolling needs more friction than there is."""
-        b, body, kind = self.ball(ball), self.balls[ball], self.kinds["dry-slip"]
+        body, kind = self.balls[ball], self.kinds["dry-slip"]
         carried, rate = moment.carried / INTEGRAL_SCALE, self._rates(kind, body)
-        first = slide_from_cone(kind, body, b, moment.u, moment.L, carried, rate)
+        first = slide_from_cone(kind, body, moment.u, moment.L, carried, rate)
         lag = min(first.time[-1], self.left)
         end = states(kind, body, first, np.array([lag]))[:, 0]
         says = kind.says(type(kind.form.units)(*end[: len(kind.form.units)]), body)
@@ -206,7 +206,7 @@ class Transitions(Sliding, Standing):
         for k in range(len(self.balls)):
             gap = self.gap(k, moment)
             known = zeros if k == ball else int(float(gap) <= ON_PLANE)
-            times.append(self.landings.of(moment.u, moment.L, moment.velocity.z, gap, self.ball(k), known))
+            times.append(self.landings.of(moment.u, moment.L, moment.velocity.z, gap, self.balls[k], known))
         landing = min(times)
         if not landing > 0:
             return Change("flight", ball, moment, reason, landing=landing, ends=Status.STALLED, sentence=NO_WAY)
@@ -227,25 +227,25 @@ class Transitions(Sliding, Standing):
 
     def _on_plane(self, ball: int, moment: Moment, reason: str, takes: bool = False) -> Change:
         """A ball touches the plane and its contact point does not rise: it slides, rolls, or leaves."""
-        b = self.ball(ball)
+        body = self.balls[ball]
         if not self.balls.dry or float(self._size(self.point(ball, moment))) > STOPS_AT:
             kind = "dry-slip" if self.balls.dry else "slip"
             if self.balls.drills:
-                kind = region_kind(moment.u, moment.L, moment.velocity, self.balls[ball])
+                kind = region_kind(moment.u, moment.L, moment.velocity, body)
             functions = self.functions(kind, ball, moment)
             if functions["liftoff"] > 0:
                 return self._on_disc(Change(kind, ball, moment, reason, functions=functions, takes=takes))
             return self._flight(ball, moment, "opens-at-once", 2)
-        none = 0 * b.m
-        moment = moment._replace(velocity=balls_.centre_velocity(moment.u, moment.L, Vector(none, none, none), b))
-        force = coulomb.reaction_of_rolling_vector(moment.u, balls_.bias_vector(moment.u, moment.L, b), b)
-        if float(force.z) > 0 and float(coulomb.cone(force.x, force.y, force.z, b.mu)) >= 0:
+        none = 0 * body.m
+        moment = moment._replace(velocity=centre_velocity(moment.u, moment.L, Vector(none, none, none), body))
+        force = coulomb.reaction_of_rolling_vector(moment.u, bias_vector(moment.u, moment.L, body), body)
+        if float(force.z) > 0 and float(coulomb.cone(force.x, force.y, force.z, body.friction.mu)) >= 0:
             return Change("roll", ball, moment, reason, takes=takes)
-        n = direction(moment.u, moment.L, b)
+        n = direction(moment.u, moment.L, body)
         if n is None:
             return self._flight(ball, moment, "opens-at-once", 2)
         n = Vector(np.sign(n.x), none, none) if self.problem.system.name in PLANAR else n
-        moment, lag = self._run_in(ball, b, moment, n)
+        moment, lag = self._run_in(ball, moment, n)
         return Change("dry-slip", ball, moment, reason, lag=lag, takes=takes)
 
     def _strike(self, ball: int, moment: Moment, signs: dict[str, float], reason: str) -> Change:

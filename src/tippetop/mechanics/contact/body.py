@@ -1,28 +1,135 @@
-"""The gliding body and the functions of its state that do not depend on the form. [T 3.3, 4.1, 5.1]"""
+"""The body, and the functions of its state that do not depend on the form. [T 3.3, 4.1, 5.1]
+
+Vectors are those of space, regular everywhere; components along e, 2hat, zhat are singular at the poles.
+"""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..friction import slip_coefficient
-from ..operand import Operand, formula
+from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
 
 
+class Ball(NamedTuple):
+    """A sphere fixed in the body, centred on its axis: what can touch the plane."""
+
+    offset: Operand  # from the centre of mass to its centre, along 3hat; any sign [m]
+    radius: Operand  # [m]
+    beyond: Operand  # from the centre of the first ball to its centre, along 3hat: a difference of offsets is rounded
+
+
 class Body(NamedTuple):
-    """m [kg], R and c [m] of the contact arm, I1 and I3 [kg m^2] about the centre of mass, g [m/s^2], friction law."""
+    """m [kg], I1 and I3 [kg m^2] about the centre of mass, g [m/s^2], friction law; one or two balls."""
 
     m: Operand
-    R: Operand
-    c: Operand
     I1: Operand
     I3: Operand
     g: Operand
     friction: Any
+    balls: tuple[Ball, ...]
 
 
-def body_units(friction: Any) -> Body:
-    """The units of a Body."""
-    return Body(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
+class Touch(NamedTuple):
+    """A body seen from one of its balls, `b` of every formula: the contact arm is c 3hat - R zhat."""
+
+    m: Operand  # [kg]
+    R: Operand  # radius of the ball [m]
+    c: Operand  # from the centre of mass to the centre of the ball, along 3hat; any sign [m]
+    I1: Operand  # about the centre of mass [kg m^2]
+    I3: Operand
+    g: Operand  # [m/s^2]
+    friction: Any  # record of a law
+    clearance: Operand = ()  # the other ball touches too where clearance + lever cos(theta) = 0; (): there is none
+    lever: Operand = ()
+
+
+def touch(body: Body, i: int) -> Touch:
+    """Return a body of one or two balls seen from the i-th of them."""
+    this, *others = body.balls if i == 0 else body.balls[::-1]
+    other = others[0] if others else this._replace(radius=this.radius - 1)  # one within it never touches
+    clearance, lever = this.radius - other.radius, other.beyond - this.beyond
+    return Touch(body.m, this.radius, this.offset, body.I1, body.I3, body.g, body.friction, clearance, lever)
+
+
+def body_units(friction: Any) -> Touch:
+    """Return the units of a Touch of a body with one ball."""
+    return Touch(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
+
+
+# --- geometry and velocities ------------------------------------------------------------------------------------------
+
+
+@formula
+def height(z, b):
+    """Height of the centre of mass above the plane that the body touches, s_z = R - c z [m]."""
+    return b.R - b.c * z
+
+
+@formula
+def gap(centre_height, z, b):
+    """The gap between ball and plane [m], from the height of the centre of mass."""
+    return centre_height - height(z, b)
+
+
+@formula
+def arm(u, b):
+    """a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
+    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
+
+
+@formula
+def arm2(z, b):
+    """|a|^2 = R^2 + c^2 - 2 c R z, squared distance from the centre of mass to the contact [m^2]."""
+    return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
+
+
+@formula
+def axis_rate(u, L, b):
+    """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
+    return times(1 / b.I1, cross(L, u))
+
+
+@formula
+def angular_velocity(u, L, b):
+    """omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
+    return angular_velocity_of(u, L, dot(L, u), b)
+
+
+@formula
+def angular_velocity_of(u, L, L3, b):
+    """The same where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat. [section 1]"""
+    return plus(times(1 / b.I1, L), times((1 / b.I3 - 1 / b.I1) * L3, u))
+
+
+@formula
+def arm_velocity(u, L, b):
+    """omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
+    u_dot, w = axis_rate(u, L, b), angular_velocity(u, L, b)
+    return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
+
+
+@formula
+def contact_velocity(u, L, V, b):
+    """v_A = V + omega x a, (3,) [m/s]; V is the velocity of the centre of mass. In flight: of the lowest point.
+
+    `gliding.vector.sliding_velocity` is the same of a state on the plane, summed in another order."""
+    return plus(V, arm_velocity(u, L, b))
+
+
+@formula
+def centre_velocity(u, L, v, b):
+    """The velocity of the centre of mass, (3,) [m/s], where that of the contact point is v."""
+    return plus(v, times(-1, arm_velocity(u, L, b)))
+
+
+@formula
+def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
+    """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0. [section 3.2]"""
+    return theta_dot * height(z, b), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
+
+
+# --- functions of the scalars -----------------------------------------------------------------------------------------
 
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
@@ -57,16 +164,10 @@ def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
 
 
 @formula
-def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
-    """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0. [section 3.2]"""
-    return theta_dot * (b.R - b.c * z), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
-
-
-@formula
 def contact_mobility(s, b):
     """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
-    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - (b.R - b.c * s.z) * slip)
+    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - height(s.z, b) * slip)
 
 
 @formula
@@ -90,19 +191,19 @@ def friction_power(s, b):
 @formula
 def jellett(s, b):
     """Jellett's integral lambda = -L.a = R L_z - c L_3 [kg m^3/s]; constant for any force at A. [T 3.18]"""
-    return b.R * s.Lz - b.c * s.L3
+    return jellett_of(s.Lz, s.L3, b)
+
+
+@formula
+def jellett_of(Lz, L3, b):
+    """The same by L_z and L_3 about the centre of mass."""
+    return b.R * Lz - b.c * L3
 
 
 @formula
 def rotation_energy(s, b):
     """Half omega.L [J], about the centre of mass."""
     return (b.I1 * s.axis_speed2 + s.L3**2 / b.I3) / 2
-
-
-@formula
-def height(z, b):
-    """Height of the centre of mass above the plane that the body touches, s_z = R - c z [m]."""
-    return b.R - b.c * z
 
 
 @formula
@@ -115,12 +216,6 @@ def height_energy(z, b):
 def energy(s, b):
     """Energy E [J]; E' = -k g_n |v_A|^2. [T 3.7]"""
     return b.m * (s.speed2 + (b.c * s.z_dot) ** 2) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
-
-
-@formula
-def arm2(z, b):
-    """|a|^2 = R^2 + c^2 - 2 c R z, squared distance from the centre of mass to the contact [m^2]."""
-    return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
 @formula
@@ -146,7 +241,7 @@ def modified_energy(s, b):
 def modified_energy_rate(push_u, push_n, s, b):
     """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
     turn = (b.c - b.R * s.z) * s.phi_dot_s2 + b.R * (s.L3 / b.I3) * s.s2
-    return b.m * ((b.R - b.c * s.z) * (s.z_dot * push_u) + turn * push_n) / s.s2
+    return b.m * (height(s.z, b) * (s.z_dot * push_u) + turn * push_n) / s.s2
 
 
 @formula

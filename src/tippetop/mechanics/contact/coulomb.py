@@ -5,49 +5,50 @@ A slip direction n is a horizontal unit vector; F = N (zhat - mu n). Everything 
 """
 
 from ..operand import Vector, formula
-from .ball import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
+from .body import height
+from .response import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
 
 
 # --- slip ------------------------------------------------------------------------------------------------------------
 
 
 @formula
-def slip_normal_force(b, K, n_e, ball):
+def slip_normal_force(b, K, n_e, body):
     """N of slip [N], from b_z + zhat.K F = 0; falls through zero where the ball lifts off. [T 3.34 with mu n]"""
-    return -b.z / (K.zz - ball.mu * n_e * K.ez)
+    return -b.z / (K.zz - body.friction.mu * n_e * K.ez)
 
 
 @formula
-def slip_force(b, K, n_e, n_t, ball):
+def slip_force(b, K, n_e, n_t, body):
     """F of slip along n = n_e e + n_t 2hat, Components [N]."""
-    N = slip_normal_force(b, K, n_e, ball)
-    return Components(-(ball.mu * N * n_e), -(ball.mu * N * n_t), N)
+    N = slip_normal_force(b, K, n_e, body)
+    return Components(-(body.friction.mu * N * n_e), -(body.friction.mu * N * n_t), N)
 
 
 @formula
-def response(u, push, ball):
+def response(u, push, b):
     """zhat.K(zhat - push) [1/kg]: upward acceleration of the contact point for N = 1 and the horizontal force -push."""
-    lever = ball.offset * (u.x * u.x + u.y * u.y) - (ball.radius - ball.offset * u.z) * (u.x * push.x + u.y * push.y)
-    return 1 / ball.m + ball.offset * lever / ball.I1
+    lever = b.c * (u.x * u.x + u.y * u.y) - height(u.z, b) * (u.x * push.x + u.y * push.y)
+    return 1 / b.m + b.c * lever / b.I1
 
 
 @formula
-def loaded_normal_force(u, b, push, tau, ball):
+def loaded_normal_force(u, b, push, tau, body):
     """N [N] where the friction -N push, horizontal, and beside it the torque N tau act: of a patch that drills."""
-    return -b.z / (response(u, push, ball) + torque_acceleration(u, tau, ball).z)
+    return -b.z / (response(u, push, body) + torque_acceleration(u, tau, body).z)
 
 
 @formula
-def slip_normal_force_vector(u, b, n, ball):
+def slip_normal_force_vector(u, b, n, body):
     """N of slip along n, a horizontal unit Vector [N]."""
-    return -b.z / response(u, Vector(ball.mu * n.x, ball.mu * n.y, 0), ball)
+    return -b.z / response(u, Vector(body.friction.mu * n.x, body.friction.mu * n.y, 0), body)
 
 
 @formula
-def slip_force_vector(u, b, n, ball):
+def slip_force_vector(u, b, n, body):
     """F of slip along n, a horizontal unit Vector, (3,) [N]."""
-    N = slip_normal_force_vector(u, b, n, ball)
-    return Vector(-(ball.mu * N * n.x), -(ball.mu * N * n.y), N)
+    N = slip_normal_force_vector(u, b, n, body)
+    return Vector(-(body.friction.mu * N * n.x), -(body.friction.mu * N * n.y), N)
 
 
 @formula
@@ -57,17 +58,11 @@ def along_and_across(G, n):
 
 
 @formula
-def along_and_across_components(G, n_e, n_t):
-    """P and Q of Components [m/s^2]; Q = w (beta' + phi')."""
-    return n_e * G.e + n_t * G.t, n_e * G.t - n_t * G.e
-
-
-@formula
-def slip_motion(u, L, n, ball):
+def slip_motion(u, L, n, body):
     """F, P and Q of slip along the horizontal unit Vector n: force (3,) [N], rate of w, w times the turn of n."""
-    b = bias_vector(u, L, ball)
-    F = slip_force_vector(u, b, n, ball)
-    P, Q = along_and_across(contact_acceleration_vector(u, b, F, ball), n)
+    b = bias_vector(u, L, body)
+    F = slip_force_vector(u, b, n, body)
+    P, Q = along_and_across(contact_acceleration_vector(u, b, F, body), n)
     return F, P, Q
 
 
@@ -82,9 +77,9 @@ def reaction_of_rolling(b, K):
 
 
 @formula
-def reaction_of_rolling_vector(u, b, ball):
+def reaction_of_rolling_vector(u, b, body):
     """F that keeps the contact point at rest, (3,) [N]: -K^-1 b."""
-    F = mobility_inverse_times(u, b, ball)
+    F = mobility_inverse_times(u, b, body)
     return Vector(-F.x, -F.y, -F.z)
 
 

@@ -8,18 +8,10 @@ k_zz = k.zhat, tau is eliminated, and F is that of rolling with K - t t/k_zz ins
 import math
 from typing import Any, NamedTuple
 
+from ..disc_friction import drag
 from ..operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
-from .ball import (
-    angular_velocity,
-    arm,
-    axis_rate,
-    bias_vector,
-    contact_velocity,
-    other_mobility_inverse_times,
-    spin_mobility,
-    torque_acceleration,
-)
-from .drilling import drag
+from .body import angular_velocity, arm, axis_rate, contact_velocity
+from .response import bias_vector, other_mobility_inverse_times, spin_mobility, torque_acceleration
 
 
 class Turning(NamedTuple):
@@ -39,43 +31,43 @@ class Held(NamedTuple):
 
 
 @formula
-def turning(u, ball):
+def turning(u, b):
     """k, t, k_zz; t is along zhat x 3hat."""
-    more = (1 / ball.I3 - 1 / ball.I1) * u.z
-    own = spin_mobility(sqrt(u.x * u.x + u.y * u.y), u.z, ball).about
-    lever = spin_mobility(1, u.z, ball).across
+    more = (1 / b.I3 - 1 / b.I1) * u.z
+    own = spin_mobility(sqrt(u.x * u.x + u.y * u.y), u.z, b).about
+    lever = spin_mobility(1, u.z, b).across
     turn = Vector(more * u.x, more * u.y, own)
-    excess = ball.radius**2 * (1 / ball.I3 - 1 / ball.I1) - lever**2 / own
+    excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - lever**2 / own
     return Turning(turn, Vector(-(lever * u.y), lever * u.x, 0 * u.z), own, excess)
 
 
 @formula
-def stopping(u, L, V, ball):
+def stopping(u, L, V, b):
     """The impulses that bring the contact point and the turning of the disc to rest, at one instant."""
-    w, v, by = angular_velocity(u, L, ball), contact_velocity(u, L, V, ball), turning(u, ball)
-    p = other_mobility_inverse_times(u, plus(times(w.z / by.own, by.along), times(-1, v)), by.excess, ball)
+    w, v, by = angular_velocity(u, L, b), contact_velocity(u, L, V, b), turning(u, b)
+    p = other_mobility_inverse_times(u, plus(times(w.z / by.own, by.along), times(-1, v)), by.excess, b)
     return Held(p, -(w.z + dot(p, by.along)) / by.own)
 
 
 @formula
-def stopped(u, L, V, ball):
+def stopped(u, L, V, b):
     """L and the velocity of the centre of mass after them."""
-    held = stopping(u, L, V, ball)
-    turn = cross(arm(u, ball), held.force)
-    return plus(L, Vector(turn.x, turn.y, turn.z + held.torque)), plus(V, times(1 / ball.m, held.force))
+    held = stopping(u, L, V, b)
+    turn = cross(arm(u, b), held.force)
+    return plus(L, Vector(turn.x, turn.y, turn.z + held.torque)), plus(V, times(1 / b.m, held.force))
 
 
 @formula
-def holding(u, L, rolling, ball):
+def holding(u, L, rolling, body):
     """What keeps a disc at rest, of a body whose v_A and Omega_z are zero; `rolling`, (3,) [m], is the torque of
     rolling resistance per normal force."""
-    by, excess = turning(u, ball), (1 / ball.I3 - 1 / ball.I1) * dot(L, u)
-    free = excess * axis_rate(u, L, ball).z  # Omega_z' without them
+    by, excess = turning(u, body), (1 / body.I3 - 1 / body.I1) * dot(L, u)
+    free = excess * axis_rate(u, L, body).z  # Omega_z' without them
     loaded = dot(by.turn, rolling)
-    b = plus(bias_vector(u, L, ball), times(-free / by.own, by.along))
-    r = plus(torque_acceleration(u, rolling, ball), times(-loaded / by.own, by.along))
-    of_bias = other_mobility_inverse_times(u, b, by.excess, ball)
-    of_rolling = other_mobility_inverse_times(u, r, by.excess, ball)
+    b = plus(bias_vector(u, L, body), times(-free / by.own, by.along))
+    r = plus(torque_acceleration(u, rolling, body), times(-loaded / by.own, by.along))
+    of_bias = other_mobility_inverse_times(u, b, by.excess, body)
+    of_rolling = other_mobility_inverse_times(u, r, by.excess, body)
     N = -of_bias.z / (1 + of_rolling.z)
     F = times(-1, plus(of_bias, times(N, of_rolling)))
     return Held(F, -(free + dot(F, by.along) + N * loaded) / by.own)

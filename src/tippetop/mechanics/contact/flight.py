@@ -6,7 +6,7 @@ Numbers, float or longdouble; the time may be an array of them.
 from typing import Any, NamedTuple
 
 from ..operand import Vector, cross, dot, formula, sin, sqrt, times
-from .ball import Ball
+from .body import Touch
 
 
 class Hop(NamedTuple):
@@ -26,7 +26,7 @@ class Hop(NamedTuple):
 
 
 @formula
-def hop(u: Vector, L: Vector, V_z: Any, gap: Any, ball: Ball, zeros: int = 0) -> Hop:
+def hop(u: Vector, L: Vector, V_z: Any, gap: Any, b: Touch, zeros: int = 0) -> Hop:
     """The gap of a ball in a flight that begins now.
 
     Parameters
@@ -37,20 +37,20 @@ def hop(u: Vector, L: Vector, V_z: Any, gap: Any, ball: Ball, zeros: int = 0) ->
         Vertical velocity of the centre of mass [m/s].
     gap
         The gap now [m].
-    ball
-        The ball.
+    b
+        The body, seen from the ball.
     zeros
         How many of gap, its speed and its bend are known to vanish now: 0 in the air, 1 after a bounce, 2 where the
         contact opens at once (b_z > 0), 3 at a liftoff (b_z = 0, rising). They are set to zero.
     """
-    Omega = sqrt(dot(L, L)) / ball.I1
+    Omega = sqrt(dot(L, L)) / b.I1
     along = times(1 / sqrt(dot(L, L)), L) if Omega > 0 else L
     across = cross(along, u)
-    even, odd = -ball.offset * cross(along, across).z, ball.offset * across.z
+    even, odd = -b.c * cross(along, across).z, b.c * across.z
     start = gap if zeros < 1 else 0 * gap
     speed = V_z + odd * Omega if zeros < 2 else 0 * gap
-    bend = -ball.g - even * Omega**2 if zeros < 3 else 0 * gap
-    return Hop(start, speed, bend, even, odd, Omega, V_z, ball.g)
+    bend = -b.g - even * Omega**2 if zeros < 3 else 0 * gap
+    return Hop(start, speed, bend, even, odd, Omega, V_z, b.g)
 
 
 @formula

@@ -6,8 +6,9 @@ horizontal slip w (cos beta e + sin beta 2hat) nothing is singular where the sli
 
 from typing import NamedTuple
 
-from ..operand import Operand, Vector, cos, cross, dot, exp, formula, plus, sin, sqrt, times
-from .ball import Mobility, angular_velocity, arm, contact_velocity, mobility
+from ..operand import Operand, Vector, cos, dot, exp, formula, plus, sin, sqrt
+from .body import angular_velocity, contact_velocity
+from .response import Mobility, jumps, mobility
 
 
 class ImpactRates(NamedTuple):
@@ -43,9 +44,9 @@ class Arrival(NamedTuple):
 
 
 @formula
-def arrival(u, L, velocity, ball):
+def arrival(u, L, velocity, b):
     """What arrives, of a body with this axis, momentum and velocity of the centre of mass."""
-    v = contact_velocity(u, L, velocity, ball)
+    v = contact_velocity(u, L, velocity, b)
     s = sqrt(u.x * u.x + u.y * u.y)
     w = sqrt(v.x * v.x + v.y * v.y)
     none = 0 * s
@@ -55,7 +56,7 @@ def arrival(u, L, velocity, ball):
         e = Vector(v.x / w, v.y / w, none)
     else:
         e = Vector(none + 1, none, none)
-    return Arrival(v, e, s, v.x * e.x + v.y * e.y, e.x * v.y - e.y * v.x, mobility(s, u.z, ball))
+    return Arrival(v, e, s, v.x * e.x + v.y * e.y, e.x * v.y - e.y * v.x, mobility(s, u.z, b))
 
 
 class Struck(NamedTuple):
@@ -69,28 +70,12 @@ class Struck(NamedTuple):
 
 
 @formula
-def after_impact(u, L, velocity, a, p_e, p_2, p_z, twist, ball):
+def after_impact(u, L, velocity, a, p_e, p_2, p_z, twist, b):
     """The body after an impulse at its contact and, of a patch, one of a torque about the vertical."""
     p = Vector(p_e * a.e.x - p_2 * a.e.y, p_e * a.e.y + p_2 * a.e.x, p_z)
-    pushed, turned = jumps_vector(u, p, ball)
+    pushed, turned = jumps(u, p, b)
     velocity, newer = plus(velocity, pushed), plus(L, turned)
     newer = Vector(newer.x, newer.y, newer.z + twist)
-    v = contact_velocity(u, newer, velocity, ball)
-    drilled = twist * (angular_velocity(u, L, ball).z + angular_velocity(u, newer, ball).z)
+    v = contact_velocity(u, newer, velocity, b)
+    drilled = twist * (angular_velocity(u, L, b).z + angular_velocity(u, newer, b).z)
     return Struck(p, newer, velocity, v, (dot(p, a.v) + dot(p, v) + drilled) / 2)
-
-
-# --- what an impulse changes ------------------------------------------------------------------------------------------
-
-
-@formula
-def jumps(p_e, p_2, p_z, s, z, ball):
-    """What the impulse at the contact adds to theta', phi' and omega_3 [rad/s]; phi' is 0/0 at a pole. [contact 3.2]"""
-    tilt = -(ball.offset * s * p_z + (ball.radius - ball.offset * z) * p_e) / ball.I1
-    return tilt, (ball.offset - ball.radius * z) * p_2 / (ball.I1 * s), ball.radius * s * p_2 / ball.I3
-
-
-@formula
-def jumps_vector(u, p, ball):
-    """What the impulse p, (3,), adds to the velocity of the centre of mass and to L: p/m and a x p."""
-    return times(1 / ball.m, p), cross(arm(u, ball), p)

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..disc_friction import drag
 from ..operand import Operand, formula, rounding, sqrt
-from .ball import Ball, Mobility, Spin, mobility, spin_mobility
-from .drilling import drag
+from .body import Touch
+from .response import Mobility, Spin, mobility, spin_mobility
 from .struck import RESTITUTIONS
 
 
@@ -51,8 +52,7 @@ def patch_struck(
     Omega_z: Any,
     s: Any,
     z: Any,
-    ball: Ball,
-    patch: Any,
+    b: Touch,
     e_n: Any,
     restitution: str = "energetic",
     room: "Room | None" = None,
@@ -66,23 +66,21 @@ def patch_struck(
         Velocity of the contact point [m/s] and vertical angular velocity [rad/s] before it.
     s, z
         sin(theta), cos(theta).
-    ball
-        The ball, with mu.
-    patch
-        Radius of the patch [m], above 0.
+    b
+        The body, under a law with mu and patch, the radius of the patch [m], above 0.
     e_n, restitution
         As for `struck`.
     room, followed
         Where it is followed, and by what: followed() -> as of `follow`, in this room. None: by Python.
     """
-    K, spin = mobility(s, z, ball), spin_mobility(s, z, ball)
-    if restitution not in RESTITUTIONS or not 0 <= e_n <= 1 or not v[2] < 0 or not ball.mu * abs(K.ez) < K.zz:
-        raise ValueError(f"no impact: v_n = {v[2]}, e_n = {e_n}, mu = {ball.mu}, restitution = {restitution!r}")
+    K, spin, mu, patch = mobility(s, z, b), spin_mobility(s, z, b), b.friction.mu, b.friction.patch
+    if restitution not in RESTITUTIONS or not 0 <= e_n <= 1 or not v[2] < 0 or not mu * abs(K.ez) < K.zz:
+        raise ValueError(f"no impact: v_n = {v[2]}, e_n = {e_n}, mu = {mu}, restitution = {restitution!r}")
     none, eps = 0 * v[2], rounding(v[2])
     room = new_room(np.array([v[2]]).dtype) if room is None else room
     followed = followed or partial(follow, room, eps, MOST_STEPS)
     room.y[:] = [v[0], v[1], Omega_z, *(none,) * 6]
-    room.given[:] = [*K, *spin, ball.mu, patch]
+    room.given[:] = [*K, *spin, mu, patch]
     room.at[:] = [v[2], none, 0]
     room.size[0] = abs(v[2]) + _speed(room.y, patch)
 

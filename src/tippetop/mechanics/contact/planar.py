@@ -6,8 +6,9 @@ theta is not wrapped: sin(theta) may be negative; sigma is the sign of nu_x. I1 
 from typing import NamedTuple
 
 from ..operand import Operand, formula
-from .ball import bias, contact_acceleration, height, mobility
+from .body import height
 from .coulomb import reaction_of_rolling, slip_force
+from .response import bias, contact_acceleration, mobility
 
 
 class Planar(NamedTuple):
@@ -20,21 +21,21 @@ class Planar(NamedTuple):
 
 
 @formula
-def moved(b, K, F, s, z, ball):
+def moved(b, K, F, s, z, body):
     """The motion with the force F, Components."""
-    theta_dot2 = -(ball.offset * s * F.z + height(z, ball) * F.e) / ball.I1
+    theta_dot2 = -(body.c * s * F.z + height(z, body) * F.e) / body.I1
     return Planar(F.e, F.z, theta_dot2, contact_acceleration(b, K, F).e)
 
 
 @formula
-def slip(s, z, theta_dot, sigma, ball):
+def slip(s, z, theta_dot, sigma, body):
     """The motion while the cylinder slips in the direction sigma."""
-    b, K = bias(s, z, theta_dot, 0, 0, ball), mobility(s, z, ball)
-    return moved(b, K, slip_force(b, K, sigma, 0, ball), s, z, ball)
+    b, K = bias(s, z, theta_dot, 0, 0, body), mobility(s, z, body)
+    return moved(b, K, slip_force(b, K, sigma, 0, body), s, z, body)
 
 
 @formula
-def roll(s, z, theta_dot, ball):
+def roll(s, z, theta_dot, body):
     """The motion while the cylinder rolls; nu_x' vanishes to rounding."""
-    b, K = bias(s, z, theta_dot, 0, 0, ball), mobility(s, z, ball)
-    return moved(b, K, reaction_of_rolling(b, K), s, z, ball)
+    b, K = bias(s, z, theta_dot, 0, 0, body), mobility(s, z, body)
+    return moved(b, K, reaction_of_rolling(b, K), s, z, body)

@@ -11,7 +11,7 @@ from operator import mul
 from typing import Any, NamedTuple
 
 from ..operand import rounding
-from .ball import Mobility
+from .response import Mobility
 
 
 RESTITUTIONS = ("energetic", "poisson", "newton")

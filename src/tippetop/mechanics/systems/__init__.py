@@ -109,10 +109,12 @@ def find(name: str) -> System | None:
 
 
 def laws_of(system: System) -> dict[str, friction.Law]:
-    """The friction laws that runs of a system take, by name: its own, and those that let its contact open."""
-    from .with_contact import DRILLED
+    """Return the friction laws that runs of a system take, by name: laws with regions are those of one body."""
+    from .with_contact import DRILLED, kind_of, plain
 
-    return {**system.laws, **({"contensou": friction.CONTENSOU} if system.name == DRILLED else {})}
+    if system.contact is not None:
+        return {name: law for name, law in laws_of(plain(system)).items() if kind_of(law)}
+    return {name: law for name, law in system.laws.items() if not law.regions or system.name == DRILLED}
 
 
 def systems_of_laws() -> dict[str, tuple[friction.Law, list[str]]]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Body
+from ..contact.body import Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
@@ -44,10 +44,10 @@ PARAMETERS = {
 }
 
 
-def body(parameters, friction) -> Body:
+def body(parameters, friction) -> Touch:
     """The body of a cylinder: c = alpha*R, I1 = I; I3 plays no part."""
     m, R, alpha, I, g = (parameters[name] for name in PARAMETERS)
-    return Body(m, R, alpha * R, I, I, g, friction)
+    return Touch(m, R, alpha * R, I, I, g, friction)
 
 
 # --- the modified reaction, as a law of the contact -----------------------------------------------------------------
@@ -128,7 +128,7 @@ ANGLES = Angles(RADIAN, RADIAN_PER_SECOND, METRE_PER_SECOND, METRE, JOULE, NEWTO
 @formula
 def scalars(q, b):
     """The scalars of a state."""
-    along = q.nu_x + q.theta_dot * (b.R - b.c * q.z)
+    along = q.nu_x + q.theta_dot * contact.height(q.z, b)
     w2 = q.theta_dot**2
     return Scalars(
         z=q.z,
@@ -157,7 +157,7 @@ def standard_force(c, b, law):
 @formula
 def modified_force(c, b, law):
     """F_x and F_z of the modified reaction. [section 11.4]"""
-    h, share = b.R - b.c * c.z, kappa(c.v2, law)
+    h, share = contact.height(c.z, b), kappa(c.v2, law)
     turn = (law.mu * c.nu_x * h - b.m * b.c * c.axis_speed2 * c.s * (share * h + b.c * c.z) - b.m * b.g * b.c * c.s) / (
         b.I1 + share * b.m * h**2 + b.m * b.c**2 * c.s2
     )  # theta''
@@ -195,7 +195,7 @@ def rates(q, b):
     """I theta'' = (a x F)_y and m r'' = F_x, with r' = nu_x + theta' (R - c z). [T 6.1, 6.2]"""
     c = scalars(q, b)
     Fx, N = contact_force(c, b, b.friction)
-    h = b.R - b.c * q.z
+    h = contact.height(q.z, b)
     theta_dot2 = -(b.c * q.s * N + h * Fx) / b.I1
     return State(
         q.z * q.theta_dot,
@@ -217,10 +217,10 @@ def to_angles(q, carried, b):
     return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
     """The angle record of the given initial values; centre_at_rest may stand for nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
-    return e._replace(nu_x=e.nu_x - e.theta_dot * (b.R - b.c * z)) if data.get("centre_at_rest") else e
+    return e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b)) if data.get("centre_at_rest") else e
 
 
 @formula
@@ -259,7 +259,7 @@ FORM = Form(
     to_angles,
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
-        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * (b.R - b.c * q.z)),
+        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * contact.height(q.z, b)),
         integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
         integral("impulse", lambda q, carried, b: normal_force(scalars(q, b), b)),
     ),

@@ -1,7 +1,7 @@
 """Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter; and the one
 whose tip is fixed. [T ch. 2]
 
-They are bodies with R = 0, c = -l (see gliding.Body); the other one glides on a plane: `gliding_heavy_top`.
+They are bodies with R = 0, c = -l (see contact.body.Touch); the other one glides on a plane: `gliding_heavy_top`.
 L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x 3hat'.
 """
 
@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Body, tip_inertia
+from ..contact.body import Touch, tip_inertia
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
@@ -59,10 +59,10 @@ PARAMETERS = {
 }
 
 
-def body(parameters, friction) -> Body:
+def body(parameters, friction) -> Touch:
     """The body of a heavy top: R = 0, c = -l."""
     m, l, I1, I3, g = (parameters[name] for name in HeavyTop._fields)
-    return Body(m, 0 * l, -l, I1, I3, g, friction)
+    return Touch(m, 0 * l, -l, I1, I3, g, friction)
 
 
 # --- quantities -----------------------------------------------------------------------------------------------------
@@ -265,7 +265,7 @@ def angles_of_euler(q, carried, b):
     return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
     """The angle record of the given initial values."""
     return gliding.given_angles(Angles, data, z)
 

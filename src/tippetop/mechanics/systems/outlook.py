@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.body import Body, tip_inertia
+from ..contact.body import Touch, tip_inertia
 from ..contact.phases.rules import ContactLaw
-from ..friction import SLIP, Contensou, SetValued, Viscous, is_frictionless, nowhere_vanishes
+from ..friction import is_frictionless, is_linear, named, nowhere_vanishes
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
@@ -38,7 +38,7 @@ SOMEWHERE_FREE = "friction vanishes somewhere on the body or in fast sliding: no
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
-def tippe_top(b: Body, start: Start) -> Outlook:
+def tippe_top(b: Touch, start: Start) -> Outlook:
     """A gliding tippe top: lambda is conserved, so it decides which states are stable. [T Theorem 3.3.2, corrected]"""
     now = regime(start["jellett"], b)
     if is_frictionless(b.friction):
@@ -57,7 +57,7 @@ def tippe_top(b: Body, start: Start) -> Outlook:
     return Outlook(sentence, fate, {**thresholds(b), **_of_surface(b)})
 
 
-def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
+def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
     """A tippe top whose contact may open or stick: what holds while it slides on a ball. [contact 4.1]"""
     limits = thresholds(b)
     if law.stem:
@@ -72,14 +72,15 @@ def tippe_top_with_contact(b: Body, start: Start, law: ContactLaw) -> Outlook:
     if is_frictionless(b.friction):
         return Outlook(FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
-    if isinstance(b.friction, SetValued):
+    known = named(type(b.friction))
+    if known and known[1].set_valued:
         sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
-    elif isinstance(b.friction, Contensou):
+    elif known and known[1].regions:
         sentence += "; drilling takes of Jellett's integral, which decides that"
     return Outlook(sentence, "", limits)
 
 
-def tippe_top_borders(b: Body) -> dict[str, Any]:
+def tippe_top_borders(b: Touch) -> dict[str, Any]:
     """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too. NaN: no border."""
     upright, tumbling = lambda_u(b), lambda_t(b)
     distinct = np.abs(np.log(tumbling / upright)) >= 1e-3  # else tumbling begins where the upright spin ends
@@ -91,7 +92,7 @@ def tippe_top_borders(b: Body) -> dict[str, Any]:
     }
 
 
-def rolling_tippe_top(b: Body, start: Start) -> Outlook:
+def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
     """A rolling tippe top: one degree of freedom. [T ch. 4]"""
     limits = _of_surface(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
@@ -102,19 +103,19 @@ def rolling_tippe_top(b: Body, start: Start) -> Outlook:
     return Outlook(sentence, fate, limits)
 
 
-def _of_surface(b: Body) -> dict[str, Threshold]:
+def _of_surface(b: Touch) -> dict[str, Threshold]:
     from .spinning import thresholds_of_surface  # it stands on `tippe_top`, which takes its outlook from here
 
     return thresholds_of_surface(b)
 
 
-def heavy_top(b: Body, start: Start) -> Outlook:
+def heavy_top(b: Touch, start: Start) -> Outlook:
     """A heavy top whose tip is fixed. [T ch. 2]"""
     upright = "stable" if _sleeps(b, start) else "unstable"
     return Outlook(f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b))
 
 
-def heavy_top_motion(b: Body, start: Start) -> str:
+def heavy_top_motion(b: Touch, start: Start) -> str:
     """The name of the motion of a heavy top whose tip is fixed."""
     if start["at_pole"]:
         return f"a spin that {STAYS}"
@@ -122,7 +123,7 @@ def heavy_top_motion(b: Body, start: Start) -> str:
     return motions.heavy_top_motion(*conserved, tip_inertia(b), b.I3, b.m * b.g * -b.c)
 
 
-def gliding_heavy_top(b: Body, start: Start) -> Outlook:
+def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
     """A heavy top whose tip glides: upright it is unstable at every speed, against [T 5.54]. [section 6]"""
     growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
     if is_frictionless(b.friction):
@@ -138,7 +139,7 @@ def gliding_heavy_top(b: Body, start: Start) -> Outlook:
     return Outlook(regime, STAYS if start["at_pole"] else fate, _sleeping(b))
 
 
-def cylinder(b: Body, start: Start) -> Outlook:
+def cylinder(b: Touch, start: Start) -> Outlook:
     """An eccentric cylinder that rolls, or comes to. [T ch. 6]"""
     if b.c == 0:
         return Outlook("a round cylinder rolls as it began")
@@ -146,7 +147,7 @@ def cylinder(b: Body, start: Start) -> Outlook:
     return Outlook(f"small oscillations in rolling have angular frequency {omega:.6g} rad/s")
 
 
-def gliding_cylinder(b: Body, start: Start) -> Outlook:
+def gliding_cylinder(b: Touch, start: Start) -> Outlook:
     """An eccentric cylinder that glides; without friction its centre of mass moves as it began. [T ch. 6]"""
     if not is_frictionless(b.friction):
         return Outlook(_round(b.friction)) if b.c == 0 else cylinder(b, start)
@@ -158,18 +159,19 @@ def gliding_cylinder(b: Body, start: Start) -> Outlook:
 
 def _round(law: Any) -> str:
     """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is modified. [T 6.7]"""
-    if isinstance(law, Viscous):
-        return "a round cylinder: gliding decays exponentially to rolling"
-    if type(law) in SLIP and not nowhere_vanishes(law):
-        return "a round cylinder: its friction vanishes somewhere, so it may glide on"
+    if named(type(law)) is not None:
+        if is_linear(law):
+            return "a round cylinder: gliding decays exponentially to rolling"
+        if not nowhere_vanishes(law):
+            return "a round cylinder: its friction vanishes somewhere, so it may glide on"
     return "a round cylinder: gliding decays to rolling"
 
 
-def _sleeps(b: Body, start: Start) -> bool:
+def _sleeps(b: Touch, start: Start) -> bool:
     """Whether the spin is above that of the sleeping top."""
     return abs(start["L3"]) / b.I3 > sleeping_spin(b)
 
 
-def _sleeping(b: Body) -> dict[str, Threshold]:
+def _sleeping(b: Touch) -> dict[str, Threshold]:
     limit = Threshold(sleeping_spin(b), RADIAN_PER_SECOND, "upright spin of a fixed tip stable above")
     return {"spin_sleeping": limit}

@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Body
+from ..contact.body import Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
@@ -66,7 +66,7 @@ class RollingScalars(NamedTuple):
 @formula
 def rolling_scalars(q, b):
     """The scalars of a rolling state."""
-    h, w2 = b.R - b.c * q.z, q.theta_dot**2
+    h, w2 = contact.height(q.z, b), q.theta_dot**2
     along = q.theta_dot * h
     Fx = b.m * (rolling_acceleration(q.s, q.z, q.theta_dot, b) * h + b.c * w2 * q.s)
     return RollingScalars(
@@ -105,7 +105,7 @@ def rolling_to_angles(q, carried, b):
     return RollingAngles(carried.theta, q.theta_dot, carried.x, carried.impulse)
 
 
-def rolling_start(data: dict[str, Any], s: Any, z: Any, b: Body) -> RollingAngles:
+def rolling_start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> RollingAngles:
     """The angle record of the given initial values."""
     return RollingAngles(*(data.get(name, 0) for name in RollingAngles._fields))
 
@@ -119,7 +119,7 @@ ROLLING_FORM = Form(
     rolling_to_angles,
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
-        integral("x", lambda q, carried, b: q.theta_dot * (b.R - b.c * q.z)),
+        integral("x", lambda q, carried, b: q.theta_dot * contact.height(q.z, b)),
         integral("impulse", lambda q, carried, b: reaction.normal_force(rolling_scalars(q, b), b)),
     ),
     orientation=planar(lambda q: (q.s, q.z)),

@@ -3,7 +3,7 @@
 In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.28]
 """
 
-from ..contact.body import height_energy
+from ..contact.body import height, height_energy
 from ..operand import formula, sqrt
 from ..theory.thresholds import Threshold, spin, two_wells_from
 from ..units import JELLETT, ONE
@@ -31,7 +31,7 @@ def energy(z, lam, b):
 @formula
 def end_slope(z, lam, b):
     """dV/dz [J] at the end of the potential where it is finite, on the marked line. [section 5]"""
-    lever = b.R - b.c * z
+    lever = height(z, b)
     X_rate = z * lam * b.I1 / b.I3 * (1 + b.m * b.R * lever / b.I3) / (lever / b.R * sqrt(tippe_top.d(z, b)))
     return -b.m * b.g * b.c - z * b.I3 * (X_rate / b.I1 / b.R) ** 2 / 4
 

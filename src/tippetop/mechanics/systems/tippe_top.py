@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Body
+from ..contact.body import Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import euler as gliding_euler
 from ..contact.gliding import rates
@@ -46,10 +46,10 @@ PARAMETERS = {
 }
 
 
-def body(parameters, friction) -> Body:
+def body(parameters, friction) -> Touch:
     """The gliding body of a tippe top: c = alpha*R."""
     m, R, alpha, I1, I3, g = (parameters[name] for name in TippeTop._fields)
-    return Body(m, R, alpha * R, I1, I3, g, friction)
+    return Touch(m, R, alpha * R, I1, I3, g, friction)
 
 
 @formula

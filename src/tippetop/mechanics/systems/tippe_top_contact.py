@@ -121,8 +121,7 @@ def contact_of_angles(e, s, z, b):
     v = chart.vector_of_angles(e, s, z, b)
     u, L = axis(v), gliding_vector.momentum(v)
     k = reaction.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
-    w = gliding_vector.angular_velocity(u, L, k.L3, b)
-    arm = Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
+    w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
     M = plus(L, times(b.m, cross(arm, cross(w, arm))))
     return ContactState(u.x, u.y, u.z, M.x, M.y, tippe_top.routh(k, b), contact.jellett(k, b))
 

@@ -17,7 +17,7 @@ from ..contact.phases.planar import PLANAR_KINDS, PLANAR_ROW
 from ..contact.phases.planar import Angles as PlanarAngles
 from ..contact.phases.row import ANGLES, JELLETTS, ROW, Angles, quantities
 from ..events import Event
-from ..friction import CONTENSOU, LAWS, SET_VALUED
+from ..friction import Law, all_laws
 from ..operand import formula
 from ..parameter import Parameter
 from ..system import Phase, System
@@ -56,7 +56,7 @@ LONG_NAMES = {
 }
 
 
-def start(angles: Any, data: dict[str, Any], s: Any, z: Any, b: contact.Body) -> Any:
+def start(angles: Any, data: dict[str, Any], s: Any, z: Any, b: contact.Touch) -> Any:
     """The angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
     e = gliding.given_angles(angles, data, z)
     if data.get("centre_at_rest"):
@@ -65,10 +65,10 @@ def start(angles: Any, data: dict[str, Any], s: Any, z: Any, b: contact.Body) ->
     return e
 
 
-def planar_start(data: dict[str, Any], s: Any, z: Any, b: contact.Body) -> PlanarAngles:
+def planar_start(data: dict[str, Any], s: Any, z: Any, b: contact.Touch) -> PlanarAngles:
     """The angles of what the user gave; centre_at_rest may stand for nu_x."""
     e = PlanarAngles(*(data.get(name, 0) for name in PlanarAngles._fields))
-    return e._replace(nu_x=e.nu_x - e.theta_dot * (b.R - b.c * z)) if data.get("centre_at_rest") else e
+    return e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b)) if data.get("centre_at_rest") else e
 
 
 @formula
@@ -92,6 +92,15 @@ CONTACT_EVENTS = (LIFTOFF, STICK, SLIP, REVERSAL, IMPACT)
 """Ends of phases, as events of a run."""
 
 
+def kind_of(law: Law) -> str:
+    """Return how a contact that may open is followed under a law, as `with_contact` takes it; "" if it is not."""
+    if law.set_valued:
+        return "dry"
+    if law.regions:
+        return "drilling"
+    return "smooth" if law.coefficient is not None else ""
+
+
 def of_the_axis(system: System) -> tuple[Event, ...]:
     """The events of a system that say how its axis moves: they are the same in every phase."""
     return tuple(event for event in system.events if event.name in ("turning", "equator", "inverted"))
@@ -106,7 +115,7 @@ def with_contact(name: str, friction: str, stem: bool) -> System:
     name
         One of BODIES.
     friction
-        "dry": Coulomb's law itself, without eps; "drilling": on a disc; "smooth": a law of the sliding velocity.
+        "dry": a set-valued law; "drilling": one with regions, on a disc; "smooth": one of the sliding velocity.
     stem
         Whether there is a stem, that is another ball.
 
@@ -118,14 +127,12 @@ def with_contact(name: str, friction: str, stem: bool) -> System:
     form = PLANAR_ROW if planar else ROW
     drills = friction == "drilling"
     form = DRILLING_ROW if drills else form
-    smooth = {k: v for k, v in system.laws.items() if k in LAWS}
-    laws = {"dry": {"coulomb": SET_VALUED}, "drilling": {"contensou": CONTENSOU}}.get(friction, smooth)
     return system.replace(
         title=f"{system.title}, which may slip, roll and fly",
         forms={form.name: form},
         quantities=(*(() if planar else JELLETTS), *quantities(ROUTH.get(name), stem)),
         events=(*of_the_axis(system), *CONTACT_EVENTS),
-        laws=dict(laws),
+        laws={name: law for name, law in all_laws(system.laws) if kind_of(law) == friction},
         initial=system.initial | ABOVE,
         start=planar_start if planar else partial(start, DRILLING if drills else Angles),
         angles=PLANAR_ANGLES if planar else DRILLING_ANGLES if drills else ANGLES,

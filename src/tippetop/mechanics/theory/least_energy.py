@@ -7,7 +7,7 @@ omega = -lambda a/(a.I a), with its centre of mass at rest. Its critical points 
 import math
 from typing import Any, NamedTuple
 
-from ..contact.body import Body, height_energy
+from ..contact.body import Touch, height_energy
 from ..operand import formula
 from .regimes import regime
 from .thresholds import spin_of
@@ -38,7 +38,7 @@ class AsymptoticState(NamedTuple):
     stable: bool
 
 
-def asymptotic_states(lam: float, b: Body) -> list[AsymptoticState]:
+def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
     """The critical points of E_lambda, from theta = 0 to pi. [T Theorems 3.3.1 and 3.3.2, corrected]
 
     Parameters

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.body import Body
-from ..friction import SLIP, Contensou, SetValued, slip_coefficient, takes_nothing
+from ..contact.body import Touch
+from ..friction import named, slip_coefficient, takes_nothing
 
 
-def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
+def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
     """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body. [section 6; Friedl 1997]
 
     Parameters
@@ -36,7 +36,7 @@ def linear_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarra
     return _fastest_first(modes)
 
 
-def _gliding(omega3: Any, b: Body, up: int, slip: Any) -> np.ndarray:
+def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
     """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many, with slip coefficients."""
     Lz, h = up * b.I3 * omega3, b.R - up * b.c
     n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
@@ -50,7 +50,8 @@ def _gliding(omega3: Any, b: Body, up: int, slip: Any) -> np.ndarray:
 def _slip(omega3: Any, up: int, law: Any) -> Any:
     """The slip coefficient at rest [s/m]; of a disc that drills at omega3 the limit of small sliding, 3 pi mu/(8 patch
     |omega3|), its rolling resistance left out."""
-    if not isinstance(law, Contensou):
+    known = named(type(law))
+    if known is None or not known[1].regions:
         return slip_coefficient(0.0, float(up), law)
     drilling = np.asarray(8 * law.patch * np.abs(omega3))
     return np.where(np.asarray(law.mu) == 0, 0.0, 3 * np.pi * law.mu / drilling)
@@ -65,12 +66,11 @@ def is_nowhere_linear(omega3: float, law: Any, *, inverted: bool = False) -> boo
 SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
 
 
-def shows_sliding(b: Body, z: Any) -> Any:
+def shows_sliding(b: Touch, z: Any) -> Any:
     """Return whether friction at z = cos(theta) is so strong that a slide of 1e-3 sqrt(gR) loses more than 1e-12 of the
     unit of k |v_A|^2, below which a motion counts as settled. Of one body, or of many, (n,)."""
-    if (
-        isinstance(b.friction, SetValued | Contensou) or type(b.friction) not in SLIP
-    ):  # exact Coulomb friction sticks, and drilling takes without sliding
+    known = named(type(b.friction))
+    if known is None or known[1].set_valued or known[1].regions:  # it sticks; drilling takes without sliding
         return True
     strength = slip_coefficient(0.0, z, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12
@@ -85,7 +85,7 @@ WEAK = 1e-3  # of the fastest angle's rate: where friction turns a spin into ano
 LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
 
 
-def will_leave(theta: float, omega3: float, b: Body) -> bool:
+def will_leave(theta: float, omega3: float, b: Touch) -> bool:
     """Whether a gliding body at theta [rad] with spin omega3 [rad/s] is about to leave the pole: it is so near that its
     motion is linear, and a mode grows there. [section 6]"""
     inverted = theta > math.pi / 2
@@ -93,7 +93,7 @@ def will_leave(theta: float, omega3: float, b: Body) -> bool:
     return near and bool(is_unstable(omega3, b, inverted=inverted))
 
 
-def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool = True) -> Any:
+def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool = True) -> Any:
     """Whether a spinning state is unstable; of one body, or of many, (n,).
 
     Parameters
@@ -118,7 +118,9 @@ def is_unstable(omega3: Any, b: Body, *, inverted: bool = False, gliding: bool =
         with np.errstate(all="ignore"):
             slip = _slip(omega3, up, b.friction)
             least = WEAK / b.g * np.maximum(np.abs(omega3), np.sqrt(b.g / (b.R + np.abs(b.c))))
-            acts = (slip > 0) | (isinstance(b.friction, tuple(SLIP)) & np.logical_not(takes_nothing(b.friction)))
+            known = named(type(b.friction))
+            slides = known is not None and known[1].coefficient is not None
+            acts = (slip > 0) | (slides & np.logical_not(takes_nothing(b.friction)))
             matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
         modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # NaN beyond the doubles would end all
@@ -134,7 +136,7 @@ def _fastest_first(p: np.ndarray) -> np.ndarray:
     return p[np.lexsort((-p.imag, -turn, -growth))]
 
 
-def rolling_modes(omega3: float, b: Body, *, inverted: bool = False) -> np.ndarray:
+def rolling_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
     """The two rates p near a spinning state of a body whose contact is at rest: rolling, or a fixed tip.
 
     Parameters

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contact.body import Body
+from ..contact.body import Touch
 from .thresholds import lambda_s, lambda_u
 from .tumbling import tumbling_is_stable, tumbling_states
 
@@ -35,7 +35,7 @@ class Regime(NamedTuple):
         return f"{', '.join(states[:-1])} and {states[-1]} are {word} stable"
 
 
-def regime(lam: float, b: Body) -> Regime:
+def regime(lam: float, b: Touch) -> Regime:
     """Which asymptotic states of a tippe top are stable. [T Theorem 3.3.2, corrected]
 
     Parameters

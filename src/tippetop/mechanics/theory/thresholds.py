@@ -1,6 +1,6 @@
 """Numbers that separate the regimes of a top: lambda_u, lambda_s, gamma_c and others.
 
-Bodies are `contact.body.Body` records of floats, SI; thresholds also take arrays.
+Bodies are `contact.body.Touch` records of floats, SI; thresholds also take arrays.
 """
 
 import math
@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.body import Body, tip_inertia
+from ..contact.body import Touch, tip_inertia
 from ..operand import formula, sqrt
 from ..units import JELLETT, ONE, RADIAN_PER_SECOND, Unit
 
@@ -30,7 +30,7 @@ class Shape(NamedTuple):
     beta: Any
 
 
-def shape(b: Body) -> Shape:
+def shape(b: Touch) -> Shape:
     """The numbers that decide about a tippe top."""
     alpha = b.c / b.R
     return Shape(alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3))
@@ -39,13 +39,13 @@ def shape(b: Body) -> Shape:
 # --- spinning states ------------------------------------------------------------------------------------------------
 
 
-def lambda_u(b: Body) -> Any:
+def lambda_u(b: Touch) -> Any:
     """The upright spin is stable for |lambda| below it; infinite if always. [T Theorem 3.3.2]"""
     alpha, gamma, _, beta = shape(b)
     return _over_root(beta * (1 - alpha) ** 2, alpha + gamma - 1)
 
 
-def lambda_s(b: Body) -> Any:
+def lambda_s(b: Touch) -> Any:
     """The inverted spin is stable for |lambda| above it; infinite if never. [T 4.30]"""
     alpha, gamma, _, beta = shape(b)
     return _over_root(beta * (1 + alpha) ** 2, 1 + alpha - gamma)
@@ -57,7 +57,7 @@ def _over_root(number: Any, x: Any) -> Any:
         return number / np.sqrt(np.maximum(x, 0.0))
 
 
-def lambda_de(b: Body) -> Any:
+def lambda_de(b: Touch) -> Any:
     """Above it the inverted spin has less energy E~ than the upright one of the same lambda. [T 4.29]"""
     alpha = b.c / b.R
     return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
@@ -78,7 +78,7 @@ def gamma_de(alpha: Any) -> Any:
     return (1 + alpha) * (1 - 3 * alpha) / (1 - alpha) ** 2
 
 
-def two_wells_from(b: Body) -> float:
+def two_wells_from(b: Touch) -> float:
     """gamma*, above which the potential can have two minima; infinite where it never can. [section 5, item 4]"""
     alpha, _, sigma, _ = shape(b)
     h = 1 + alpha
@@ -93,12 +93,12 @@ def spin(z, lam, b):
     return lam / (b.I3 * (b.R * z - b.c))
 
 
-def spin_of(lam: float, b: Body, *, inverted: bool = False) -> float:
+def spin_of(lam: float, b: Touch, *, inverted: bool = False) -> float:
     """omega_3 of the upright (or inverted) spin with Jellett's integral lam [rad/s]."""
     return spin(-1 if inverted else 1, lam, b)
 
 
-def thresholds(b: Body) -> dict[str, Threshold]:
+def thresholds(b: Touch) -> dict[str, Threshold]:
     """Every threshold of a tippe top: name -> value (SI), unit and meaning.
 
     Parameters
@@ -124,6 +124,6 @@ def thresholds(b: Body) -> dict[str, Threshold]:
     }
 
 
-def sleeping_spin(b: Body) -> float:
+def sleeping_spin(b: Touch) -> float:
     """|omega_3| above which the upright heavy top with a fixed tip is stable, 2 sqrt(m g l I1*)/I3 [rad/s]. [T 5.54]"""
     return 2 * math.sqrt(b.m * b.g * -b.c * tip_inertia(b)) / b.I3

@@ -9,46 +9,46 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.body import Body
+from ..contact.body import Touch
 from .thresholds import lambda_s, lambda_u, shape
 
 
-def tumbling_limits(b: Body) -> tuple[float, float]:
+def tumbling_limits(b: Touch) -> tuple[float, float]:
     """The open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]"""
     alpha, gamma, *_ = shape(b)
     low = max(-1.0, -alpha / (gamma - 1)) if gamma > 1 else -1.0
     return low, min(1.0, alpha / (1 - gamma)) if gamma < 1 else 1.0
 
 
-def tumbling(z: Any, b: Body) -> tuple[Any, Any]:
+def tumbling(z: Any, b: Touch) -> tuple[Any, Any]:
     """phi' and omega_3 [rad/s] of the tumbling state at z, for phi' > 0; NaN where there is none. [T 3.62]"""
     with np.errstate(invalid="ignore", divide="ignore"):
         phi_dot = np.sqrt(b.m * b.g * b.c / (b.I3 * (b.c / b.R - z) + b.I1 * z))
     return phi_dot, -(b.c / b.R - z) * phi_dot
 
 
-def tumbling_jellett(z: Any, b: Body) -> Any:
+def tumbling_jellett(z: Any, b: Touch) -> Any:
     """lambda of the tumbling state at z, for phi' > 0 [kg m^3/s]; NaN where there is none. [T 3.42, 3.66]"""
     alpha, gamma, _, beta = shape(b)
     with np.errstate(invalid="ignore", divide="ignore"):
         return beta * ((alpha - z) ** 2 + gamma * (1 - z**2)) / np.sqrt(alpha + (gamma - 1) * z)
 
 
-def lambda_t(b: Body) -> Any:
+def lambda_t(b: Touch) -> Any:
     """The least lambda of a tumbling state [kg m^3/s]; less than lambda_u where gamma_c < gamma < gamma_plus: there the
     upright spin and tumbling are both stable in between. To about 1e-5."""
     z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
     return np.nanmin(tumbling_jellett(z, b), axis=0)
 
 
-def tumbling_is_stable(z: Any, b: Body) -> Any:
+def tumbling_is_stable(z: Any, b: Touch) -> Any:
     """Whether the tumbling state at z is stable, which is d|lambda|/dz < 0. [T Theorem 3.3.2, corrected]"""
     alpha, gamma, *_ = shape(b)
     rising = ((1 - gamma) * z - alpha) ** 2 > gamma * (1 - alpha**2 - gamma) / 3
     return rising & np.isfinite(tumbling_jellett(z, b))
 
 
-def tumbling_states(lam: float, b: Body) -> np.ndarray:
+def tumbling_states(lam: float, b: Touch) -> np.ndarray:
     """Every z at which a tumbling state has Jellett's integral lam, ascending: roots of a quartic. Terms that rounding
     hides for every z in [-1, 1] are left out: their roots lie far beyond, and were found anywhere."""
     alpha, gamma, _, beta = shape(b)
@@ -70,7 +70,7 @@ class Branch(NamedTuple):
     lam: np.ndarray
 
 
-def branches(b: Body, most: float) -> list[Branch]:
+def branches(b: Touch, most: float) -> list[Branch]:
     """Every asymptotic state of a tippe top, as curves cut where stability changes. [T figure 3.3]
 
     Parameters

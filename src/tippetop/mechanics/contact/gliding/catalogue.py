@@ -7,7 +7,7 @@ from ...events import Event, Kept
 from ...operand import formula
 from ...system import Alternative, Domain, Form, Integral, Parameter, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
-from ..body import Body, contact_mobility, energy, friction_loss, friction_power, g_n, jellett, modified_energy
+from ..body import Touch, contact_mobility, energy, friction_loss, friction_power, g_n, jellett, modified_energy
 from ..integrals import integral
 from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
@@ -38,7 +38,7 @@ def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
     """The angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
     e = given_angles(Angles, data, z)
     if data.get("centre_at_rest"):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from ...friction import slip_coefficient
 from ...operand import Operand, cos, formula, sin
 from ...units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, RADIAN, RADIAN_PER_SECOND
-from ..body import Scalars, g_n, rolling_velocity, torque_free
+from ..body import Scalars, g_n, height, rolling_velocity, torque_free
 
 
 class Angles(NamedTuple):
@@ -82,7 +82,7 @@ def euler_rates(e, b):
     N = g_n(scalars, b)
     k = slip_coefficient(scalars.v2, scalars.z, b.friction)
     Fx, Fy = -(k * N * e.nu_x), -(k * N * e.nu_y)  # along e and 2hat
-    h, q = b.R - b.c * z, b.c - b.R * z
+    h, q = height(z, b), b.c - b.R * z
     theta_dot2 = s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
     phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (b.I1 * s)
     nu_x_dot = (

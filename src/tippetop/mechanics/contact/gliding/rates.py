@@ -16,7 +16,7 @@ def twist(s, b):
 @formula
 def push_u(s, b):
     """3hat.(dv_A/dt) [m/s^2]. [T 3.32, corrected]"""
-    N, h = contact.g_n(s, b), b.R - b.c * s.z
+    N, h = contact.g_n(s, b), contact.height(s.z, b)
     drag = slip_coefficient(s.v2, s.z, b.friction) * N * s.v_u
     turn = s.L3 / b.I3 * s.phi_dot_s2 * (b.I3 * h - b.I1 * b.R) + b.c * s.s2 * (h * N - b.I1 * s.axis_speed2)
     return turn / b.I1 - drag * (1 / b.m + h**2 / b.I1)

@@ -3,9 +3,10 @@
 from typing import NamedTuple
 
 from ...friction import slip_coefficient
-from ...operand import Operand, Vector, cross, dot, formula, plus, times
+from ...operand import Operand, Vector, dot, formula, times
 from ...units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
-from ..body import Scalars, g_n
+from .. import body as contact
+from ..body import Scalars, g_n, height
 
 
 class VectorState(NamedTuple):
@@ -41,19 +42,14 @@ def momentum(q):
 @formula
 def axis_rate(q, b):
     """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
-    return times(1 / b.I1, cross(momentum(q), axis(q)))
+    return contact.axis_rate(axis(q), momentum(q), b)
 
 
 @formula
-def angular_velocity(u, L, L3, b):
-    """omega = L/I1 + (1/I3 - 1/I1) L_3 3hat [1/s]. [section 1]"""
-    return plus(times(1 / b.I1, L), times((1 / b.I3 - 1 / b.I1) * L3, u))
-
-
-@formula
-def contact_velocity(q, b):
-    """v_A = r' + omega x a, horizontal, (3,) [m/s]. [T 3.3]"""
-    u_dot, w = axis_rate(q, b), angular_velocity(axis(q), momentum(q), q.L3, b)
+def sliding_velocity(q, b):
+    """v_A = r' + omega x a, horizontal, (3,) [m/s]: `contact_velocity` with the carried L_3, summed from the left.
+    [T 3.3]"""
+    u_dot, w = axis_rate(q, b), contact.angular_velocity_of(axis(q), momentum(q), q.L3, b)
     return Vector(q.rx_dot + b.c * u_dot.x - b.R * w.y, q.ry_dot + b.c * u_dot.y + b.R * w.x, 0.0)
 
 
@@ -68,7 +64,7 @@ def torque_free_fall(q, b):
 def vector_scalars(q, b):
     """The scalars of a vector state. L_3 is L.3hat, so that the carried L_3 is under control too."""
     u, L = axis(q), momentum(q)
-    u_dot, v = axis_rate(q, b), contact_velocity(q, b)
+    u_dot, v = axis_rate(q, b), sliding_velocity(q, b)
     return Scalars(
         z=u.z,
         s2=u.x * u.x + u.y * u.y,
@@ -88,10 +84,10 @@ def vector_scalars(q, b):
 @formula
 def vector_rates(q, b):
     """3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
-    u_dot, v, scalars = axis_rate(q, b), contact_velocity(q, b), vector_scalars(q, b)
+    u_dot, v, scalars = axis_rate(q, b), sliding_velocity(q, b), vector_scalars(q, b)
     N = g_n(scalars, b)
     F = times(-(slip_coefficient(scalars.v2, scalars.z, b.friction) * N), v)
-    h = b.R - b.c * q.uz
+    h = height(q.uz, b)
     twist = q.ux * F.y - q.uy * F.x  # (3hat x F)_z
     return VectorState(
         u_dot.x,

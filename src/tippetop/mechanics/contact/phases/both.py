@@ -1,6 +1,6 @@
 """Sphere and stem on the plane at once: the axis keeps its angle, and each ball slides and carries its share.
 
-The state is that of the sphere (`legs.Body`); two conditions, that theta and the height stay, give the two normal
+The state is that of the sphere; two conditions, that theta and the height stay, give the two normal
 forces, whatever each contact does per normal force. [contact 4.3]
 """
 
@@ -8,16 +8,17 @@ from collections import namedtuple
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from ...disc_friction import REGIONS
 from ...events import Event
 from ...form import Form, Integral
 from ...friction import slip_coefficient
 from ...operand import Operand, Vector, cross, dot, formula, plus, times
 from ...units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
-from ..ball import Ball, angular_velocity, arm, arm_velocity, height
+from ..body import angular_velocity, arm, arm_velocity, height
 from ..integrals import integral
 from ..orientation import carried_along
 from . import legs, row
-from .drilling import BORDERS, LOST, REGIONS, border, patch_speed2, per_force, region
+from .drilling import LOST, borders, patch_speed2, per_force, region
 
 
 class State(NamedTuple):
@@ -56,12 +57,6 @@ class Scalars(NamedTuple):
 
 
 @formula
-def ball(b):
-    """A ball, without the mu that not every law has."""
-    return Ball(b.m, b.I1, b.I3, b.g, 0, b.c, b.R)
-
-
-@formula
 def stem(b):
     """The stem, of the body of the sphere."""
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
@@ -96,9 +91,9 @@ def _sides(laws: tuple[Callable, Callable]) -> Callable:
     @formula
     def sides(q, b):
         u, L = row.axis(q), row.momentum(q)
-        omega, touching = angular_velocity(u, L, ball(b)), []
+        omega, touching = angular_velocity(u, L, b), []
         for law, body in zip(laws, (b, stem(b)), strict=True):
-            turned, a = arm_velocity(u, L, ball(body)), arm(u, ball(body))
+            turned, a = arm_velocity(u, L, body), arm(u, body)
             v = Vector(q.rx_dot + turned.x, q.ry_dot + turned.y, 0 * q.uz)
             push, torque = law(omega, v, q.uz, body)
             force = Vector(-push.x, -push.y, 1 + 0 * q.uz)
@@ -147,7 +142,7 @@ def _form(pair: Callable, balanced: bool) -> Form:
     @formula
     def scalars(q, b):
         one, two = pair(q, b)
-        omega = angular_velocity(row.axis(q), row.momentum(q), ball(b))
+        omega = angular_velocity(row.axis(q), row.momentum(q), b)
         U2 = patch_speed2(omega, b) if balanced else 0 * q.uz
         return Scalars(q.uz, one.N, two.N, dot(one.velocity, one.velocity), dot(two.velocity, two.velocity), U2)
 
@@ -162,7 +157,7 @@ def _form(pair: Callable, balanced: bool) -> Form:
 
     @formula
     def power(q, b):
-        omega = angular_velocity(row.axis(q), row.momentum(q), ball(b))
+        omega = angular_velocity(row.axis(q), row.momentum(q), b)
         one, two = pair(q, b)
         return power_of(one, omega) + power_of(two, omega)
 
@@ -192,13 +187,13 @@ def _form(pair: Callable, balanced: bool) -> Form:
 @formula
 def place(q, b):
     """Where the body is."""
-    return legs.Placed(row.axis(q), row.momentum(q), Vector(q.rx_dot, q.ry_dot, 0 * q.uz), height(q.uz, ball(b)))
+    return legs.Placed(row.axis(q), row.momentum(q), Vector(q.rx_dot, q.ry_dot, 0 * q.uz), height(q.uz, b))
 
 
 def _says(pair: Callable) -> Callable:
     @formula
     def says(q, b):
-        (one, two), omega = pair(q, b), angular_velocity(row.axis(q), row.momentum(q), ball(b))
+        (one, two), omega = pair(q, b), angular_velocity(row.axis(q), row.momentum(q), b)
         F = plus(force_of(one), force_of(two))
         other = power_of(one, omega) + power_of(two, omega) + dot(F, one.velocity)
         return legs.Reached._make((*place(q, b), F, other))
@@ -246,16 +241,14 @@ class BothKind(NamedTuple):
 
 
 def _drilling(sphere: str, stem_: str) -> BothKind:
-    sides = _sides((drills(REGIONS[sphere]), drills(REGIONS[stem_])))
+    sides = _sides((drills(REGIONS[sphere].drag), drills(REGIONS[stem_].drag)))
     pair = _pair(sides)
-    borders = (
-        *(border(*line) for line in BORDERS[sphere]),
-        *(
-            Event(f"stem-{event.name}", event.long_name, _of_stem(event.formula), event.direction, f"stem-{event.ends}")
-            for event in (border(*line) for line in BORDERS[stem_])
-        ),
-    )
-    kind = legs.Kind("both", _form(pair, True), (*LEAVES, *borders), place, _says(pair), state, axis_stays=True)
+    of_stem = [
+        Event(f"stem-{event.name}", event.long_name, _of_stem(event.formula), event.direction, f"stem-{event.ends}")
+        for event in borders(stem_)
+    ]
+    events = (*LEAVES, *borders(sphere), *of_stem)
+    kind = legs.Kind("both", _form(pair, True), events, place, _says(pair), state, axis_stays=True)
     return BothKind(kind, sides)
 
 
@@ -274,15 +267,15 @@ BOTH = {"both": _smooth()} | {f"both-{one}-{two}": _drilling(one, two) for one i
 BOTH_KINDS = {name: both.kind for name, both in BOTH.items()}
 
 BOTH_FOLLOWS = {
-    (f"both-{one}-{two}", word): f"both-{to}-{two}"
+    (f"both-{one}-{two}", border.event): f"both-{border.follows}-{two}"
     for two in REGIONS
-    for one, borders in BORDERS.items()
-    for word, _, _, to in borders
+    for one, its in REGIONS.items()
+    for border in its.borders
 } | {
-    (f"both-{one}-{two}", f"stem-{word}"): f"both-{one}-{to}"
+    (f"both-{one}-{two}", f"stem-{border.event}"): f"both-{one}-{border.follows}"
     for one in REGIONS
-    for two, borders in BORDERS.items()
-    for word, _, _, to in borders
+    for two, its in REGIONS.items()
+    for border in its.borders
 }
 """The kind that follows a kind and the event that ended it."""
 

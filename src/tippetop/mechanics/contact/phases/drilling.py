@@ -9,42 +9,24 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ...disc_friction import EDGE, OUTSIDE_FROM, REGIONS, STOPS_ROLLING, drilling_force, rolling_torque, torque
 from ...events import Event
 from ...form import Form, Integral
 from ...operand import Operand, Vector, cross, dot, formula, plus, times
 from ...units import ANGULAR_MOMENTUM, JELLETT, METRE_PER_SECOND, ONE
-from ..ball import (
-    angular_velocity,
-    arm,
-    bias_vector,
-    centre_velocity,
-    contact_acceleration_vector,
-    contact_velocity,
-    height,
-    torque_acceleration,
-)
+from ..body import angular_velocity, arm, centre_velocity, contact_velocity, height
 from ..coulomb import loaded_normal_force
 from ..disc_at_rest import holding, holds, stopped
-from ..drilling import OUTSIDE_FROM, between, drilling_force, drilling_torque, inside, outside, rolling_torque
 from ..gliding import catalogue as gliding
 from ..integrals import integral
 from ..orientation import carried_along
+from ..response import bias_vector, contact_acceleration_vector, torque_acceleration
 from . import legs, row
-from .legs import ball
 
 
 STILL = 1e-9
 """Speed of the disc's edge, internal units, below which friction on a disc that does not turn is smooth. Where such a
 disc begins to slide, or turns back, the motion differs from that under Coulomb's law by about so much."""
-
-
-SLOW = 1e-6
-"""Sliding speed, internal units, at which a step ends: a longer one may pass the rest of a disc that hardly turns, as
-short as STILL, and not see it."""
-
-
-STOPS_ROLLING = 1e-6
-"""Angular velocity, internal units, below which the direction of rolling is smooth."""
 
 
 RESTS_BELOW = 1e-4
@@ -99,10 +81,8 @@ def patch_speed2(omega, b):
 @formula
 def per_force(drag, omega, v, b):
     """Of friction per normal force: minus the horizontal force, and the torque, (3,) each."""
-    law = b.friction
-    force, rolling = drilling_force(1, v, drag, law.mu), rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
-    torque = Vector(rolling.x, rolling.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))
-    return Vector(-force.x, -force.y, 0 * omega.z), torque
+    force = drilling_force(1, v, drag, b.friction.mu)
+    return Vector(-force.x, -force.y, 0 * omega.z), torque(drag, omega, b.friction)
 
 
 def _contact(drag: Callable) -> Callable:
@@ -111,10 +91,10 @@ def _contact(drag: Callable) -> Callable:
     @formula
     def contact(q, b):
         u, L, v = row.axis(q), row.momentum(q), Vector(q.vx, q.vy, 0 * q.uz)
-        omega = angular_velocity(u, L, ball(b))
+        omega = angular_velocity(u, L, b)
         U2 = patch_speed2(omega, b)
         push, torque = per_force(drag(v.x * v.x + v.y * v.y, U2), omega, v, b)
-        N = loaded_normal_force(u, bias_vector(u, L, ball(b)), push, torque, ball(b))
+        N = loaded_normal_force(u, bias_vector(u, L, b), push, torque, b)
         return Contact(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), U2, omega)
 
     return contact
@@ -132,10 +112,10 @@ def _form(name: str, contact: Callable) -> Form:
     def rates(q, b):
         u, c = row.axis(q), contact(q, b)
         G = plus(
-            contact_acceleration_vector(u, bias_vector(u, row.momentum(q), ball(b)), c.force, ball(b)),
-            torque_acceleration(u, c.torque, ball(b)),
+            contact_acceleration_vector(u, bias_vector(u, row.momentum(q), b), c.force, b),
+            torque_acceleration(u, c.torque, b),
         )
-        turn = plus(cross(arm(u, ball(b)), c.force), c.torque)
+        turn = plus(cross(arm(u, b), c.force), c.torque)
         return State._make((*row.axis_rate(q, b), *turn, G.x, G.y))
 
     @formula
@@ -156,7 +136,7 @@ def _form(name: str, contact: Callable) -> Form:
             integral("work", lambda q, carried, b: power(q, b)),
             integral("impulse", lambda q, carried, b: contact(q, b).force.z),
             Integral(
-                *LOST, formula(lambda q, carried, b: dot(contact(q, b).torque, arm(row.axis(q), ball(b))))
+                *LOST, formula(lambda q, carried, b: dot(contact(q, b).torque, arm(row.axis(q), b)))
             ),
         ),
         orientation=carried_along(row.axis, row.axis_rate, row.spin),
@@ -170,8 +150,8 @@ LOST = ("jellett_lost", JELLETT, "Jellett's integral taken by the torque of the 
 def place(q, b):
     """Where the body is."""
     u, L = row.axis(q), row.momentum(q)
-    velocity = centre_velocity(u, L, Vector(q.vx, q.vy, 0 * q.uz), ball(b))
-    return legs.Placed(u, L, velocity, height(q.uz, ball(b)))
+    velocity = centre_velocity(u, L, Vector(q.vx, q.vy, 0 * q.uz), b)
+    return legs.Placed(u, L, velocity, height(q.uz, b))
 
 
 def _says(contact: Callable) -> Callable:
@@ -185,20 +165,11 @@ def _says(contact: Callable) -> Callable:
 
 def state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Any) -> State:
     """The state of sliding of a body on the plane."""
-    v = contact_velocity(u, L, velocity, ball(b))
+    v = contact_velocity(u, L, velocity, b)
     return State(*u, *L, v.x, v.y)
 
 
 # --- from region to region --------------------------------------------------------------------------------------------
-
-
-def _beyond(x: float) -> Callable:
-    return formula(lambda s, b: s.v2 - x**2 * s.U2)
-
-
-@formula
-def _beyond_slow(s, b):
-    return s.v2 - SLOW**2
 
 
 @formula
@@ -215,46 +186,40 @@ def speed_beyond_rest(s, b):
 
 RESTS = Event("rests", "the contact's disc neither slides nor turns", speed_beyond_rest, -1, "rests")
 COMMON = (replace(gliding.LIFTOFF, formula=normal_force), legs.TOUCH, RESTS)
-REGIONS = {"inside": inside, "between": between, "outside": outside}
-EDGE = 1 + 1e-5
-"""x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where
-U is least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
-
-BORDERS: dict[str, tuple[tuple[str, Callable, int, str], ...]] = {
-    "inside": (("faster", _beyond(EDGE), 1, "between"),),
-    "between": (("slower", _beyond(EDGE), -1, "inside"), ("faster", _beyond(OUTSIDE_FROM), 1, "outside")),
-    "outside": (("slower", _beyond(OUTSIDE_FROM), -1, "between"), ("slow", _beyond_slow, -1, "outside")),
-}
-"""Of each region: name of the event in which it ends, its function, direction, and the region that follows."""
 
 
-def border(word: str, function: Callable, direction: int, follows: str) -> Event:
-    """The event in which a region ends."""
-    return Event(word, "sliding against turning", function, direction, word)
+def borders(name: str) -> list[Event]:
+    """Return the events in which a region ends."""
+    return [
+        Event(border.event, "sliding against turning", border.beyond, border.direction, border.event)
+        for border in REGIONS[name].borders
+    ]
 
 
 def _kind(name: str) -> legs.Kind:
-    contact = _contact(REGIONS[name])
-    borders = (border(*line) for line in BORDERS[name])
-    return legs.Kind("slip", _form(name, contact), (*COMMON, *borders), place, _says(contact), state)
+    contact = _contact(REGIONS[name].drag)
+    return legs.Kind("slip", _form(name, contact), (*COMMON, *borders(name)), place, _says(contact), state)
 
 
 DRILLING_KINDS = {f"drill-{name}": _kind(name) for name in REGIONS} | {"flight": legs.KINDS["flight"]}
-FOLLOWS = {(f"drill-{name}", word): f"drill-{to}" for name, borders in BORDERS.items() for word, _, _, to in borders}
+FOLLOWS = {
+    (f"drill-{name}", border.event): f"drill-{border.follows}"
+    for name, region in REGIONS.items()
+    for border in region.borders
+}
 """The kind that follows a kind and the event that ended it."""
 
 
 def stays_at_rest(u: Vector, L: Vector, velocity: Vector, b: Any) -> bool:
     """Whether friction can hold the disc of a body, once it is at rest."""
-    touching = ball(b)
-    L, _ = stopped(u, L, velocity, touching)
-    rolling = rolling_torque(1, angular_velocity(u, L, touching), b.friction.mu_r, STOPS_ROLLING)
-    return holds(holding(u, L, rolling, touching), b.friction.mu, b.friction.patch)
+    L, _ = stopped(u, L, velocity, b)
+    rolling = rolling_torque(1, angular_velocity(u, L, b), b.friction.mu_r, STOPS_ROLLING)
+    return holds(holding(u, L, rolling, b), b.friction.mu, b.friction.patch)
 
 
 def region(u: Vector, L: Vector, velocity: Vector, b: Any) -> str:
     """The region of a body's sliding, by the numbers of its state."""
-    v, U2 = contact_velocity(u, L, velocity, ball(b)), patch_speed2(angular_velocity(u, L, ball(b)), b)
+    v, U2 = contact_velocity(u, L, velocity, b), patch_speed2(angular_velocity(u, L, b), b)
     x2 = (v.x * v.x + v.y * v.y) / U2
     return "inside" if x2 < EDGE**2 else "between" if x2 < OUTSIDE_FROM**2 else "outside"
 

@@ -7,13 +7,14 @@ from ...events import Event
 from ...form import Form
 from ...operand import Operand, Vector, atan2, cos, cross, dot, formula, sin, sqrt, times
 from ...units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE, RADIAN
-from ..ball import arm, bias_vector, centre_velocity, contact_velocity, height
+from ..body import Touch, arm, centre_velocity, contact_velocity, height
 from ..coulomb import slip_force_vector, slip_motion
 from ..gliding import catalogue as gliding
 from ..integrals import integral
 from ..orientation import carried_along
+from ..response import bias_vector
 from . import row
-from .legs import TOUCH, Body, Kind, Placed, Reached, ball
+from .legs import TOUCH, Kind, Placed, Reached
 
 
 STOPS_AT = 2.0**-43
@@ -64,7 +65,7 @@ def direction(q):
 def dry_force(q, b):
     """F = N (zhat - mu v_A/|v_A|), (3,) [N]. [contact 2.1]"""
     u = row.axis(q)
-    return slip_force_vector(u, bias_vector(u, row.momentum(q), ball(b)), direction(q), ball(b))
+    return slip_force_vector(u, bias_vector(u, row.momentum(q), b), direction(q), b)
 
 
 @formula
@@ -77,20 +78,20 @@ def dry_scalars(q, b):
 def dry_rates(q, b):
     """3hat' = L x 3hat/I1, L' = a x F, and w', w beta' of v_A' = b + K F. [contact 1, 2.1]"""
     u = row.axis(q)
-    F, P, Q = slip_motion(u, row.momentum(q), direction(q), ball(b))
-    return DrySlipState._make((*row.axis_rate(q, b), *cross(arm(u, ball(b)), F), Q / q.w, P))
+    F, P, Q = slip_motion(u, row.momentum(q), direction(q), b)
+    return DrySlipState._make((*row.axis_rate(q, b), *cross(arm(u, b), F), Q / q.w, P))
 
 
 @formula
 def dry_velocity(q, b):
     """Velocity of the centre of mass, (3,) [m/s]."""
-    return centre_velocity(row.axis(q), row.momentum(q), times(q.w, direction(q)), ball(b))
+    return centre_velocity(row.axis(q), row.momentum(q), times(q.w, direction(q)), b)
 
 
 @formula
 def dry_place(q, b):
     """Where the body is."""
-    return Placed(row.axis(q), row.momentum(q), dry_velocity(q, b), height(q.uz, ball(b)))
+    return Placed(row.axis(q), row.momentum(q), dry_velocity(q, b), height(q.uz, b))
 
 
 @formula
@@ -123,13 +124,13 @@ DRY = Form(
 DRY_SLIPPING = (replace(gliding.LIFTOFF, formula=dry_normal_force), TOUCH, STICK)
 
 
-def dry_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
+def dry_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Touch) -> Any:
     """The state of sliding of a body on the plane."""
-    v = contact_velocity(u, L, velocity, ball(b))
+    v = contact_velocity(u, L, velocity, b)
     return DrySlipState(*u, *L, atan2(v.y, v.x), sqrt(v.x * v.x + v.y * v.y))
 
 
-def dry_sliding(u: Vector, L: Vector, w: Any, beta: Any, b: Body) -> Any:
+def dry_sliding(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> Any:
     """The state of sliding with the speed w in the direction beta."""
     return DrySlipState(*u, *L, beta, w)
 

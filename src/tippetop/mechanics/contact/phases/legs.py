@@ -1,6 +1,6 @@
 """The equations of each phase, the events that end it, and the row that each of its states stands for.
 
-All are those of one ball of radius R whose centre lies c from the centre of mass along 3hat: the body, or its stem.
+All are those of a body seen from one ball, `contact.body.Touch`.
 """
 
 from collections.abc import Callable
@@ -12,9 +12,7 @@ from ...form import Form
 from ...operand import Operand, Vector, dot, formula
 from ...units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, ONE
 from .. import body as contact
-from ..ball import (
-    Ball,
-)
+from ..body import Touch
 from ..gliding import catalogue as gliding
 from ..gliding import vector as gliding_vector
 from ..integrals import integral
@@ -26,33 +24,18 @@ from ..rolling.reaction import kinematics
 from . import row
 
 
-class Body(NamedTuple):
-    """A gliding body of one ball, and where another ball touches too: clearance + lever cos(theta) = 0, falling."""
-
-    m: Operand
-    R: Operand
-    c: Operand
-    I1: Operand
-    I3: Operand
-    g: Operand
-    friction: Any
-    clearance: Operand
-    lever: Operand
+def body_units(friction: Any) -> Touch:
+    """Return the units of a Touch of a body with two balls."""
+    return contact.body_units(friction)._replace(clearance=METRE, lever=METRE)
 
 
-def body_units(friction: Any) -> Body:
-    """The units of a Body."""
-    return Body._make((*contact.body_units(friction), METRE, METRE))
+PARAMETERS = tuple(name for name in Touch._fields if name != "friction")
+"""The fields of a Touch without the friction law."""
 
 
-PARAMETERS = ("m", "R", "c", "I1", "I3", "g", "clearance", "lever")
-"""What a Body is made of beside the friction law."""
-
-
-def body(parameters: Any, friction: Any) -> Body:
-    """The Body of parameters by name."""
-    *of_ball, clearance, lever = (parameters[name] for name in PARAMETERS)
-    return Body._make((*of_ball, friction, clearance, lever))
+def body(parameters: Any, friction: Any) -> Touch:
+    """Return the Touch of parameters by name."""
+    return Touch(friction=friction, **parameters)
 
 
 class Placed(NamedTuple):
@@ -73,12 +56,6 @@ class Reached(NamedTuple):
     height: Operand
     force: Vector  # reaction
     drilled: Operand = 0  # power that a torque of the contact takes
-
-
-@formula
-def ball(b):
-    """The ball of a body, as the formulas of its contact take it."""
-    return Ball(b.m, b.I1, b.I3, b.g, b.friction.mu, b.c, b.R)
 
 
 # --- events -----------------------------------------------------------------------------------------------------------
@@ -160,13 +137,13 @@ def slip_place(q, b):
     """Where a body is that slides."""
     u = row.axis(q)
     velocity = Vector(q.rx_dot, q.ry_dot, -(b.c * row.axis_rate(q, b).z))
-    return Placed(u, row.momentum(q), velocity, b.R - b.c * u.z)
+    return Placed(u, row.momentum(q), velocity, contact.height(u.z, b))
 
 
 @formula
 def slipping(q, b):
     """What a state of sliding says. [contact 2.1]"""
-    s, v = gliding_vector.vector_scalars(q, b), gliding_vector.contact_velocity(q, b)
+    s, v = gliding_vector.vector_scalars(q, b), gliding_vector.sliding_velocity(q, b)
     N = contact.g_n(s, b)
     k = gliding_vector.slip_coefficient(s.v2, s.z, b.friction) * N
     return Reached._make((*slip_place(q, b), Vector(-(k * v.x), -(k * v.y), N), 0))
@@ -177,7 +154,7 @@ def roll_place(q, b):
     """Where a body is that rolls."""
     u, L, u_dot = row.axis(q), row.momentum(q), row.axis_rate(q, b)
     v = rolling_vector.centre_velocity(u, u_dot, dot(L, u) / b.I3, b)
-    return Placed(u, L, Vector(v.x, v.y, -(b.c * u_dot.z)), b.R - b.c * u.z)
+    return Placed(u, L, Vector(v.x, v.y, -(b.c * u_dot.z)), contact.height(u.z, b))
 
 
 @formula
@@ -201,17 +178,17 @@ def flying(q, b):
     return Reached._make((*free_place(q, b), Vector(none, none, none), 0))
 
 
-def slip_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
+def slip_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Touch) -> Any:
     """The state of sliding of a body on the plane."""
     return gliding_vector.VectorState(*u, *L, dot(L, u), velocity.x, velocity.y)
 
 
-def roll_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
+def roll_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Touch) -> Any:
     """The state of rolling of a body whose contact is at rest."""
     return rolling_vector.VectorState(*u, *L)
 
 
-def free_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Body) -> Any:
+def free_state(u: Vector, L: Vector, velocity: Vector, height: Any, b: Touch) -> Any:
     """The state of flight."""
     return FreeState(*u, *L, *velocity, height)
 

@@ -13,7 +13,6 @@ from ...form import Form, Integral
 from ...operand import Operand, Vector, formula
 from ...units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from .. import body as contact
-from ..ball import Ball
 from ..integrals import NAMED, integral
 from ..orientation import planar
 from ..planar import slip
@@ -113,7 +112,7 @@ class SlipScalars(NamedTuple):
 @formula
 def _slip(q, b):
     """The motion, by the formulas of the contact. [contact 2.7]"""
-    return slip(q.s, q.z, q.theta_dot, q.sigma, Ball(b.m, b.I1, b.I3, b.g, b.friction.mu, b.c, b.R))
+    return slip(q.s, q.z, q.theta_dot, q.sigma, b)
 
 
 @formula
@@ -132,7 +131,7 @@ def slip_rates(q, b):
 @formula
 def slip_place(q, b):
     """Where the body is."""
-    none, height = 0 * q.z, b.R - b.c * q.z
+    none, height = 0 * q.z, contact.height(q.z, b)
     velocity = Vector(q.nu_x + q.theta_dot * height, none, b.c * (q.s * q.theta_dot))
     return legs.Placed(Vector(q.s, none, q.z), Vector(none, b.I1 * q.theta_dot, none), velocity, height)
 
@@ -172,7 +171,7 @@ SLIP_FORM = Form(
     to_angles=lambda q, carried, b: None,
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
-        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * (b.R - b.c * q.z)),
+        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * contact.height(q.z, b)),
         integral("work", lambda q, carried, b: -(_slip(q, b).F_x * q.nu_x)),
         integral("impulse", lambda q, carried, b: _slip(q, b).N),
     ),

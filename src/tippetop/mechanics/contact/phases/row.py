@@ -23,7 +23,6 @@ from ...units import (
     WATT,
 )
 from .. import body as contact
-from ..ball import Ball, contact_velocity
 from ..gliding.chart import axis_and_momentum, axis_angles
 from ..gliding.vector import axis, axis_rate, momentum
 from ..integrals import NAMED
@@ -146,7 +145,7 @@ class Scalars(NamedTuple):
 @formula
 def point_velocity(u, L, v, radius, offset, b):
     """Velocity of the lowest point of a ball, (3,) [m/s]; v is that of the centre of mass."""
-    return contact_velocity(u, L, v, Ball(b.m, b.I1, b.I3, b.g, 0, offset, radius))
+    return contact.contact_velocity(u, L, v, b._replace(R=radius, c=offset))
 
 
 @formula

@@ -5,7 +5,7 @@ from typing import Any
 
 from ...system import Form, Quantity
 from ...units import NEWTON, ONE
-from ..body import Body
+from ..body import Touch
 from ..gliding import catalogue as gliding
 from ..gliding.catalogue import given_angles
 from ..gliding.euler import psi_rate, sine_and_cosine
@@ -24,7 +24,7 @@ from .vector import VECTOR_UNITS, vector_rates, vector_scalars
 INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Body) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
     """The angle record of the given initial values."""
     return given_angles(Angles, data, z)
 

@@ -42,7 +42,7 @@ EULER_UNITS = EulerState._make(ANGLES[:4])
 @formula
 def euler_accelerations(e, s, z, b):
     """theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
-    h, q = b.R - b.c * z, b.c - b.R * z
+    h, q = contact.height(z, b), b.c - b.R * z
     determinant = spin_determinant(z, b)
     theta_dot2 = (
         s
@@ -63,7 +63,7 @@ def general_accelerations(e, s, z, w_x, w_y, b):
     """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat: the general system,
     of which rolling is w = 0. [T 3.36; section 12]"""
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
-    h, q, determinant = b.R - b.c * z, b.c - b.R * z, spin_determinant(z, b)
+    h, q, determinant = contact.height(z, b), b.c - b.R * z, spin_determinant(z, b)
     return (
         theta_dot2 - b.m * (h * w_x) / (b.I1 + b.m * contact.arm2(z, b)),
         phi_dot2 + b.m * b.I3 * (q * w_y) / (determinant * s),
@@ -75,7 +75,7 @@ def general_accelerations(e, s, z, w_x, w_y, b):
 def euler_scalars(e, b):
     """The scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
-    h, q = b.R - b.c * z, b.c - b.R * z
+    h, q = contact.height(z, b), b.c - b.R * z
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
     turn = b.R * e.omega3 + e.phi_dot * q
     along_e, along_2 = contact.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)

@@ -1,7 +1,7 @@
 """A body of revolution whose contact point is at rest, v_A = 0: contact arm a = c*3hat - R*zhat as in `gliding`.
 
 c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. The reaction F = m s'' + m g zhat at the
-contact follows from the motion, and is not vertical. Every formula takes its parameters as a `gliding.Body`.
+contact follows from the motion, and is not vertical. Every formula takes its parameters as a `contact.body.Touch`.
 """
 
 from typing import NamedTuple
@@ -51,7 +51,7 @@ def motion_terms(s, b):
 @formula
 def z_dot2(s, b):
     """z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
-    h = b.R - b.c * s.z
+    h = contact.height(s.z, b)
     drive = b.c * (b.g * s.s2) + h * motion_terms(s, b)
     return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
 
@@ -65,7 +65,7 @@ def normal_force(s, b):
 @formula
 def push_along(s, b):
     """F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
-    return b.m * (motion_terms(s, b) - (b.R - b.c * s.z) * z_dot2(s, b))
+    return b.m * (motion_terms(s, b) - contact.height(s.z, b) * z_dot2(s, b))
 
 
 @formula

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from ...operand import Operand, Vector, dot, formula
 from ...units import ANGULAR_MOMENTUM, ONE
+from ..body import height
 from ..gliding.vector import axis, axis_rate, momentum
 from .reaction import completed, kinematics, normal_force, reaction
 
@@ -27,7 +28,8 @@ VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
 
 @formula
 def centre_velocity(u, u_dot, w3, b):
-    """r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat."""
+    """r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat: `body.centre_velocity`, which
+    takes L instead, has another rounding."""
     q = b.c - b.R * u.z
     return Vector(
         -(q * u_dot.x) - b.R * (u.x * u_dot.z - w3 * u.y),
@@ -50,7 +52,7 @@ def vector_rates(q, b):
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
     s = kinematics(u, L, u_dot, b)
     F = reaction(u, L, u_dot, s, b)
-    h = b.R - b.c * u.z
+    h = height(u.z, b)
     return VectorState(
         u_dot.x,
         u_dot.y,

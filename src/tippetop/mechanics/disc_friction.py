@@ -6,9 +6,10 @@ f and m are elementary; there is one formula for each region, and no approximati
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
-from ..operand import Operand, Vector, atan2, formula, sqrt
+from .operand import Operand, Vector, atan2, formula, sqrt
 
 
 class Drag(NamedTuple):
@@ -58,6 +59,63 @@ def drag(w2, U2):
     return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
 
 
+# --- regions ----------------------------------------------------------------------------------------------------------
+
+
+SLOW = 1e-6
+"""Sliding speed, internal units, at which a step ends: a longer one may pass the rest of a disc that hardly turns,
+which is short, and not see it."""
+
+EDGE = 1 + 1e-5
+"""x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where
+U is least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
+
+
+class Border(NamedTuple):
+    """An end of a region."""
+
+    event: str  # the event that ends the region
+    beyond: Callable  # beyond(s, b), zero at the border; s.v2 = w^2 and s.U2 = U^2
+    direction: int  # of the zero
+    follows: str  # the next region
+
+
+class Region(NamedTuple):
+    """Where one formula of a law holds, and where it ends."""
+
+    drag: Callable  # drag(w2, U2) -> Drag
+    borders: tuple[Border, ...]
+
+
+def _beyond(x: float) -> Callable:
+    return formula(lambda s, b: s.v2 - x**2 * s.U2)
+
+
+@formula
+def _beyond_slow(s, b):
+    return s.v2 - SLOW**2
+
+
+REGIONS = {
+    "inside": Region(inside, (Border("faster", _beyond(EDGE), 1, "between"),)),
+    "between": Region(
+        between,
+        (
+            Border("slower", _beyond(EDGE), -1, "inside"),
+            Border("faster", _beyond(OUTSIDE_FROM), 1, "outside"),
+        ),
+    ),
+    "outside": Region(
+        outside,
+        (
+            Border("slower", _beyond(OUTSIDE_FROM), -1, "between"),
+            Border("slow", _beyond_slow, -1, "outside"),
+        ),
+    ),
+}
+"""The regions of a disc by name, by rising x."""
+
+
 # --- force, torque, power ---------------------------------------------------------------------------------------------
 
 
@@ -79,3 +137,14 @@ def rolling_torque(N, omega, mu_r, still=0):
     makes it smooth where omega_h = 0."""
     k = -(mu_r * N) / sqrt(omega.x * omega.x + omega.y * omega.y + still**2)
     return Vector(k * omega.x, k * omega.y, 0)
+
+
+STOPS_ROLLING = 1e-6
+"""Angular velocity, internal units, below which the direction of rolling is smooth."""
+
+
+@formula
+def torque(drag, omega, law):
+    """The torque of drilling and of rolling resistance per normal force, (3,) [m]."""
+    rolling = rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
+    return Vector(rolling.x, rolling.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))

@@ -5,7 +5,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact import drilling
+from tippetop.mechanics import disc_friction as disc
 from tippetop.mechanics.operand import Vector
 
 
@@ -35,7 +35,7 @@ def test_force_and_torque_are_those_of_the_pressure_of_hertz(x: float) -> None:
     with mp.workdps(20):
         f, m = quadrature(x)
     for U in (1.0, 7.0):
-        found = drilling.drag((x * U) ** 2, U**2)
+        found = disc.drag((x * U) ** 2, U**2)
         assert found.k * x * U == pytest.approx(float(f), rel=4e-15)
         assert found.twist * U == pytest.approx(float(m), rel=2e-14)
 
@@ -51,23 +51,30 @@ def test_the_quadrature_knows_the_uniform_pressure() -> None:
 
 
 def test_regions_meet() -> None:
-    for edge, below, above in ((1, drilling.inside, drilling.between), (6.25, drilling.between, drilling.outside)):
+    for edge, below, above in (
+        (1, disc.inside, disc.between),
+        (6.25, disc.between, disc.outside),
+    ):
         assert below(edge, 1.0) == pytest.approx(above(edge, 1.0), rel=3e-14)
     short = 1 - 1 / 10 / 31**2 - 3 / 280 / 31**4 - 1 / 336 / 31**6 - 5 / 4224 / 31**8
-    assert drilling.outside(31.0**2, 1.0).k * 31 == pytest.approx(short, rel=1e-15)
+    assert disc.outside(31.0**2, 1.0).k * 31 == pytest.approx(short, rel=1e-15)
 
 
 def test_small_slip_is_viscous_and_fast_slip_is_coulomb() -> None:
-    assert drilling.drag(0.0, 4.0).k == pytest.approx(3 * np.pi / 16, rel=1e-15)
-    assert drilling.drag(4.0, 0.0).k == 0.5
-    assert drilling.drag(4.0, 0.0).twist == pytest.approx(0.1, rel=1e-15)
-    assert drilling.drag(0.0, 0.0) == (np.inf, np.inf)
+    assert disc.drag(0.0, 4.0).k == pytest.approx(3 * np.pi / 16, rel=1e-15)
+    assert disc.drag(4.0, 0.0).k == 0.5
+    assert disc.drag(4.0, 0.0).twist == pytest.approx(0.1, rel=1e-15)
+    assert disc.drag(0.0, 0.0) == (np.inf, np.inf)
 
 
 def test_one_potential_has_both_as_derivatives(rng: np.random.Generator) -> None:
     """dF/dU = d(M/patch)/dw, in every region: by expressions."""
     w2, U2 = hy.make_vars("w2", "U2")
-    for law, ratio in ((drilling.inside, (0.1, 0.9)), (drilling.between, (1.1, 2.5)), (drilling.outside, (2.5, 50))):
+    for law, ratio in (
+        (disc.inside, (0.1, 0.9)),
+        (disc.between, (1.1, 2.5)),
+        (disc.outside, (2.5, 50)),
+    ):
         made = law(w2, U2)
         F, M = made.k * hy.sqrt(w2), made.twist * hy.sqrt(U2)
         slopes = hy.cfunc([hy.diff(F, U2) * hy.sqrt(U2), hy.diff(M, w2) * hy.sqrt(w2)], vars=[w2, U2])
@@ -79,9 +86,9 @@ def test_one_potential_has_both_as_derivatives(rng: np.random.Generator) -> None
 
 def test_a_patch_takes_energy() -> None:
     v, Omega_z, patch, mu, N = Vector(0.3, -0.4, 0.0), -120.0, 5e-4, 0.3, 0.2
-    made = drilling.drag(0.25, (patch * Omega_z) ** 2)
-    F = drilling.drilling_force(N, v, made, mu)
-    torque = drilling.drilling_torque(N, Omega_z, made, mu, patch)
+    made = disc.drag(0.25, (patch * Omega_z) ** 2)
+    F = disc.drilling_force(N, v, made, mu)
+    torque = disc.drilling_torque(N, Omega_z, made, mu, patch)
     _, m = quadrature(0.5 / (patch * 120.0))
     assert torque == pytest.approx(mu * N * patch * float(m), rel=1e-13)
     assert F.x * v.x + F.y * v.y + torque * Omega_z < 0
@@ -90,6 +97,6 @@ def test_a_patch_takes_energy() -> None:
 
 
 def test_rolling_resistance_is_a_torque_against_the_horizontal_turn() -> None:
-    assert drilling.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3) == pytest.approx((-1.2e-3, 1.6e-3, 0), rel=1e-15)
-    smooth = drilling.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3, still=12.0)  # hypot(3, 4, 12) = 13
+    assert disc.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3) == pytest.approx((-1.2e-3, 1.6e-3, 0), rel=1e-15)
+    smooth = disc.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3, still=12.0)  # hypot(3, 4, 12) = 13
     assert smooth == pytest.approx((-6e-3 / 13, 8e-3 / 13, 0), rel=1e-15)

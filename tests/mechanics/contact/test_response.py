@@ -1,4 +1,4 @@
-"""Mobility, bias and reactions of a ball's contact, against the equations of Newton and Euler solved as linear ones."""
+"""Mobility, bias and reactions at a contact, against the equations of Newton and Euler solved as linear ones."""
 
 import itertools
 from collections.abc import Callable
@@ -9,10 +9,12 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact import ball as contact
-from tippetop.mechanics.contact import coulomb
-from tippetop.mechanics.contact.ball import Ball, Components
-from tippetop.mechanics.operand import Vector
+from tippetop.mechanics.contact import body as contact
+from tippetop.mechanics.contact import coulomb, response
+from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.response import Components
+from tippetop.mechanics.friction import SetValued
+from tippetop.mechanics.operand import Vector, leaves
 
 
 DIGITS = 40
@@ -21,7 +23,7 @@ DIGITS = 40
 class State(NamedTuple):
     """A ball in contact or in the air, everything of 40 digits: Euler angles, and the same in space axes as columns."""
 
-    ball: Ball
+    ball: Touch
     theta: Any
     rates: tuple  # theta', phi', omega_3
     e: Any  # unit vectors
@@ -52,9 +54,8 @@ Z = column(0, 0, 1)
 
 def random_state(rng: np.random.Generator, theta: float | None = None) -> State:
     """A body of any sensible shape: stems have an offset greater than the radius, others a negative one."""
-    radius = rng.uniform(0.1, 1)
-    ball = Ball(*map(mp.mpf, (rng.uniform(0.5, 2), rng.uniform(0.2, 1), rng.uniform(0.2, 1), 9.82)), mp.mpf(0.3), 0, 0)
-    ball = ball._replace(offset=mp.mpf(rng.uniform(-2, 2)), radius=mp.mpf(radius))
+    low, high = (0.5, 0.1, -2, 0.2, 0.2, 9.82), (2, 1, 2, 1, 1, 9.82)
+    ball = Touch(*map(mp.mpf, rng.uniform(low, high)), SetValued(mp.mpf(0.3)))
     theta = mp.mpf(rng.uniform(0.1, 3)) if theta is None else mp.mpf(theta)
     phi, direction, rates = mp.mpf(rng.uniform(-3, 3)), mp.mpf(rng.uniform(-3, 3)), map(mp.mpf, rng.normal(0, 3, 3))
     theta_dot, phi_dot, omega3 = rates
@@ -76,9 +77,9 @@ def momentum(x: State) -> Any:
 
 def acceleration(x: State, F: Any, torque: Any = None) -> Any:
     """Of the contact point with the force F there and a torque, by the equations of Newton and Euler."""
-    a = x.ball.offset * x.u - x.ball.radius * Z
+    a = x.ball.c * x.u - x.ball.R * Z
     turn = mp.lu_solve(inertia(x), cross(a, F) + (torque or column(0, 0, 0)) - cross(x.omega, momentum(x)))
-    return F / x.ball.m - x.ball.g * Z + cross(turn, a) + cross(x.omega, x.ball.offset * cross(x.omega, x.u))
+    return F / x.ball.m - x.ball.g * Z + cross(turn, a) + cross(x.omega, x.ball.c * cross(x.omega, x.u))
 
 
 def forced(x: State, conditions: Callable) -> Any:
@@ -92,7 +93,8 @@ def forced(x: State, conditions: Callable) -> Any:
 
 def slipping(x: State) -> Any:
     """Rising keeps v_n = 0; friction is -mu N n."""
-    return forced(x, lambda F, G: column(G[2], F[0] + x.ball.mu * F[2] * x.n[0], F[1] + x.ball.mu * F[2] * x.n[1]))
+    mu = x.ball.friction.mu
+    return forced(x, lambda F, G: column(G[2], F[0] + mu * F[2] * x.n[0], F[1] + mu * F[2] * x.n[1]))
 
 
 def rolling(x: State) -> Any:
@@ -133,7 +135,7 @@ def by_angles(x: State) -> tuple:
 
 
 def local(x: State) -> tuple:
-    return contact.bias(*by_angles(x), *x.rates, x.ball), contact.mobility(*by_angles(x), x.ball)
+    return response.bias(*by_angles(x), *x.rates, x.ball), response.mobility(*by_angles(x), x.ball)
 
 
 def test_bias_and_mobility_are_those_of_newton_and_euler(states: list[State]) -> None:
@@ -143,7 +145,7 @@ def test_bias_and_mobility_are_those_of_newton_and_euler(states: list[State]) ->
         assert_close(b, free)
         for force in (column(1, 0, 0), column(0, 1, 0), column(1, -2, 3)):
             F = components(x, force)
-            assert_close(contact.contact_acceleration(b, K, F), components(x, acceleration(x, force)))
+            assert_close(response.contact_acceleration(b, K, F), components(x, acceleration(x, force)))
 
 
 def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
@@ -151,43 +153,42 @@ def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
 ) -> None:
     for x in states + at_poles:
         u, L = vector(x.u), vector(momentum(x))
-        b = contact.bias_vector(u, L, x.ball)
+        b = response.bias_vector(u, L, x.ball)
         assert_close(b, acceleration(x, column(0, 0, 0)))
         for force in (column(1, 0, 0), column(0, 1, 0), column(1, -2, 3)):
             F = vector(force)
-            assert_close(contact.contact_acceleration_vector(u, b, F, x.ball), acceleration(x, force))
-            there_and_back = contact.mobility_inverse_times(u, contact.mobility_times(u, F, x.ball), x.ball)
+            assert_close(response.contact_acceleration_vector(u, b, F, x.ball), acceleration(x, force))
+            there_and_back = response.mobility_inverse_times(u, response.mobility_times(u, F, x.ball), x.ball)
             assert_close(there_and_back, force)
 
 
 def test_mobility_is_the_derivative_of_the_velocity_by_the_impulse(states: list[State]) -> None:
     for x in states[:20]:
-        a, p = x.ball.offset * x.u - x.ball.radius * Z, column(0.3, -0.4, 1.1)
+        a, p = x.ball.c * x.u - x.ball.R * Z, column(0.3, -0.4, 1.1)
 
         def velocity(k: float, x: State = x, a: Any = a, p: Any = p) -> Any:
             omega = mp.lu_solve(inertia(x), momentum(x) + k * cross(a, p))
             return k * p / x.ball.m + cross(omega, a)
 
-        assert_close(contact.mobility_times(vector(x.u), vector(p), x.ball), velocity(0.5) - velocity(-0.5))
+        assert_close(response.mobility_times(vector(x.u), vector(p), x.ball), velocity(0.5) - velocity(-0.5))
 
 
 def test_velocities_of_the_contact_point(states: list[State], at_poles: list[State]) -> None:
     for x in states + at_poles:
         V, u, L = column(0.1, 0.2, -0.3), vector(x.u), vector(momentum(x))
-        expected = V + cross(x.omega, x.ball.offset * x.u - x.ball.radius * Z)
+        expected = V + cross(x.omega, x.ball.c * x.u - x.ball.R * Z)
         v = contact.contact_velocity(u, L, vector(V), x.ball)
         assert_close(v, expected)
         assert_close(contact.centre_velocity(u, L, v, x.ball), V)
-        assert_close(contact.arm_components(*by_angles(x), *x.rates, x.ball), components(x, expected - V))
 
 
 def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], at_poles: list[State]) -> None:
     for x in states + at_poles:
         F = slipping(x)
         u = vector(x.u)
-        b = contact.bias_vector(u, vector(momentum(x)), x.ball)
+        b = response.bias_vector(u, vector(momentum(x)), x.ball)
         assert_close(coulomb.slip_force_vector(u, b, vector(x.n), x.ball), F)
-        acts = contact.contact_acceleration_vector(u, b, vector(F), x.ball)
+        acts = response.contact_acceleration_vector(u, b, vector(F), x.ball)
         across = dot(cross(Z, x.n), acceleration(x, F))
         assert_close(coulomb.along_and_across(acts, vector(x.n)), (dot(x.n, acceleration(x, F)), across))
     for x in states:
@@ -195,75 +196,67 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], a
         n_e, n_t = dot(x.n, x.e), dot(x.n, x.t)
         F = coulomb.slip_force(b, K, n_e, n_t, x.ball)
         assert_close(F, components(x, slipping(x)))
-        P, Q = coulomb.along_and_across_components(contact.contact_acceleration(b, K, F), n_e, n_t)
-        G = acceleration(x, slipping(x))
-        assert_close((P, Q), (dot(x.n, G), dot(cross(Z, x.n), G)))
 
 
 def test_the_normal_force_with_a_torque_keeps_the_contact_closed(states: list[State], at_poles: list[State]) -> None:
     for x in states + at_poles:
         push, tau, u = column(0.2, -0.1, 0), column(0.03, 0.02, -0.05), vector(x.u)
-        b = contact.bias_vector(u, vector(momentum(x)), x.ball)
+        b = response.bias_vector(u, vector(momentum(x)), x.ball)
         N = coulomb.loaded_normal_force(u, b, vector(push), vector(tau), x.ball)
         G = acceleration(x, N * (Z - push), N * tau)
         assert_close([G[2]], [0])
-        given = contact.torque_acceleration(u, vector(tau), x.ball)
+        given = response.torque_acceleration(u, vector(tau), x.ball)
         assert_close(given, acceleration(x, column(0, 0, 0), tau) - acceleration(x, column(0, 0, 0)))
 
 
 def test_the_forces_of_rolling_are_those_of_newton_and_euler(states: list[State], at_poles: list[State]) -> None:
     for x in states + at_poles:
         u = vector(x.u)
-        b = contact.bias_vector(u, vector(momentum(x)), x.ball)
+        b = response.bias_vector(u, vector(momentum(x)), x.ball)
         assert_close(coulomb.reaction_of_rolling_vector(u, b, x.ball), rolling(x))
     for x in states:
         F = rolling(x)
         assert_close(coulomb.reaction_of_rolling(*local(x)), components(x, F))
-        assert_close([coulomb.cone(*F, x.ball.mu)], [(x.ball.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2])
-
-
-def test_accelerations_of_the_angles_are_those_of_the_axis(states: list[State]) -> None:
-    """theta'', phi'' and omega_3' with a force, against the second derivative of the axis."""
-    for x in states:
-        theta_dot, phi_dot, _ = x.rates
-        s, z = by_angles(x)
-        F = slipping(x)
-        a = x.ball.offset * x.u - x.ball.radius * Z
-        turn = mp.lu_solve(inertia(x), cross(a, F) - cross(x.omega, momentum(x)))
-        u_dot = cross(x.omega, x.u)
-        u_dot2 = cross(turn, x.u) + cross(x.omega, u_dot)
-        found = contact.euler_accelerations(s, z, *x.rates, components(x, F), x.ball)
-        theta_dot2 = -(u_dot2[2] + z * theta_dot**2) / s
-        phi_dot2 = (dot(x.t, u_dot2) - 2 * theta_dot * phi_dot * z) / s
-        assert_close(found, (theta_dot2, phi_dot2, dot(turn, x.u) + dot(x.omega, u_dot)))
+        assert_close([coulomb.cone(*F, x.ball.friction.mu)], [(x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2])
 
 
 def test_no_force_at_the_contact_changes_jelletts_integral(states: list[State]) -> None:
     for x in states:
-        a, F, L = x.ball.offset * x.u - x.ball.radius * Z, column(1, 2, 3), momentum(x)
-        assert_close([contact.jellett(vector(x.u), vector(L), x.ball)], [-dot(L, a)])
-        after = contact.jellett(vector(x.u), vector(L + cross(a, F)), x.ball)
-        assert_close([after], [-dot(L, a)])
+        a, F, L = x.ball.c * x.u - x.ball.R * Z, column(1, 2, 3), momentum(x)
+        for momentum_ in (L, L + cross(a, F)):
+            assert_close([contact.jellett_of(momentum_[2], dot(momentum_, x.u), x.ball)], [-dot(L, a)])
+
+
+def test_jumps_of_velocity_and_momentum_are_those_of_the_contact_velocity() -> None:
+    """dv = K p, by way of dV = p/m and dL = a x p."""
+    phi, theta, b = 0.7, 1.1, Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, None)
+    e, t = np.array([np.cos(phi), np.sin(phi), 0]), np.array([-np.sin(phi), np.cos(phi), 0])
+    u = Vector(*(np.sin(theta) * e + np.cos(theta) * np.array([0, 0, 1])))
+    p, K = (1e-3, -2e-3, 5e-3), response.mobility(np.sin(theta), np.cos(theta), b)
+    dV, dL = response.jumps(u, Vector(*(p[0] * e + p[1] * t + p[2] * np.array([0, 0, 1]))), b)
+    dv = np.array(contact.contact_velocity(u, dL, dV, b))
+    expected = (K.ee * p[0] + K.ez * p[2], K.tt * p[1], K.ez * p[0] + K.zz * p[2])
+    np.testing.assert_allclose((dv @ e, dv @ t, dv[2]), expected, rtol=1e-12)
 
 
 def test_the_gap_is_the_height_of_the_lowest_point(states: list[State]) -> None:
     for x in states:
-        lowest = mp.mpf("0.7") + x.ball.offset * x.u[2] - x.ball.radius
+        lowest = mp.mpf("0.7") + x.ball.c * x.u[2] - x.ball.R
         assert_close([contact.gap(mp.mpf("0.7"), mp.cos(x.theta), x.ball)], [lowest])
 
 
 def test_formulas_take_floats_arrays_and_expressions(states: list[State]) -> None:
     """All of them together, as a lead to lanes and integrators: the same numbers to rounding."""
 
-    def everything(u: Vector, L: Vector, n: Vector, ball: Ball) -> list:
-        b = contact.bias_vector(u, L, ball)
+    def everything(u: Vector, L: Vector, n: Vector, ball: Touch) -> list:
+        b = response.bias_vector(u, L, ball)
         return [*coulomb.slip_force_vector(u, b, n, ball), *coulomb.reaction_of_rolling_vector(u, b, ball)]
 
     names = [f"x{i}" for i in range(16)]
     variables = hy.make_vars(*names)
-    cut = lambda x: (Vector(*x[:3]), Vector(*x[3:6]), Vector(*x[6:9]), Ball(*x[9:]))  # noqa: E731
+    cut = lambda x: (Vector(*x[:3]), Vector(*x[3:6]), Vector(*x[6:9]), Touch(*x[9:15], SetValued(x[15])))  # noqa: E731
     compiled = hy.cfunc(everything(*cut(variables)), vars=variables)
-    values = np.array([[*x.u, *momentum(x), *x.n, *x.ball] for x in states], dtype=float).T.copy()
+    values = np.array([[*x.u, *momentum(x), *x.n, *leaves(x.ball)] for x in states], dtype=float).T.copy()
     exact = np.array([everything(vector(x.u), vector(momentum(x)), vector(x.n), x.ball) for x in states], dtype=float).T
     arrays = np.array(everything(*cut(values)))
     floats = np.array([everything(*cut(lane.tolist())) for lane in values.T]).T

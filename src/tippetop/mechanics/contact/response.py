@@ -1,0 +1,129 @@
+"""The response of a body to forces, torques and impulses at its contact.
+
+Components are those along e, 2hat, zhat (names without `vector`), singular at the poles, or of space (`Vector`),
+regular everywhere.
+"""
+
+from typing import NamedTuple
+
+from ..operand import Operand, Vector, cross, dot, formula, plus, times
+from .body import angular_velocity, arm, arm2, axis_rate, height
+
+
+class Components(NamedTuple):
+    """Components of a vector along e, 2hat and zhat."""
+
+    e: Operand
+    t: Operand  # along 2hat = zhat x e
+    z: Operand
+
+
+class Mobility(NamedTuple):
+    """K: acceleration of the contact point per force there, velocity per impulse [1/kg]; K_e2 = K_2z = 0."""
+
+    ee: Operand
+    zz: Operand
+    ez: Operand
+    tt: Operand  # K_22
+
+
+@formula
+def mobility(s, z, b):
+    """K by sin(theta), cos(theta). [contact 1]"""
+    H, lever = height(z, b), b.c * s
+    return Mobility(
+        1 / b.m + H**2 / b.I1,
+        1 / b.m + lever**2 / b.I1,
+        lever * H / b.I1,
+        1 / b.m + (b.c - b.R * z) ** 2 / b.I1 + (b.R * s) ** 2 / b.I3,
+    )
+
+
+class Spin(NamedTuple):
+    """What a torque about the vertical does: to v_2 and to Omega_z [1/(kg m), 1/(kg m^2)]."""
+
+    across: Operand
+    about: Operand
+
+
+@formula
+def spin_mobility(s, z, b):
+    """By sin(theta), cos(theta); an impulse along 2hat gives Omega_z as much as the torque gives v_2."""
+    excess = 1 / b.I3 - 1 / b.I1
+    return Spin(s * (b.c / b.I1 + b.R * z * excess), s**2 / b.I1 + z**2 / b.I3)
+
+
+@formula
+def torque_acceleration(u, tau, b):
+    """(I^-1 tau) x a, (3,) [m/s^2]: what a torque about the centre of mass gives the contact point."""
+    return cross(angular_velocity(u, tau, b), arm(u, b))
+
+
+@formula
+def mobility_times(u, x, b):
+    """K x, (3,): x/m + (I^-1 (a x x)) x a."""
+    return plus(times(1 / b.m, x), torque_acceleration(u, cross(arm(u, b), x), b))
+
+
+@formula
+def mobility_inverse_times(u, x, b):
+    """K^-1 x, (3,): the force or impulse for x at the contact; K = kappa - a a/I1 + excess k k, k = zhat x 3hat."""
+    return other_mobility_inverse_times(u, x, b.R**2 * (1 / b.I3 - 1 / b.I1), b)
+
+
+@formula
+def other_mobility_inverse_times(u, x, excess, b):
+    """The same of another excess, which is what a torque about the vertical changes of K."""
+    a = arm(u, b)
+    kappa = 1 / b.m + arm2(u.z, b) / b.I1
+    across = u.x * x.y - u.y * x.x  # k.x
+    along_k = -(excess * across) / (kappa + excess * (u.x * u.x + u.y * u.y))
+    along_a = b.m * dot(a, x) / b.I1
+    return Vector(
+        (x.x + along_a * a.x - along_k * u.y) / kappa,
+        (x.y + along_a * a.y + along_k * u.x) / kappa,
+        (x.z + along_a * a.z) / kappa,
+    )
+
+
+@formula
+def bias(s, z, theta_dot, phi_dot, omega3, b):
+    """b, the acceleration of the contact point without a force there [m/s^2]. [contact 1]"""
+    H, q, swing = height(z, b), b.c - b.R * z, theta_dot**2 + (phi_dot * s) ** 2
+    return Components(
+        s * phi_dot * omega3 * (b.I3 * H / b.I1 - b.R) - b.c * (s * swing),
+        omega3 * theta_dot * (b.I3 * q / b.I1 + b.R * z),
+        -b.g - b.c * (z * swing - b.I3 * (phi_dot * omega3 * s**2) / b.I1),
+    )
+
+
+@formula
+def bias_vector(u, L, b):
+    """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free rotation."""
+    u_dot, L3 = axis_rate(u, L, b), dot(L, u)
+    turn = cross(u_dot, arm(u, b))
+    precession, swing = cross(u, u_dot), dot(u_dot, u_dot)
+    spin, w3 = (1 / b.I3 - 1 / b.I1) * L3, L3 / b.I3
+    return Vector(
+        spin * turn.x + b.c * (w3 * precession.x - swing * u.x),
+        spin * turn.y + b.c * (w3 * precession.y - swing * u.y),
+        spin * turn.z + b.c * (w3 * precession.z - swing * u.z) - b.g,
+    )
+
+
+@formula
+def contact_acceleration(b, K, F):
+    """b + K F, Components [m/s^2]."""
+    return Components(b.e + K.ee * F.e + K.ez * F.z, b.t + K.tt * F.t, b.z + K.ez * F.e + K.zz * F.z)
+
+
+@formula
+def contact_acceleration_vector(u, b, F, body):
+    """b + K F, (3,) [m/s^2]."""
+    return plus(b, mobility_times(u, F, body))
+
+
+@formula
+def jumps(u, p, b):
+    """What the impulse p, (3,), adds to the velocity of the centre of mass and to L: p/m and a x p."""
+    return times(1 / b.m, p), cross(arm(u, b), p)

@@ -1,0 +1,63 @@
+"""The fields of a law tell what its contact does; a name with its numbers gives one law."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.mechanics.friction import LAWS, is_frictionless, takes_nothing
+from tippetop.mechanics.operand import Operand, Vector, formula
+from tippetop.mechanics.parameter import Parameter
+from tippetop.mechanics.units import ONE
+
+
+def test_the_numbers_that_are_given_decide_between_two_laws_of_one_name() -> None:
+    exact, smooth = (LAWS["coulomb"].given(names) for names in (["mu"], ["mu", "eps"]))
+    assert exact.set_valued
+    assert not smooth.set_valued
+    assert exact.parameters.keys() < smooth.parameters.keys()
+    start = {"theta": 0.1, "omega3": 155.0}
+    for eps, law in ((None, exact), (1e-2, smooth)):
+        run = tt.run("inverting", tt.Coulomb(mu=0.3, eps=eps), start=start, until=1e-3)
+        assert run.problem.law is law
+        assert (run.problem.contact is not None) == law.set_valued
+
+
+def test_a_record_of_the_package_is_taken_for_its_law() -> None:
+    """Exact friction and that of a disc, too."""
+    for law in LAWS.values():
+        for kind in (law, law.given(())):
+            numbers = {name: 1e-3 for name in kind.parameters}
+            assert tt.run("inverting", kind.record(**numbers), until=1e-3).problem.law is kind
+
+
+def test_friction_takes_nothing_where_every_force_and_torque_vanishes() -> None:
+    assert is_frictionless(LAWS["coulomb"].given(()).record(0.0))
+    assert not is_frictionless(LAWS["coulomb"].given(()).record(5e-324))
+    disc = LAWS["contensou"].record(np.array([0.0, 0.0, 1e-300]), 1e-3, np.array([0.0, 1e-300, 0.0]))
+    assert takes_nothing(disc).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("name", LAWS["contensou"].regions)
+def test_the_torque_of_a_disc_takes_energy(name: str, rng: np.random.Generator) -> None:
+    law = LAWS["contensou"]
+    region = law.regions[name]
+    omega = Vector(*rng.normal(size=3))
+    x = {"inside": 0.5, "between": 1.5, "outside": 5.0}[name]
+    torque = law.torque(region.drag(x**2, 1.0), omega, law.record(0.3, 1e-3, 1e-4))
+    assert torque.z * omega.z < 0
+    assert torque.x * omega.x + torque.y * omega.y < 0
+
+
+class Odd(NamedTuple):
+    """A law of a user."""
+
+    mu: Operand
+
+
+def test_a_law_of_a_user_is_smooth() -> None:
+    k = formula(lambda v2, z, law: law.mu)
+    law = tt.Law(Odd, {"mu": Parameter(ONE, "mu", least=0)}, "odd", k, set_valued=True)
+    with pytest.raises(tt.InputError, match="`set_valued` of the law `odd` must be left out"):
+        tt.register(law, "odd")
