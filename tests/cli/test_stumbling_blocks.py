@@ -47,7 +47,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["run", "inverting", "--theta", "0.2"], "unknown option --theta: write --set initial.theta=0.2."),
         (["run", "inverting", "--theta=0.2"], "write --set initial.theta=0.2."),
         (["check", "inverting", "--mu", "0.2"], "write --set friction.mu=0.2."),
-        (["check", "inverting", "--until", "3"], "write --set run.until=3."),
+        (["check", "inverting", "--omega3", "3"], "write --set initial.omega3=3."),
         (["run", "inverting", "--figur", "x.png"], "unknown option --figur; did you mean --figure?"),
         (["plot", "a.zarr"], "--out is missing: write tippetop plot a.zarr --out ...;"),
         (["plot", "a.zarr", "--out", "f.jpg"], "--out must end with .png, .svg or .pdf, but is `f.jpg`."),
@@ -68,7 +68,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["run", "inverting", "--until", "1 s", "--until", "-1 s"], "followed by a value, but is followed by `-1 s`"),
         (["run", "inverting", "--set", "run.until=1", "--set"], "--set must be followed by a value; see"),
         (["run", "inverting", "--until", "--json"], "followed by a value, but is followed by `--json`; see"),
-        (["check", "inverting", "--until", "2 min"], "write --set 'run.until=2 min'."),
+        (["check", "inverting", "--m", "20 g"], "write --set 'parameters.m=20 g'."),
         (["rum", "inverting"], "unknown command `rum`. Did you mean `run`?"),
         (["run", "invertin"], "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?"),
         (
