@@ -1,14 +1,18 @@
 """Cached properties that take no lock."""
 
 import functools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 
-class cached_property(functools.cached_property):
-    """As in Python 3.12 and later; the lock of 3.11 stays taken in a process forked while a thread computes."""
+if TYPE_CHECKING:
+    from functools import cached_property as cached_property
+else:
 
-    def __get__(self, instance: Any, owner: Any = None) -> Any:
-        if instance is None:
-            return self
-        value = instance.__dict__[self.attrname] = self.func(instance)
-        return value
+    class cached_property(functools.cached_property):
+        """As in Python 3.12 and later; the lock of 3.11 stays taken in a process forked while a thread computes."""
+
+        def __get__(self, instance: Any, owner: Any = None) -> Any:
+            if instance is None:
+                return self
+            value = instance.__dict__[self.attrname] = self.func(instance)
+            return value
