@@ -75,7 +75,7 @@ class Tallies(NamedTuple):
 
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
 _FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged", "bounded")]
-EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS])
+EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS], align=True)
 LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 
