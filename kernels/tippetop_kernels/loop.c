@@ -307,6 +307,8 @@ static integer crossings(const real *p, integer n, bool positive, bool monotone,
         return 1;
     }
     real radius = reach(p, n);
+    if (!isfinite((real)(n * n) * (radius + fabs(p[0])))) /* no interval would ever be decided */
+        return 0;
     if (fabs(p[0]) > radius || radius == 0) { /* away from zero, or zero, all along */
         bool now = p[0] != 0 ? p[0] > 0 : positive;
         zeros[0] = 0;
@@ -1153,6 +1155,10 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
 void loop_extremes(const real *p, integer n, real least, real greatest, bool monotone,
                    const Tables *tables, Extremes *found) {
     *found = extremes(p, n, least, greatest, monotone, tables);
+}
+
+void loop_take_turning(const Loop *l, integer sign, real theta) {
+    take_turning(l, l->tallies.lane, sign, theta);
 }
 
 void loop_ranges(integer n, integer size, integer shift, const real *c, const real *factors,

@@ -18,11 +18,18 @@ import tippetop_kernels
 
 from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
 from .status import Status
-from .tallies import EventRows, PassageLog, Samples, StopRules, Tallies
+from .stepper import UNKNOWN, MachineCode
+from .tallies import EventRows, PassageLog, Samples, StopRules, Tallies, new_samples
 
 
 MOST_COEFFICIENTS = 64
 """Coefficients of a polynomial for which the loop has room; quadruple precision has 47."""
+
+TINY = 1e-10
+"""Internal time of a step that goes nowhere."""
+
+PATIENCE = 64
+"""Tiny steps in a row that are a stall."""
 
 
 class Motion(NamedTuple):
@@ -42,16 +49,16 @@ class Motion(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """States of the first lane that are wanted: at given times, or at the ends of its steps."""
+    """States of the first lane that are wanted, at given times or at the ends of its steps."""
 
-    times: np.ndarray  # (count,) internal, ascending; those of steps are written here
-    states: np.ndarray  # (variables, count)
+    times: np.ndarray  # (length,) internal, ascending; those of steps are written here
+    states: np.ndarray  # (variables, length)
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
-    rounding: int  # of the dense output
-    count: int
-    variables: int
-    vector: int  # doubles in a vector of the processor
+    rounding: int = UNKNOWN  # of the dense output
+    length: int = 0
+    variables: int = 0
+    vector: int = hy.recommended_simd_size()  # doubles in a vector of the processor
 
 
 class Tops(NamedTuple):
@@ -109,8 +116,8 @@ class _Thresholds(NamedTuple):
     at_pole: float = AT_POLE
     near_pole: float = NEAR_POLE
     on_zero_for: float = ON_ZERO_FOR
-    tiny: float = 1e-10  # internal time: a step that goes nowhere
-    patience: int = 64  # tiny steps in a row that are a stall
+    tiny: float = TINY
+    patience: int = PATIENCE
 
 
 class Tables(NamedTuple):
@@ -124,7 +131,7 @@ class _Ensemble(NamedTuple):
     tops: Tops
     queue: Queue
     fresh: Tallies
-    count: int
+    length: int
     variables: int
 
 
@@ -163,7 +170,8 @@ def structure(record: type) -> type[ctypes.Structure]:
 
 def filled(record: Any) -> ctypes.Structure:
     """Return the structure of C with the values of a named tuple, whose arrays must outlive it."""
-    return structure(type(record))(*map(_field, record))
+    kind: Any = type(record)
+    return structure(kind)(*map(_field, record))
 
 
 def _field(value: Any) -> Any:
@@ -191,7 +199,7 @@ def library() -> ctypes.CDLL:
             f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: install tippetop again "
             "(pip install -e .)."
         )
-    whole, real, flag, array = ctypes.c_int64, ctypes.c_double, ctypes.c_bool, ctypes.c_void_p
+    whole, flag, array = ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p
     signatures: dict[str, tuple[Any, Sequence[Any]]] = {
         "drive": (whole, [array, whole]),
         "drive_lanes": (whole, [array, whole]),
@@ -199,24 +207,18 @@ def library() -> ctypes.CDLL:
         "end_step": (flag, [array]),
         "change": (flag, [array, flag]),
         "follow": (None, [array, whole, array, array]),
-        "structure_size": (whole, []),
-        "crossings": (whole, [array, whole, flag, flag, array, array]),
-        "extremes": (None, [array, whole, real, real, flag, array, array]),
-        "ranges": (None, [whole] * 3 + [array] * 6),
     }
     for name, (result, arguments) in signatures.items():
-        function = loaded[f"loop_{name}"]
+        function = getattr(loaded, f"loop_{name}")
         function.restype, function.argtypes = result, arguments
-        setattr(loaded, f"loop_{name}", function)
     return loaded
 
 
-def new_motion(integrator: Any, lanes: int) -> Motion:
-    """Return empty lanes of an integrator."""
-    n, order = len(integrator.state), integrator.order
-    state = np.zeros((n, lanes))
-    line = [np.zeros(lanes) for _ in range(7)]
-    return Motion(state, state.copy(), np.zeros((len(integrator.pars), lanes)), np.zeros((n, order + 1, lanes)), *line)
+def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion:
+    """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
+    state, before = np.zeros((2, variables, lanes))
+    pars, tc = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
+    return Motion(state, before, pars, tc, *(np.zeros(lanes) for _ in range(7)))
 
 
 class Loop:
@@ -225,13 +227,13 @@ class Loop:
     Parameters
     ----------
     motion
-        The lanes; for `follow` its coefficients show the sizes alone.
+        The lanes.
     rows, tallies, log, samples
-        What the observer reads and writes; the log is that of the first lane.
+        What the observer reads and writes. The log is that of the first lane.
     rules
         What ends a run.
-    step, dense
-        Addresses of machine code: a step of all lanes, and the state within it. 0: other code makes the steps.
+    machine
+        The steps. None: other code makes them.
     """
 
     def __init__(
@@ -242,58 +244,42 @@ class Loop:
         log: PassageLog,
         samples: Samples,
         rules: StopRules,
-        step: int = 0,
-        dense: int = 0,
+        machine: MachineCode | None = None,
     ):
         variables, size, lanes = motion.tc.shape
         if size > MOST_COEFFICIENTS:
             raise ValueError(f"a step must have at most {MOST_COEFFICIENTS} coefficients, but has {size}")
         self.library = library()
-        self.out = np.zeros((variables, lanes))
-        self.kept: list[Any] = [motion, rows, tallies, log, samples]  # their memory
-        scratch = _Scratch(np.empty((2, size, lanes)), *np.empty((3, 3, lanes))[:, 0], self.out)
-        scratch = scratch._replace(sums=np.empty((3, lanes)))
-        self.kept.append(scratch)
-        sizes = _Sizes(
-            variables,
-            len(motion.pars),
-            size,
-            lanes,
-            len(rows.events),
-            len(rows.numbers),
-            len(rows.axis),
-            len(log.time),
-            len(samples.top),
-        )
-        given: dict[str, Any] = {"step": step, "dense": dense}
-        for name, record in (
-            ("sizes", sizes),
-            ("motion", motion),
-            ("rows", rows),
-            ("tallies", tallies),
-            ("log", log),
-            ("samples", samples),
-            ("scratch", scratch),
-            ("rules", rules),
-            ("codes", _Codes()),
-            ("thresholds", _Thresholds()),
-            ("tables", TABLES),
-        ):
-            given[name] = filled(record)
-        self.structure: Any = structure(_Loop)(**given)
+        self.out = np.zeros((variables, lanes))  # a state in every lane
+        factors, sums, (quiet, h) = np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty((2, lanes))
+        lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top)
+        self.records = {
+            "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
+            "motion": motion,
+            "rows": rows,
+            "tallies": tallies,
+            "log": log,
+            "samples": samples,
+            "scratch": _Scratch(factors, sums, quiet, h, self.out),
+            "rules": rules,
+            "codes": _Codes(),
+            "thresholds": _Thresholds(),
+            "tables": TABLES,
+        }
+        self.structure: Any = structure(_Loop)(**{name: filled(record) for name, record in self.records.items()})
+        if machine is not None:
+            self.structure.step, self.structure.dense = machine.step, machine.dense
         self.place = ctypes.byref(self.structure)
 
-    def fill(self, times: np.ndarray, states: np.ndarray, filled_: np.ndarray, steps: bool, rounding: int) -> None:
-        """Ask for rows from now on; for none with no times."""
-        record = Rows(times, states, filled_, steps, rounding, len(times), len(states), hy.recommended_simd_size())
-        self.structure.output = filled(record)
-        self.filling = record
+    def fill(self, rows: Rows) -> None:
+        """Write these rows from now on."""
+        self.records["output"] = rows
+        self.structure.output = filled(rows._replace(length=len(rows.times), variables=len(rows.states)))
 
     def take(self, tops: Tops, queue: Queue, fresh: Tallies) -> None:
-        """Bind the tops of an ensemble."""
-        record = _Ensemble(tops, queue, fresh, len(tops.until), len(tops.start))
-        self.structure.ensemble = filled(record)
-        self.ensemble = record
+        """Run these tops from now on. `fresh` is the tally of one lane whose run has not begun."""
+        self.records["ensemble"] = ensemble = _Ensemble(tops, queue, fresh, len(tops.until), len(tops.start))
+        self.structure.ensemble = filled(ensemble)
 
     def drive(self, most: int) -> int:
         """Make at most `most` steps of one run. Return their number."""
@@ -315,6 +301,14 @@ class Loop:
         """Put down tops that have ended and take others. Return whether a lane is empty or a top has settled."""
         return self.library.loop_change(self.place, settled)
 
-    def follow(self, times: np.ndarray, tcs: np.ndarray) -> None:
-        """Take in steps: times (n + 1, lanes), Taylor coefficients tcs (n, variables, order + 1, lanes)."""
-        self.library.loop_follow(self.place, len(tcs), times.ctypes.data, tcs.ctypes.data)
+
+def follow(
+    times: np.ndarray, tcs: np.ndarray, rows: EventRows, rules: StopRules, tallies: Tallies, log: PassageLog
+) -> None:
+    """Take in steps that were made elsewhere: times (n + 1, lanes), coefficients tcs (n, variables, order + 1, lanes).
+
+    The tally of a run that ended has the step and the place in it where it ended. Later steps are ignored.
+    """
+    variables, size, lanes = tcs.shape[1:]
+    loop = Loop(new_motion(variables, 0, size, lanes), rows, tallies, log, new_samples(0, 0), rules)
+    loop.library.loop_follow(loop.place, len(tcs), times.ctypes.data, tcs.ctypes.data)
