@@ -19,32 +19,12 @@ MANY = 300  # tests of a session, of which some are bound to need each kernel
 PATIENCE = 180.0  # [s] that a worker waits for the others
 
 
-def _loop() -> None:
-    from tippetop.runs.run import solve
-    from tippetop.scenario import build
-
-    solve(build.load("inverting", until=0.01), keep=False)
-
-
-def _lanes() -> None:
-    import tippetop
-
-    tippetop.ensemble("inverting", {"friction.mu": [0.1, 0.2]}, until=0.01)
-
-
 def _minima() -> None:
     from tippetop.landscape import surface
     from tippetop.scenario import build
 
     top = dict(build.load("inverting").parameters)
     surface.minimal_surface(top, np.linspace(-1e-4, 1e-4, 3), np.linspace(0.0, 1e-4, 3))
-
-
-def _wide_observer() -> None:
-    from tippetop.runs.run import solve
-    from tippetop.scenario import build
-
-    solve(build.load("rolling-cylinder", ["run.precision=longdouble"], until=0.01), keep=False)
 
 
 def _turnings() -> None:
@@ -62,7 +42,7 @@ def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     if not worker or request.session.testscollected < MANY:
         return
     place = tmp_path_factory.getbasetemp().parent
-    for compile_some in (_loop, _lanes, _minima, _wide_observer, _turnings):  # 10, 12, 10, 3 and 3 s
+    for compile_some in (_minima, _turnings):  # 10 and 3 s
         with contextlib.suppress(FileExistsError):
             (place / f"kernels{compile_some.__name__}").mkdir()  # whoever makes it does it
             compile_some()

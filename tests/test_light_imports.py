@@ -6,20 +6,14 @@ import sys
 
 import pytest
 
-from tippetop.runs.run import solve
-from tippetop.scenario import build
-from tippetop_kernels import disk
-
 
 STAGES = [
     ("import tippetop as tt", {"heyoka", "numpy", "xarray", "matplotlib", "numba", "zarr", "pydantic"}),
     ("import tippetop.mechanics.systems", {"numba", "matplotlib", "zarr", "pydantic"}),
     ("import tippetop.landscape.surface, tippetop.figures, tippetop.cli", {"numba", "matplotlib"}),
     ("import tippetop.sweeps.sweep", {"numba", "matplotlib", "dask", "distributed"}),
-    (
-        "tt.run('inverting', until=0.1)",
-        {"matplotlib", "dask", "tippetop.engine.derivatives.along_run"} | ({"numba"} if disk.folder() else set()),
-    ),
+    ("tt.run('inverting', until=0.1)", {"matplotlib", "dask", "numba", "tippetop.engine.derivatives.along_run"}),
+    ("tt.ensemble('inverting', {'omega3': [150.0, 155.0]}, until=0.1)", {"numba"}),
 ]
 """What a process does, one after the other, and what it has not imported after that."""
 CODE = """
@@ -37,8 +31,7 @@ for stage in json.loads(sys.argv[1]):
 @pytest.fixture(scope="module")
 def after() -> list[tuple[set[str], bool]]:
     """The modules that are loaded after each stage, and whether environment, signal handlers and log level are the
-    same; the loop of a run is on disk before (where one is kept)."""
-    solve(build.load("inverting", until=0.1))
+    same."""
     command = [sys.executable, "-c", CODE, json.dumps([code for code, _ in STAGES])]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -47,7 +40,6 @@ def after() -> list[tuple[set[str], bool]]:
 
 @pytest.mark.parametrize("stage", range(len(STAGES)), ids=[code for code, _ in STAGES])
 def test_what_is_heavy_sleeps_until_it_is_needed(stage: int, after: list[tuple[set[str], bool]]) -> None:
-    """A process that finds the loop of a run on disk needs no compiler."""
     loaded, same = after[stage]
     assert not STAGES[stage][1] & loaded
     assert same

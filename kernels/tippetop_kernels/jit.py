@@ -185,7 +185,7 @@ class Bound:
 def _warn() -> None:
     """Once in a process."""
     warnings.warn(
-        "numba is not installed: events are sought in plain Python, some twenty times slower; install tippetop[grids].",
+        "numba is not installed: impacts and landings are computed in plain Python, slowly; install tippetop[grids].",
         RuntimeWarning,
         stacklevel=4,
     )

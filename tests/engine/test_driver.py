@@ -19,16 +19,13 @@ from tippetop.engine.slices import Driver
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.engine.wide import SliceDriver
-from tippetop.ensembles import ensemble as tippetop_ensemble
-from tippetop.ensembles.lanes import Lanes
-from tippetop.ensembles.turns import new_tops
+from tippetop.ensembles.lanes import Lanes, new_tops
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import Solution, solve
 from tippetop.runs.sinks import Memory, Nowhere
 from tippetop.scenario import build, reading
-from tippetop_kernels import jit
 
 
 ENDLESS = 1 << 40
@@ -180,7 +177,7 @@ def unloadable(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A process in which no machine code can be loaded."""
 
     def refuse(*_: object) -> None:
-        raise ValueError("not today")
+        raise RuntimeError("not today")
 
     with monkeypatch.context() as patch:
         patch.setattr(compiling, "load", refuse)
@@ -237,20 +234,6 @@ def test_without_machine_code_a_run_is_the_same(
     request.getfixturevalue("unlike")
     assert isinstance(driver_of(made), SliceDriver)
     compared(usual, solve(made))
-
-
-@pytest.mark.filterwarnings("ignore:numba is not installed")
-def test_without_numba_runs_are_the_same_and_ensembles_are_refused(
-    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made = build.load("inverting", None, 0.1)
-    usual = solve(made)
-    request.getfixturevalue("unloadable")
-    monkeypatch.setattr(jit, "HAS_NUMBA", False)
-    monkeypatch.setattr(tippetop_ensemble, "HAS_NUMBA", False)
-    compared(usual, solve(made))
-    with pytest.raises(tippetop.InputError, match=r"tippetop\[grids\]"):
-        tippetop.ensemble("inverting", {"initial.omega3": np.array([120.0, 155.0])}, until=0.1)
 
 
 @pytest.mark.slow

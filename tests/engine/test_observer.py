@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from tippetop.engine.observer import PATIENCE, TINY, follow
+from tippetop.engine.loop import PATIENCE, TINY, follow
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import (
     LEAST,
@@ -19,7 +19,6 @@ from tippetop.engine.tallies import (
     Tallies,
     event_rows,
     new_log,
-    new_scratch,
     new_tallies,
     reset,
 )
@@ -83,8 +82,7 @@ def continued(
     log: PassageLog | None = None,
 ) -> None:
     """Takes more steps in."""
-    lanes = times.shape[1]
-    follow(times, tcs, rows, rules, tallies, log or new_log(0, 0), new_scratch(tcs.shape[2], lanes))
+    follow(times, tcs, rows, rules, tallies, log or new_log(0, 0))
 
 
 def random_roots(rng: np.random.Generator) -> list[np.ndarray]:

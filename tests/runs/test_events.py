@@ -1,13 +1,16 @@
 """The event log: which turnings are rounding, and what their amplitudes are."""
 
+import ctypes
+
 import numpy as np
 import pytest
 from examples import turning_times
 
 import tippetop
-from tippetop.engine.observer import take_turning
+from tippetop.engine.loop import Loop, library, new_motion
+from tippetop.engine.slices import RULES
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import EVENT_RECORD, NUMBER_RECORD, EventRows, new_tallies
+from tippetop.engine.tallies import event_rows, new_log, new_samples, new_tallies
 from tippetop.mechanics.events import NOISE_FLOOR
 from tippetop.runs.events import Confirmation
 from tippetop.runs.run import solve
@@ -69,15 +72,16 @@ def test_lanes_and_single_runs_confirm_the_same_turnings(rng: np.random.Generato
         swings = NOISE_FLOOR * 10.0 ** rng.uniform(-1, 3, 30)
         sign = np.where(np.arange(30) % 2, 1, -1)
         theta = 1.0 + np.cumsum(-sign * swings)
-        tally = new_tallies(EventRows(np.zeros(0, EVENT_RECORD), np.zeros(0, NUMBER_RECORD), np.zeros(3, int)), 1).lane[
-            0
-        ]
+        nothing = event_rows([], [], [])
+        tallies = new_tallies(nothing, 1)
+        loop = Loop(new_motion(1, 0, 1, 1), nothing, tallies, new_log(0, 0), new_samples(0, 0), RULES)
         for way, angle in zip(sign.tolist(), theta.tolist(), strict=True):
-            take_turning(tally, way, angle)
+            library().loop_take_turning(loop.place, way, ctypes.c_double(angle))
         end = float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR)
-        take_turning(tally, 0, end)
+        library().loop_take_turning(loop.place, 0, ctypes.c_double(end))
         rows = confirmed(theta.tolist(), sign.tolist(), end)
         assert rows == confirmed(theta.tolist(), sign.tolist(), end, 7)
+        tally = tallies.lane[0]
         assert int(tally["turnings"]) == len(rows)
         assert (float(tally["theta_min"]), float(tally["theta_max"])) == (theta[rows].min(), theta[rows].max())
 

@@ -1,18 +1,13 @@
 """A system becomes an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
 
 import math
-import re
 import threading
 from collections.abc import Callable
 from functools import lru_cache, partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
-
-from tippetop_kernels.compiled_step import MachineCode, call, load
-from tippetop_kernels.dense_rows import UNKNOWN, rounding_of
 
 from ..mechanics.events import Event
 from ..mechanics.moment import moment
@@ -22,6 +17,7 @@ from ..problem import PRECISIONS
 from .code_cache import compiled_once
 from .expressions import equations_of_motion
 from .opt_level import opt_level
+from .stepper import UNKNOWN, MachineCode, call, load, rounding_of
 from .tallies import EventRows, event_rows
 
 
@@ -37,7 +33,7 @@ class Compiled(NamedTuple):
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
     rounding
-        How its dense output rounds, of one run: see `tippetop_kernels.dense_rows`.
+        How its dense output rounds, of one run: see `stepper.rounding_of`.
     agrees
         Filled by `is_same_step`: whether the code makes the step that heyoka makes.
     places
@@ -173,18 +169,9 @@ def _integral_of(event: Event, system: System, variables: Variables, friction: A
 def _machine(integrator: Any) -> MachineCode | None:
     """The machine code of a step; None where it cannot be loaded."""
     try:
-        return load(integrator.llvm_state.object_code, _libraries())
-    except (ValueError, OSError, RuntimeError, AttributeError, TypeError):
+        return load(integrator.llvm_state.object_code)
+    except RuntimeError:
         return None
-
-
-@lru_cache(maxsize=1)
-def _libraries() -> tuple[str, ...]:
-    """The shared libraries of this process whose functions heyoka's code calls."""
-    mapped = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
-    lines = (line for line in mapped.splitlines() if "heyoka" in line or "sleef" in line)
-    places = (re.search(r"\S*/lib(?:heyoka|sleef)[^/\s]*\.so\S*", line) for line in lines)
-    return tuple(sorted({place[0] for place in places if place}))
 
 
 _comparing = threading.Lock()

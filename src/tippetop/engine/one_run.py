@@ -1,7 +1,6 @@
 """One run in doubles, driven by the compiled step."""
 
 import weakref
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,17 +8,18 @@ import numpy as np
 from ..mechanics.operand import leaves
 from ..problem import Problem
 from .compiled import Compiled
-from .driver import Rows, drive, new_motion, no_rows
+from .loop import Loop, Rows, new_motion
 from .slices import RULES, STATUSES, Driver, Passages, Request, Slice, new_room
 from .status import Status
 
 
 RUNNING = Status.RUNNING.code
 PLACES = 4  # that a thread keeps of an integrator, 1 MB each of which a short run fills a part
+NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(1, np.int64), False)
 
 
 class Place:
-    """The arrays of a run, and the loop that is bound to their addresses: to bind them takes longer than 50 steps, so
+    """The arrays of a run, and the loop that is bound to their addresses: to bind them takes as long as 50 steps, so
     that a run takes those of one that is gone.
 
     Parameters
@@ -29,13 +29,11 @@ class Place:
     """
 
     def __init__(self, compiled: Compiled):
-        assert compiled.machine is not None
         self.taken_by: Any = None  # a weak reference to a driver
-        self.motion, self.room = new_motion(compiled.integrator, 1), new_room(compiled)
-        machine = compiled.machine
-        self.nothing = no_rows(len(self.motion.state), compiled.rounding)
-        self.drive = drive.on(machine.step, machine.dense, self.motion, *self.room)
-        self.drive_on = self.drive.on(self.nothing, RULES)
+        integrator = compiled.integrator
+        sizes = len(integrator.state), len(integrator.pars), integrator.order + 1
+        self.motion, self.room = new_motion(*sizes, 1), new_room(compiled)
+        self.loop = Loop(self.motion, *self.room, RULES, compiled.machine)
 
 
 def place_for(driver: "CompiledDriver", compiled: Compiled) -> Place:
@@ -55,7 +53,7 @@ class CompiledDriver(Driver):
 
     def __init__(self, problem: Problem, compiled: Compiled):
         self.place = place_for(self, compiled)
-        self.filling: tuple[Rows, Callable[[int], int]] | None = None
+        self.filling = NO_ROWS
         super().__init__(problem, compiled, self.place.room)
         self.motion = self.place.motion
         for zeroed in (self.motion.state, self.motion.high, self.motion.low):
@@ -65,25 +63,24 @@ class CompiledDriver(Driver):
         self.motion.state[: self.variables, 0] = problem.start()
         self.motion.end[0] = float(self.end)
 
-    def prepare(self) -> None:
-        """Compiles the loop, if it is not yet compiled."""
-        self.place.drive_on(0)
-
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
         log, samples, wanted, tally = self.log, self.samples, self.wanted, self.tally
         log.filled[0] = samples.filled[0] = 0
         steps, before, n = 0, int(tally["steps"]), self.variables
+        loop = self.place.loop
         while True:
             wanted.ask(request)
             left = most - steps if tally["status"] == RUNNING else 0
             if not len(wanted.times):
-                steps += self.place.drive_on(left)
+                loop.fill(NO_ROWS)
+                steps += loop.drive(left)
                 break
-            rows, drive_on = self._filling(wanted.times, request.steps)
+            rows = self._filling(wanted.times, request.steps)
             first = wanted.made
             rows.filled[0] = first
-            steps += drive_on(left)
+            loop.fill(rows)
+            steps += loop.drive(left)
             wanted.made = int(rows.filled[0])
             if wanted.made > first:
                 request.take(rows.times[first : wanted.made], rows.states[:, first : wanted.made].T)
@@ -109,12 +106,11 @@ class CompiledDriver(Driver):
             None if status is Status.RUNNING else status,
         )
 
-    def _filling(self, times: np.ndarray, steps: bool) -> tuple[Rows, Callable[[int], int]]:
-        """Rows at these times, and the loop that fills them: the same ones as long as these times are wanted."""
-        if self.filling is None or self.filling[0].times is not times:
+    def _filling(self, times: np.ndarray, steps: bool) -> Rows:
+        """Rows at these times: the same ones as long as these times are wanted."""
+        if self.filling.times is not times:
             states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
-            rows = self.place.nothing._replace(times=times, states=states, filled=filled, steps=steps)
-            self.filling = rows, self.place.drive.on(rows, RULES)
+            self.filling = Rows(times, states, filled, steps, self.compiled.rounding)
         return self.filling
 
     def end_at(self, end: Any) -> None:

@@ -20,13 +20,11 @@ from .tallies import (
     EventRows,
     PassageLog,
     Samples,
-    Scratch,
     StopRules,
     Tallies,
     mark_bounded,
     new_log,
     new_samples,
-    new_scratch,
     new_tallies,
     reset,
 )
@@ -110,7 +108,6 @@ class Room(NamedTuple):
     tallies: Tallies
     log: PassageLog
     samples: Samples
-    scratch: Scratch
 
 
 def new_room(compiled: Compiled) -> Room:
@@ -119,7 +116,7 @@ def new_room(compiled: Compiled) -> Room:
     n, size = len(compiled.integrator.state), compiled.integrator.order + 1
     log = new_log(PASSAGES + len(rows.events) * size, n)
     samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
-    return Room(rows, new_tallies(rows, 1), log, samples, new_scratch(size, 1))
+    return Room(rows, new_tallies(rows, 1), log, samples)
 
 
 RULES = StopRules(-1, 0, 0.0, ENDLESS, EVERY, FIRST)
@@ -145,7 +142,7 @@ class Driver(ABC):
         self.problem, self.compiled = problem, compiled
         self.variables = len(problem.variables.names)  # the others are integrals of event functions
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
-        self.rows, self.tallies, self.log, self.samples, self.scratch = room
+        self.rows, self.tallies, self.log, self.samples = room
         watch(self.rows.events, compiled.rows.events, problem)
         self.ranged = next((e for e, event in enumerate(problem.system.events) if event.extremes), -1)
         self.scale = float(self.rows.events["scale"][self.ranged]) if self.ranged >= 0 else 1.0
@@ -182,10 +179,6 @@ class Driver(ABC):
     @abstractmethod
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps; rows go to the request as they come."""
-
-    @abstractmethod
-    def prepare(self) -> None:
-        """Compiles what `advance` calls, if it is not yet compiled."""
 
     @property
     @abstractmethod

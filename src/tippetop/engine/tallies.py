@@ -15,7 +15,7 @@ WHAT = {"first": FIRST, "last": LAST, "count": COUNT}
 
 
 class EventRows(NamedTuple):
-    """The events of a system, in its order, as arrays of records: numba counts references to each array it passes.
+    """The events of a system, in its order, as arrays of records.
 
     `events`: where a function stands among the kept coefficients (`row`): it is a variable plus `offset` (`shift` 0),
     or the rate of one (`shift` 1), times `scale`, a power of two. A variable whose rate is another event function
@@ -75,7 +75,7 @@ class Tallies(NamedTuple):
 
 _EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
 _FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged", "bounded")]
-EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS])
+EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS], align=True)
 LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 
@@ -161,24 +161,3 @@ def new_samples(length: int, variables: int, lanes: int = 1) -> Samples:
     """Room for so many samples."""
     filled, in_lane, top = (np.zeros(n, np.int64) for n in (1, lanes, length))
     return Samples(filled, in_lane, top, np.zeros((length, variables)))
-
-
-class Scratch(NamedTuple):
-    """Room that the observer works in."""
-
-    polynomial: np.ndarray  # (order + 1,) of an event function over a step
-    work: np.ndarray  # (order + 1,)
-    zeros: np.ndarray  # (order + 1,)
-    nodes: np.ndarray  # (9,)
-    factors: np.ndarray  # (2, order + 1, lanes)
-    sums: np.ndarray  # (3, lanes)
-    quiet: np.ndarray  # (lanes,)
-    h: np.ndarray  # (lanes,)
-
-
-def new_scratch(size: int, lanes: int) -> Scratch:
-    """Room for polynomials of so many coefficients."""
-    polynomial, work, zeros = np.empty((3, size))
-    return Scratch(
-        polynomial, work, zeros, np.empty(9), np.empty((2, size, lanes)), np.empty((3, lanes)), *np.empty((2, lanes))
-    )

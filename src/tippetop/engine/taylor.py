@@ -48,12 +48,7 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     if key in _known:
         return _driver(problem, key)
 
-    def prepared() -> Driver:
-        driver = _driver(problem, key)
-        driver.prepare()
-        return driver
-
-    driver = awaited(prepared, "the equations are being compiled", stop)
+    driver = awaited(lambda: _driver(problem, key), "the equations are being compiled", stop)
     if len(_known) >= MOST_COMPILED:  # some may have gone since
         _known.clear()
     _known.add(key)

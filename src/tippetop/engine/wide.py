@@ -15,7 +15,7 @@ from ..mechanics.operand import leaves
 from ..problem import Problem
 from .code_cache import without_heyokas_cache
 from .compiled import Compiled
-from .observer import follow
+from .loop import follow
 from .slices import STATUSES, Driver, Passages, Request, Slice, new_room
 from .status import Status
 from .tallies import new_log
@@ -35,11 +35,6 @@ class SliceDriver(Driver):
         self.integrator.pars[:] = [problem.number(leaf) for leaf in pars]
         self.integrator.state[: self.variables] = problem.start()
         self.reached: Any = problem.number(0)
-
-    def prepare(self) -> None:
-        """Compiles the observer, if it is not yet compiled."""
-        none = np.zeros((0, *self.integrator.tc.shape, 1))
-        follow(np.zeros((1, 1)), none, self.rows, self.rules, self.tallies, self.log, self.scratch)
 
     def advance(self, request: Request, most: int) -> Slice:
         """Makes at most so many steps."""
@@ -63,7 +58,7 @@ class SliceDriver(Driver):
         follow(
             times[: steps + 1].astype(float)[:, None],
             np.ascontiguousarray(_doubles(coefficients[:steps])[..., None]),
-            self.rows, self.rules, self.tallies, self.log, self.scratch,
+            self.rows, self.rules, self.tallies, self.log,
         )  # fmt: skip
         reached, last = times[steps], ends[steps - 1 : steps] if steps else state[None, :]
         passages = self._passages(output, coefficients)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tippetop_kernels.jit import HAS_NUMBA
-
 from ..engine.invariants import invariants, sizes
+from ..engine.loop import Tops
 from ..engine.observables import values_of
 from ..engine.settling import slides
 from ..engine.slices import event_functions, signs_of
@@ -22,10 +21,9 @@ from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting
 from ..scenario import build
-from .lanes import LANES, SWINGS, Lanes
+from .lanes import LANES, SWINGS, Lanes, new_tops
 from .outcomes import Outcomes, _conclude, dataset
 from .singly import Alone, one_by_one
-from .turns import Tops, new_tops
 
 
 if TYPE_CHECKING:
@@ -263,11 +261,9 @@ def base_faults(base: Problem) -> list[str]:
     Returns
     -------
     list of str
-        Sentences; lanes need numba, the vector form and doubles.
+        Sentences; lanes need the vector form and doubles.
     """
     sentences = []
-    if not HAS_NUMBA:
-        sentences.append("an ensemble must find numba, but it is not installed: pip install 'tippetop[grids]'.")
     if not base.system.events:
         sentences.append(f"the system of an ensemble must have an event, but `{base.system.name}` has none.")
     if missing := [name for name in ("ux", "uy", "uz") if name not in base.form.units._fields]:

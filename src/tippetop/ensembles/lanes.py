@@ -5,21 +5,19 @@ No lane sees another: a top's numbers depend on its own only.
 
 import copy
 from collections.abc import Callable, Collection
-from functools import partial
 from typing import Protocol
 
 import numpy as np
 
 from ..awaiting import awaited
 from ..engine.compiled import compiled, is_same_step
-from ..engine.driver import new_motion
+from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
-from ..engine.tallies import EventRows, StopRules, mark_bounded, new_log, new_samples, new_scratch, new_tallies
+from ..engine.tallies import LANE_RECORD, EventRows, StopRules, mark_bounded, new_log, new_samples, new_tallies
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
-from .turns import Queue, Tops, begin_apart, change_apart, drive_lanes, end_apart
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
@@ -64,7 +62,7 @@ class Lanes:
         )
         self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         n, order = len(code.integrator.state), code.integrator.order
-        self.motion = new_motion(code.integrator, lanes)
+        self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.rules, self.tallies, self.fresh = (
             rules(base, every),
             new_tallies(self.rows, lanes),
@@ -72,8 +70,7 @@ class Lanes:
         )
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
         self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
-        self.log, self.scratch = new_log(0, n), new_scratch(order + 1, lanes)
-        self.top, self.out = self.samples.in_lane, np.zeros((n, lanes))  # which top is in a lane; room for states
+        self.top = self.samples.in_lane  # which top is in a lane
         self.queue = Queue(np.zeros(lanes, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64))
         self.steps_possible = 0  # steps that the lanes could have made
         self._park()
@@ -81,6 +78,8 @@ class Lanes:
         if self.machine is not None and not is_same_step(code, self.motion.state, self.motion.pars):
             self.machine = None
         self.integrator = copy.deepcopy(code.integrator) if self.machine is None else code.integrator
+        watch = self.rows, self.tallies, new_log(0, n), self.samples
+        self.loop = Loop(self.motion, *watch, self.rules, self.machine)
 
     def _park(self) -> None:
         """A sound top in every lane, at its end: it takes no steps."""
@@ -92,13 +91,8 @@ class Lanes:
 
     def run(self, tops: Tops, take: Callable[[int], np.ndarray], observer: Observer) -> None:
         """Runs tops to their ends: `take` gives numbers of some, for so many empty lanes, and not more than all."""
-        if self.machine is None:
-            drive = partial(self._by_heyoka, tops)
-        else:
-            machine, watch = self.machine, (self.rows, self.tallies, self.log, self.samples, self.scratch)
-            places = tops, self.queue, self.fresh, self.out, self.rules
-            drive = drive_lanes.on(machine.step, machine.dense, self.motion, *watch, *places)
-            awaited(lambda: drive(0), "the loop is being compiled")
+        self.loop.take(tops, self.queue, self.fresh)
+        drive = self._by_heyoka if self.machine is None else self.loop.drive_lanes
         while True:
             if self.queue.waiting[0] == 0:
                 numbers = take(int((self.top < 0).sum()))
@@ -117,24 +111,21 @@ class Lanes:
                 self._look(observer)
         self._look(observer)
 
-    def _by_heyoka(self, tops: Tops, most: int) -> int:
-        """`drive_lanes` where the machine code cannot be called: heyoka makes each step."""
-        ta, motion, steps = self.integrator, self.motion, 0
-        change = change_apart.on(motion, self.rows, self.tallies, self.samples, tops, self.queue, self.fresh, self.out)
-        begin = begin_apart.on(motion, self.tallies)
-        end = end_apart.on(motion, self.rows, self.rules, self.tallies, self.log, self.samples, self.scratch)
-        change(True)
+    def _by_heyoka(self, most: int) -> int:
+        """`Loop.drive_lanes` where the machine code cannot be called: heyoka makes each step."""
+        ta, motion, loop, steps = self.integrator, self.motion, self.loop, 0
+        loop.change(True)
         while steps < most and not self._is_full():
-            begin()
+            loop.begin_step()
             ta.pars[:], ta.state[:] = motion.pars, motion.state
             ta.step(motion.limit.tolist(), write_tc=True)
             motion.h[:] = [step for _, step in ta.step_res]
             motion.state[:], motion.tc[:] = ta.state, ta.tc
             steps += 1
-            if end():
+            if loop.end_step():
                 inside = (self.tallies.lane["t"] - motion.start_high) - motion.start_low
-                self.out[:] = np.polynomial.polynomial.polyval(inside, motion.tc.transpose(1, 0, 2), tensor=False)
-                if change(False):
+                loop.out[:] = np.polynomial.polynomial.polyval(inside, motion.tc.transpose(1, 0, 2), tensor=False)
+                if loop.change(False):
                     break
         return steps
 
@@ -156,6 +147,17 @@ class Lanes:
         if count:
             observer.look(self.samples.states[:count].T, self.samples.top[:count])
             self.samples.filled[0] = 0
+
+
+def new_tops(
+    start: np.ndarray, pars: np.ndarray, until: np.ndarray, signs: np.ndarray, on_zero: np.ndarray, rows: EventRows
+) -> Tops:
+    """Tops that have not yet begun."""
+    start, pars, until = (np.ascontiguousarray(column, float) for column in (start, pars, until))
+    signs, on_zero = (np.ascontiguousarray(column, np.int8) for column in (signs, on_zero))
+    functions, kept = np.zeros((3, len(rows.events), len(until))), np.zeros((len(rows.numbers), len(until)))
+    lane, final = np.zeros(len(until), LANE_RECORD), np.full(start.shape, np.nan)
+    return Tops(start, pars, until, signs, on_zero, lane, functions, kept, final)
 
 
 def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> EventRows:

@@ -52,7 +52,7 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     try:
         began = clock()
         if problem.contact is not None:  # later phases would be compiled on the way
-            driver_of(problem).prepare()
+            driver_of(problem).prepare()  # type: ignore[attr-defined]  # it is a ContactDriver
         _piece(problem, shortest / FIRST_STEPS, steps, clock)
         middle = clock()
         _piece(problem, shortest / FIRST_STEPS, steps, clock)

@@ -8,10 +8,9 @@ from tippetop.engine import taylor
 from tippetop.engine.compiled import compiled
 from tippetop.engine.one_run import CompiledDriver
 from tippetop.engine.opt_level import OPT_LEVEL
+from tippetop.engine.stepper import FUSED, SEPARATE, UNKNOWN, MachineCode, load, rounding_of
 from tippetop.runs.run import solve
 from tippetop.scenario import build
-from tippetop_kernels.compiled_step import MachineCode, load
-from tippetop_kernels.dense_rows import FUSED, SEPARATE, UNKNOWN, rounding_of
 
 
 SUM = """
@@ -86,7 +85,7 @@ def test_the_rows_of_a_step_have_the_bits_of_each_alone(preset: str) -> None:
     problem = build.load(preset, ["run.output_step=1e-3"], 0.5)
     driver = taylor.driver_of(problem)
     assert isinstance(driver, CompiledDriver)
-    assert driver.place.nothing.rounding in (SEPARATE, FUSED)
+    assert driver.compiled.rounding in (SEPARATE, FUSED)
     many = solve(problem)
     np.testing.assert_array_equal(many.times, times)
     for first in range(9):

@@ -1,0 +1,52 @@
+"""Compile the loop when the package is installed: with $CC, the system's compiler, or PyPI's ziglang."""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+
+SOURCE = Path(__file__).parent / "kernels" / "tippetop_kernels" / "loop.c"
+BUILT = SOURCE.with_suffix(".so")
+FLAGS = ["-std=c11", "-O3", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
+
+
+def compiler() -> list[str]:
+    """Return the command of the C compiler of this machine; empty if there is none."""
+    if named := os.environ.get("CC"):
+        return named.split()
+    return next(([path] for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), [])
+
+
+def build() -> None:
+    """Compile the loop next to its source. Bits are stored, so the flags allow no other order of operations."""
+    command = compiler() or [sys.executable, "-m", "ziglang", "cc"]
+    digest = hashlib.sha256(SOURCE.read_bytes()).hexdigest()
+    subprocess.run([*command, *FLAGS, f'-DDIGEST="{digest}"', str(SOURCE), "-o", str(BUILT), "-lm"], check=True)
+
+
+class LoopBuildHook(BuildHookInterface):
+    """Add the compiled loop to wheels and editable installs."""
+
+    def dependencies(self) -> list[str]:
+        """Return what the build needs: a compiler, where the machine has none."""
+        return [] if self.target_name == "sdist" or compiler() else ["ziglang>=0.14"]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Compile, and name the platform of the wheel: any Python, one machine."""
+        if self.target_name == "sdist":
+            return
+        build()
+        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        build_data["pure_python"] = False
+        build_data["tag"] = f"py3-none-{platform}"
+
+
+if __name__ == "__main__":
+    build()

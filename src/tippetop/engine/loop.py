@@ -1,0 +1,314 @@
+"""The compiled loop of a run and of lanes: `loop.c` of `tippetop_kernels`, called with the arrays of the caller.
+
+The arrays are passed as structures of pointers, which are made from the records (named tuples) that hold them.
+"""
+
+import ctypes
+import hashlib
+from collections.abc import Sequence
+from functools import cache
+from math import comb
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+import tippetop_kernels
+
+from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
+from .status import Status
+from .stepper import UNKNOWN, MachineCode
+from .tallies import EventRows, PassageLog, Samples, StopRules, Tallies, new_samples
+
+
+MOST_COEFFICIENTS = 64
+"""Coefficients of a polynomial for which the loop has room; quadruple precision has 47."""
+
+TINY = 1e-10
+"""Internal time of a step that goes nowhere."""
+
+PATIENCE = 64
+"""Tiny steps in a row that are a stall."""
+
+
+class Motion(NamedTuple):
+    """The lanes of an integrator: internal units, time in double length."""
+
+    state: np.ndarray  # (variables, lanes)
+    before: np.ndarray  # (variables, lanes) where the present step began
+    pars: np.ndarray  # (parameters, lanes)
+    tc: np.ndarray  # (variables, order + 1, lanes) Taylor coefficients of the present step
+    high: np.ndarray  # (lanes,) time
+    low: np.ndarray
+    start_high: np.ndarray  # (lanes,) time where the present step began
+    start_low: np.ndarray
+    end: np.ndarray  # (lanes,) of the run
+    limit: np.ndarray  # (lanes,) the longest step that is allowed
+    h: np.ndarray  # (lanes,) the step that was made
+
+
+class Rows(NamedTuple):
+    """States of the first lane that are wanted, at given times or at the ends of its steps."""
+
+    times: np.ndarray  # (length,) internal, ascending; those of steps are written here
+    states: np.ndarray  # (variables, length)
+    filled: np.ndarray  # (1,) number of rows that are written
+    steps: bool  # at the ends of steps
+    rounding: int = UNKNOWN  # of the dense output
+    length: int = 0
+    variables: int = 0
+    vector: int = hy.recommended_simd_size()  # doubles in a vector of the processor
+
+
+class Tops(NamedTuple):
+    """Every top of an ensemble: its start, in internal units, and its end."""
+
+    start: np.ndarray  # (variables, n) what columns are made of; integrals of event functions start from zero
+    pars: np.ndarray  # (parameters, n)
+    until: np.ndarray  # (n,)
+    signs: np.ndarray  # (n, events) of the event functions at the start
+    on_zero: np.ndarray  # (n, events) 1: on its zero there
+    lane: np.ndarray  # (n,) records of the tallies
+    functions: np.ndarray  # (3, events, n) sign, least and greatest value of the event functions at the end
+    kept: np.ndarray  # (numbers, n)
+    final: np.ndarray  # (variables, n) the last state
+
+
+class Queue(NamedTuple):
+    """Tops that wait for a lane."""
+
+    tops: np.ndarray  # (lanes,)
+    waiting: np.ndarray  # (1,) their number; the last is taken first
+    ended: np.ndarray  # (1,) number of tops that have been put down
+
+
+class _Sizes(NamedTuple):
+    variables: int
+    parameters: int
+    size: int
+    lanes: int
+    events: int
+    numbers: int
+    axis: int
+    log: int
+    samples: int
+
+
+class _Scratch(NamedTuple):
+    factors: np.ndarray  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
+    sums: np.ndarray  # (3, lanes)
+    quiet: np.ndarray  # (lanes,)
+    h: np.ndarray  # (lanes,)
+    out: np.ndarray  # (variables, lanes) a state
+
+
+class _Codes(NamedTuple):
+    running: int = Status.RUNNING.code
+    finished: int = Status.FINISHED.code
+    non_finite: int = Status.NON_FINITE.code
+    stalled: int = Status.STALLED.code
+    settled: int = Status.SETTLED.code
+
+
+class _Thresholds(NamedTuple):
+    noise_floor: float = float(NOISE_FLOOR)
+    at_pole: float = AT_POLE
+    near_pole: float = NEAR_POLE
+    on_zero_for: float = ON_ZERO_FOR
+    tiny: float = TINY
+    patience: int = PATIENCE
+
+
+class Tables(NamedTuple):
+    """Numbers that the search for zeros and extremes reads."""
+
+    halves: np.ndarray  # row j: the coefficients of (1/2 + x/2)^j
+    powers: np.ndarray  # row k: the k-th powers of nine points of [0, 1]
+
+
+class _Ensemble(NamedTuple):
+    tops: Tops
+    queue: Queue
+    fresh: Tallies
+    length: int
+    variables: int
+
+
+class _Loop(NamedTuple):
+    step: int
+    dense: int
+    sizes: _Sizes
+    motion: Motion
+    rows: EventRows
+    tallies: Tallies
+    log: PassageLog
+    samples: Samples
+    scratch: _Scratch
+    rules: StopRules
+    codes: _Codes
+    thresholds: _Thresholds
+    tables: Tables
+    output: Rows
+    ensemble: _Ensemble
+
+
+TABLES = Tables(
+    np.array([[comb(j, k) * 0.5**j for k in range(32)] for j in range(32)]),
+    np.array([[(i / 8) ** k for i in range(9)] for k in range(MOST_COEFFICIENTS)]),
+)
+
+
+@cache
+def structure(record: type) -> type[ctypes.Structure]:
+    """Return the structure of C whose fields are those of a named tuple: arrays are pointers."""
+    kinds: dict[type, Any] = {np.ndarray: ctypes.c_void_p, float: ctypes.c_double}
+    kinds |= dict.fromkeys((int, bool), ctypes.c_int64)
+    fields = [(name, kinds.get(kind) or structure(kind)) for name, kind in record.__annotations__.items()]
+    return type(record.__name__, (ctypes.Structure,), {"_fields_": fields})
+
+
+def filled(record: Any) -> ctypes.Structure:
+    """Return the structure of C with the values of a named tuple, whose arrays must outlive it."""
+    kind: Any = type(record)
+    return structure(kind)(*map(_field, record))
+
+
+def _field(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return filled(value)
+    if not isinstance(value, np.ndarray):
+        return value
+    if not value.flags.c_contiguous:
+        raise ValueError(f"the arrays of a loop must be contiguous, but one has strides {value.strides}")
+    return value.ctypes.data
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Return the compiled loop. Raises ImportError if it is missing, or was compiled from another source."""
+    folder = Path(tippetop_kernels.__file__).parent
+    built, source = folder / "loop.so", folder / "loop.c"
+    if not built.exists():
+        raise ImportError(f"`{built}` must exist, but is missing: install tippetop again (pip install -e .).")
+    loaded = ctypes.CDLL(str(built))
+    loaded.loop_digest.restype = ctypes.c_char_p
+    expected = hashlib.sha256(source.read_bytes()).hexdigest()
+    if loaded.loop_digest().decode() != expected:
+        raise ImportError(
+            f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: install tippetop again "
+            "(pip install -e .)."
+        )
+    whole, flag, array = ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p
+    signatures: dict[str, tuple[Any, Sequence[Any]]] = {
+        "drive": (whole, [array, whole]),
+        "drive_lanes": (whole, [array, whole]),
+        "begin_step": (None, [array]),
+        "end_step": (flag, [array]),
+        "change": (flag, [array, flag]),
+        "follow": (None, [array, whole, array, array]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(loaded, f"loop_{name}")
+        function.restype, function.argtypes = result, arguments
+    return loaded
+
+
+def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion:
+    """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
+    state, before = np.zeros((2, variables, lanes))
+    pars, tc = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
+    return Motion(state, before, pars, tc, *(np.zeros(lanes) for _ in range(7)))
+
+
+class Loop:
+    """The loop of a run, or of the lanes of an ensemble, bound to their arrays.
+
+    Parameters
+    ----------
+    motion
+        The lanes.
+    rows, tallies, log, samples
+        What the observer reads and writes. The log is that of the first lane.
+    rules
+        What ends a run.
+    machine
+        The steps. None: other code makes them.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        rows: EventRows,
+        tallies: Tallies,
+        log: PassageLog,
+        samples: Samples,
+        rules: StopRules,
+        machine: MachineCode | None = None,
+    ):
+        variables, size, lanes = motion.tc.shape
+        if size > MOST_COEFFICIENTS:
+            raise ValueError(f"a step must have at most {MOST_COEFFICIENTS} coefficients, but has {size}")
+        self.library = library()
+        self.out = np.zeros((variables, lanes))  # a state in every lane
+        factors, sums, (quiet, h) = np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty((2, lanes))
+        lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top)
+        self.records = {
+            "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
+            "motion": motion,
+            "rows": rows,
+            "tallies": tallies,
+            "log": log,
+            "samples": samples,
+            "scratch": _Scratch(factors, sums, quiet, h, self.out),
+            "rules": rules,
+            "codes": _Codes(),
+            "thresholds": _Thresholds(),
+            "tables": TABLES,
+        }
+        self.structure: Any = structure(_Loop)(**{name: filled(record) for name, record in self.records.items()})
+        if machine is not None:
+            self.structure.step, self.structure.dense = machine.step, machine.dense
+        self.place = ctypes.byref(self.structure)
+
+    def fill(self, rows: Rows) -> None:
+        """Write these rows from now on."""
+        self.records["output"] = rows
+        self.structure.output = filled(rows._replace(length=len(rows.times), variables=len(rows.states)))
+
+    def take(self, tops: Tops, queue: Queue, fresh: Tallies) -> None:
+        """Run these tops from now on. `fresh` is the tally of one lane whose run has not begun."""
+        self.records["ensemble"] = ensemble = _Ensemble(tops, queue, fresh, len(tops.until), len(tops.start))
+        self.structure.ensemble = filled(ensemble)
+
+    def drive(self, most: int) -> int:
+        """Make at most `most` steps of one run. Return their number."""
+        return self.library.loop_drive(self.place, most)
+
+    def drive_lanes(self, most: int) -> int:
+        """Make at most `most` steps of all lanes. Return their number."""
+        return self.library.loop_drive_lanes(self.place, most)
+
+    def begin_step(self) -> None:
+        """Allow the next step."""
+        self.library.loop_begin_step(self.place)
+
+    def end_step(self) -> bool:
+        """Take in the step that was made. Return whether a run has ended."""
+        return self.library.loop_end_step(self.place)
+
+    def change(self, settled: bool) -> bool:
+        """Put down tops that have ended and take others. Return whether a lane is empty or a top has settled."""
+        return self.library.loop_change(self.place, settled)
+
+
+def follow(
+    times: np.ndarray, tcs: np.ndarray, rows: EventRows, rules: StopRules, tallies: Tallies, log: PassageLog
+) -> None:
+    """Take in steps that were made elsewhere: times (n + 1, lanes), coefficients tcs (n, variables, order + 1, lanes).
+
+    The tally of a run that ended has the step and the place in it where it ended. Later steps are ignored.
+    """
+    variables, size, lanes = tcs.shape[1:]
+    loop = Loop(new_motion(variables, 0, size, lanes), rows, tallies, log, new_samples(0, 0), rules)
+    loop.library.loop_follow(loop.place, len(tcs), times.ctypes.data, tcs.ctypes.data)
