@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import tippetop as tt
+from tippetop.mechanics import friction
 from tippetop.mechanics.friction import LAWS, is_frictionless, takes_nothing
 from tippetop.mechanics.operand import Operand, Vector, formula
 from tippetop.mechanics.parameter import Parameter
-from tippetop.mechanics.units import ONE
+from tippetop.mechanics.units import ONE, SECOND_PER_METRE
 
 
 def test_the_numbers_that_are_given_decide_between_two_laws_of_one_name() -> None:
@@ -48,6 +49,28 @@ def test_the_torque_of_a_disc_takes_energy(name: str, rng: np.random.Generator) 
     torque = law.torque(region.drag(x**2, 1.0), omega, law.record(0.3, 1e-3, 1e-4))
     assert torque.z * omega.z < 0
     assert torque.x * omega.x + torque.y * omega.y < 0
+
+
+class Late(NamedTuple):
+    """A law of a user."""
+
+    mu: Operand
+
+
+def test_a_law_that_is_registered_late_lets_the_contact_open_too() -> None:
+    """Before, the systems whose contact opens knew the laws of the first run alone."""
+    tt.run("flying", until=1e-3)
+    law = tt.Law(
+        Late,
+        {"mu": Parameter(SECOND_PER_METRE, "mu", least=0)},
+        "late",
+        formula(lambda v2, z, law: law.mu),
+    )
+    try:
+        tt.register(law, "late")
+        assert tt.run("flying", Late(0.3), until=1e-3).problem.law is law
+    finally:
+        del friction.LAWS["late"], friction.SLIP[Late]
 
 
 class Odd(NamedTuple):

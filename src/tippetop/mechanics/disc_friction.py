@@ -63,12 +63,15 @@ def drag(w2, U2):
 
 
 SLOW = 1e-6
-"""Sliding speed, internal units, at which a step ends: a longer one may pass the rest of a disc that hardly turns,
-which is short, and not see it."""
+"""Sliding speed, internal units, at which a step ends.
+
+A longer step may pass the rest of a disc that hardly turns, which is short, and not see it."""
 
 EDGE = 1 + 1e-5
-"""x = w/U from which `between` holds: its slope has a root at 1, nearer to which Taylor coefficients overflow where
-U is least. `inside` is right there to 1e-13, and for no longer than 1e-5 U takes."""
+"""x = w/U from which `between` holds: its slope has a root at 1.
+
+Nearer to it Taylor coefficients overflow where U is least. `inside` is right there to 1e-13, and for no longer than
+1e-5 U takes."""
 
 
 class Border(NamedTuple):

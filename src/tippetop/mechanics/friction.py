@@ -1,7 +1,7 @@
 """The laws of the planar contact force: F_h = -k g_n v_A. To add a law: a record, its k, an entry in LAWS.
 
-k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies. The fields of a
-`Law` tell the rest of the package how a contact behaves under it: no code tests the name or the record of a law.
+k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies.
+The fields of a `Law` decide how its contact behaves: no code tests its name or its record.
 """
 
 import re
@@ -138,11 +138,11 @@ class Law:
         at rest too, and not negative. A law that is no multiple of g_n v_A (the modified reaction of a cylinder) has
         none.
     set_valued : bool
-        Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again. k is infinite at rest.
+        Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again.
     regions : dict of Region
         The formulas of a law that has several, by the name of the region of w/U in which each holds.
     torque : callable
-        torque(drag, omega, law) -> (3,) [m], the torque of the contact per normal force, in the region of this drag.
+        torque(drag, omega, law) -> (3,) [m], per normal force, in the region of this drag.
     without : Law
         The law of the same name where the numbers that this one has more are left out.
     """
@@ -160,7 +160,7 @@ class Law:
         freeze(self, "parameters", "regions")
 
     def given(self, names: Collection[str]) -> "Law":
-        """Return the law that these numbers belong to: `without`, if none of those that it lacks is among them."""
+        """Return the law that these numbers belong to: `without`, if no optional one is among them."""
         if self.without is None or any(name in names for name in self.optional):
             return self
         return self.without
@@ -180,14 +180,27 @@ _COULOMB = Parameter(ONE, "Coulomb friction coefficient mu", least=0)
 _EPS = Parameter(METRE_PER_SECOND, "regularisation speed eps", above=0)
 
 _EXACT = Law(
-    SetValued, {"mu": _COULOMB}, "F = -mu g_n v_A/|v_A|; |F| <= mu g_n where v_A = 0", set_valued, set_valued=True
+    SetValued,
+    {"mu": _COULOMB},
+    "F = -mu g_n v_A/|v_A|; |F| <= mu g_n where v_A = 0",
+    set_valued,
+    set_valued=True,
 )
 LAWS = {
     "viscous": Law(Viscous, {"mu": _VISCOUS}, "F = -mu g_n v_A", viscous),
     "coulomb": Law(
-        Coulomb, {"mu": _COULOMB, "eps": _EPS}, "F = -mu g_n v_A/sqrt(v_A^2 + eps^2)", coulomb, without=_EXACT
+        Coulomb,
+        {"mu": _COULOMB, "eps": _EPS},
+        "F = -mu g_n v_A/sqrt(v_A^2 + eps^2)",
+        coulomb,
+        without=_EXACT,
     ),
-    "mixed": Law(Mixed, {"mu": _VISCOUS, "mu_coulomb": _COULOMB, "eps": _EPS}, "viscous and Coulomb together", mixed),
+    "mixed": Law(
+        Mixed,
+        {"mu": _VISCOUS, "mu_coulomb": _COULOMB, "eps": _EPS},
+        "viscous and Coulomb together",
+        mixed,
+    ),
     "stribeck": Law(
         Stribeck,
         {
@@ -226,7 +239,7 @@ LAWS = {
         torque=torque,
     ),
 }
-"""The laws by name. A law that is set-valued, or has regions, is one of a body whose contact has phases; it has mu."""
+"""The laws by name. The contact of a body has phases under a law that is set-valued or has regions; both have mu."""
 
 
 def all_laws(laws: Mapping[str, Law]) -> Iterator[tuple[str, Law]]:
@@ -248,7 +261,10 @@ slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
 
 
-SPEEDS2, HEIGHTS = (0.0, 1e-6, 1.0), (1.0, 0.0, -1.0)  # |v_A|^2 [m^2/s^2] and z at which a law is asked
+SPEEDS2, HEIGHTS = (
+    (0.0, 1e-6, 1.0),
+    (1.0, 0.0, -1.0),
+)  # |v_A|^2 [m^2/s^2] and z at which a law is asked
 
 
 def is_frictionless(law: Any) -> bool:
@@ -319,7 +335,8 @@ def _faults(name: Any, law: Any) -> list[str]:
     if law.coefficient is None:
         faults.append(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
     more = [word for word in ("set_valued", "regions", "torque", "without") if getattr(law, word)]
-    faults += [f"`{word}` of the law `{name}` must be left out: it is for the laws of this package." for word in more]
+    must = "must be left out: it is for the laws of this package"
+    faults += [f"`{word}` of the law `{name}` {must}." for word in more]
     if set(fields) != set(law.parameters):
         names, given = ", ".join(fields) or "none", ", ".join(law.parameters) or "none"
         faults.append(f"the parameters of the law `{name}` must be the fields of its record, {names}, but are {given}.")

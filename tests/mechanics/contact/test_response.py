@@ -57,7 +57,11 @@ def random_state(rng: np.random.Generator, theta: float | None = None) -> State:
     low, high = (0.5, 0.1, -2, 0.2, 0.2, 9.82), (2, 1, 2, 1, 1, 9.82)
     ball = Touch(*map(mp.mpf, rng.uniform(low, high)), SetValued(mp.mpf(0.3)))
     theta = mp.mpf(rng.uniform(0.1, 3)) if theta is None else mp.mpf(theta)
-    phi, direction, rates = mp.mpf(rng.uniform(-3, 3)), mp.mpf(rng.uniform(-3, 3)), map(mp.mpf, rng.normal(0, 3, 3))
+    phi, direction, rates = (
+        mp.mpf(rng.uniform(-3, 3)),
+        mp.mpf(rng.uniform(-3, 3)),
+        map(mp.mpf, rng.normal(0, 3, 3)),
+    )
     theta_dot, phi_dot, omega3 = rates
     e, t = column(mp.cos(phi), mp.sin(phi), 0), column(-mp.sin(phi), mp.cos(phi), 0)
     u = mp.sin(theta) * e + mp.cos(theta) * Z
@@ -217,7 +221,10 @@ def test_the_forces_of_rolling_are_those_of_newton_and_euler(states: list[State]
     for x in states:
         F = rolling(x)
         assert_close(coulomb.reaction_of_rolling(*local(x)), components(x, F))
-        assert_close([coulomb.cone(*F, x.ball.friction.mu)], [(x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2])
+        assert_close(
+            [coulomb.cone(*F, x.ball.friction.mu)],
+            [(x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2],
+        )
 
 
 def test_no_force_at_the_contact_changes_jelletts_integral(states: list[State]) -> None:
@@ -250,14 +257,23 @@ def test_formulas_take_floats_arrays_and_expressions(states: list[State]) -> Non
 
     def everything(u: Vector, L: Vector, n: Vector, ball: Touch) -> list:
         b = response.bias_vector(u, L, ball)
-        return [*coulomb.slip_force_vector(u, b, n, ball), *coulomb.reaction_of_rolling_vector(u, b, ball)]
+        return [
+            *coulomb.slip_force_vector(u, b, n, ball),
+            *coulomb.reaction_of_rolling_vector(u, b, ball),
+        ]
 
     names = [f"x{i}" for i in range(16)]
     variables = hy.make_vars(*names)
-    cut = lambda x: (Vector(*x[:3]), Vector(*x[3:6]), Vector(*x[6:9]), Touch(*x[9:15], SetValued(x[15])))  # noqa: E731
+
+    def cut(x: Any) -> tuple[Vector, Vector, Vector, Touch]:
+        return Vector(*x[:3]), Vector(*x[3:6]), Vector(*x[6:9]), Touch(*x[9:15], SetValued(x[15]))
+
     compiled = hy.cfunc(everything(*cut(variables)), vars=variables)
     values = np.array([[*x.u, *momentum(x), *x.n, *leaves(x.ball)] for x in states], dtype=float).T.copy()
-    exact = np.array([everything(vector(x.u), vector(momentum(x)), vector(x.n), x.ball) for x in states], dtype=float).T
+    exact = np.array(
+        [everything(vector(x.u), vector(momentum(x)), vector(x.n), x.ball) for x in states],
+        dtype=float,
+    ).T
     arrays = np.array(everything(*cut(values)))
     floats = np.array([everything(*cut(lane.tolist())) for lane in values.T]).T
     for name, found in itertools.zip_longest(("arrays", "floats", "heyoka"), (arrays, floats, compiled(values))):

@@ -1,6 +1,6 @@
 """The body, and the functions of its state that do not depend on the form. [T 3.3, 4.1, 5.1]
 
-Vectors are those of space, regular everywhere; components along e, 2hat, zhat are singular at the poles.
+Vectors are those of space: regular everywhere.
 """
 
 from collections.abc import Mapping
@@ -16,11 +16,11 @@ class Ball(NamedTuple):
 
     offset: Operand  # from the centre of mass to its centre, along 3hat; any sign [m]
     radius: Operand  # [m]
-    beyond: Operand  # from the centre of the first ball to its centre, along 3hat: a difference of offsets is rounded
+    beyond: Operand  # of its centre from that of the first ball: offsets are rounded
 
 
 class Body(NamedTuple):
-    """m [kg], I1 and I3 [kg m^2] about the centre of mass, g [m/s^2], friction law; one or two balls."""
+    """A body of one or two balls; I1 and I3 are about the centre of mass."""
 
     m: Operand
     I1: Operand
@@ -31,7 +31,7 @@ class Body(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """A body seen from one of its balls, `b` of every formula: the contact arm is c 3hat - R zhat."""
+    """A body seen from one of its balls, `b` of every formula; the arm is c 3hat - R zhat."""
 
     m: Operand  # [kg]
     R: Operand  # radius of the ball [m]
@@ -40,16 +40,18 @@ class Touch(NamedTuple):
     I3: Operand
     g: Operand  # [m/s^2]
     friction: Any  # record of a law
-    clearance: Operand = ()  # the other ball touches too where clearance + lever cos(theta) = 0; (): there is none
+    clearance: Operand = ()  # the other ball touches where this + lever cos(theta) = 0; (): none
     lever: Operand = ()
 
 
 def touch(body: Body, i: int) -> Touch:
     """Return a body of one or two balls seen from the i-th of them."""
-    this, *others = body.balls if i == 0 else body.balls[::-1]
-    other = others[0] if others else this._replace(radius=this.radius - 1)  # one within it never touches
+    m, I1, I3, g, friction, balls = body
+    this, *others = balls if i == 0 else balls[::-1]
+    within = this._replace(radius=this.radius - 1)  # which never touches
+    other = others[0] if others else within
     clearance, lever = this.radius - other.radius, other.beyond - this.beyond
-    return Touch(body.m, this.radius, this.offset, body.I1, body.I3, body.g, body.friction, clearance, lever)
+    return Touch(m, this.radius, this.offset, I1, I3, g, friction, clearance, lever)
 
 
 def body_units(friction: Any) -> Touch:
@@ -111,9 +113,9 @@ def arm_velocity(u, L, b):
 
 @formula
 def contact_velocity(u, L, V, b):
-    """v_A = V + omega x a, (3,) [m/s]; V is the velocity of the centre of mass. In flight: of the lowest point.
+    """v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
 
-    `gliding.vector.sliding_velocity` is the same of a state on the plane, summed in another order."""
+    `gliding.vector.sliding_velocity` sums in another order."""
     return plus(V, arm_velocity(u, L, b))
 
 

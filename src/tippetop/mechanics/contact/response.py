@@ -1,7 +1,6 @@
 """The response of a body to forces, torques and impulses at its contact.
 
-Components are those along e, 2hat, zhat (names without `vector`), singular at the poles, or of space (`Vector`),
-regular everywhere.
+Components along e, 2hat, zhat (names without `vector`) are singular at the poles, vectors of space are not.
 """
 
 from typing import NamedTuple

@@ -109,7 +109,7 @@ def find(name: str) -> System | None:
 
 
 def laws_of(system: System) -> dict[str, friction.Law]:
-    """Return the friction laws that runs of a system take, by name: laws with regions are those of one body."""
+    """Return the friction laws that runs of a system take, by name: one body takes those with regions."""
     from .with_contact import DRILLED, kind_of, plain
 
     if system.contact is not None:

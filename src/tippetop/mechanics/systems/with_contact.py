@@ -1,6 +1,6 @@
 """Systems whose contact may change its phase: the same body, followed from phase to phase."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache, partial
 from typing import Any
 
@@ -93,12 +93,31 @@ CONTACT_EVENTS = (LIFTOFF, STICK, SLIP, REVERSAL, IMPACT)
 
 
 def kind_of(law: Law) -> str:
-    """Return how a contact that may open is followed under a law, as `with_contact` takes it; "" if it is not."""
+    """Return how a contact that may open is followed under a law; "" if it is not."""
     if law.set_valued:
         return "dry"
     if law.regions:
         return "drilling"
     return "smooth" if law.coefficient is not None else ""
+
+
+class FollowedLaws(Mapping):
+    """The laws of a system under which its contact is followed in one way: a view, for registered laws."""
+
+    def __init__(self, system: System, kind: str):
+        self.system, self.kind = system, kind
+
+    def _known(self) -> dict[str, Law]:
+        return {name: law for name, law in all_laws(self.system.laws) if kind_of(law) == self.kind}
+
+    def __getitem__(self, name: str) -> Law:
+        return self._known()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known())
+
+    def __len__(self) -> int:
+        return len(self._known())
 
 
 def of_the_axis(system: System) -> tuple[Event, ...]:
@@ -132,7 +151,7 @@ def with_contact(name: str, friction: str, stem: bool) -> System:
         forms={form.name: form},
         quantities=(*(() if planar else JELLETTS), *quantities(ROUTH.get(name), stem)),
         events=(*of_the_axis(system), *CONTACT_EVENTS),
-        laws={name: law for name, law in all_laws(system.laws) if kind_of(law) == friction},
+        laws=FollowedLaws(system, friction),
         initial=system.initial | ABOVE,
         start=planar_start if planar else partial(start, DRILLING if drills else Angles),
         angles=PLANAR_ANGLES if planar else DRILLING_ANGLES if drills else ANGLES,

@@ -47,8 +47,9 @@ def axis_rate(q, b):
 
 @formula
 def sliding_velocity(q, b):
-    """v_A = r' + omega x a, horizontal, (3,) [m/s]: `contact_velocity` with the carried L_3, summed from the left.
-    [T 3.3]"""
+    """v_A = r' + omega x a, horizontal, (3,) [m/s]. [T 3.3]
+
+    `body.contact_velocity` with the carried L_3, summed from the left."""
     u_dot, w = axis_rate(q, b), contact.angular_velocity_of(axis(q), momentum(q), q.L3, b)
     return Vector(q.rx_dot + b.c * u_dot.x - b.R * w.y, q.ry_dot + b.c * u_dot.y + b.R * w.x, 0.0)
 

@@ -28,8 +28,9 @@ VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
 
 @formula
 def centre_velocity(u, u_dot, w3, b):
-    """r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat: `body.centre_velocity`, which
-    takes L instead, has another rounding."""
+    """r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat.
+
+    `body.centre_velocity`, which takes L instead, has another rounding."""
     q = b.c - b.R * u.z
     return Vector(
         -(q * u_dot.x) - b.R * (u.x * u_dot.z - w3 * u.y),
