@@ -195,10 +195,10 @@ def as_given(text: str) -> str:
 
 
 @contextmanager
-def styled(*, dark: bool = False, size: tuple[float, float] | None = None, own: bool = True) -> Iterator[None]:
+def styled(*, dark: bool = False, size: tuple[float, float] | None = None, ax: Any = None) -> Iterator[None]:
     """A block in which figures are made in our style, whatever the user's settings are, of this size [inches].
 
-    A panel of the user's figure (`own` is false) keeps the user's settings.
+    A panel of the user's figure, `ax`, keeps the user's settings and its own size.
     """
     colours = DARK if dark else LIGHT
     given = RC | _letter_sizes(size[0] if size else FONT_WIDTH) | {"grid.color": colours.grid}
@@ -207,9 +207,11 @@ def styled(*, dark: bool = False, size: tuple[float, float] | None = None, own: 
         given |= dict.fromkeys(lines, "#d5dae0") | dict.fromkeys(
             ("figure.facecolor", "axes.facecolor", "savefig.facecolor"), colours.paper
         )
+    if ax is not None:
+        size = tuple(ax.get_window_extent().size / ax.get_figure(root=True).dpi)
     token, sized = _ink.set(colours), _size.set(size)
     try:
-        with mpl.rc_context(dict(mpl.rcParamsDefault) | given if own else {}):  # type: ignore[arg-type]
+        with mpl.rc_context(dict(mpl.rcParamsDefault) | given if ax is None else {}):  # type: ignore[arg-type]
             yield
     finally:
         _ink.reset(token)
