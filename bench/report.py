@@ -86,7 +86,7 @@ def goal_table(results: dict[str, Any], others: dict[str, Any]) -> str:
 
 
 def comparison(result: dict[str, Any]) -> str:
-    """Every contestant: milliseconds at three errors, its smallest error, and its time in ours."""
+    """Every contestant: milliseconds at three errors, its smallest error, and its time relative to ours."""
     contestants = result["contestants"]
     ours = contestants.get(BARE) or contestants["tippetop, lanes"]
     errors = (1e-7, 1e-10, 1e-13)
@@ -105,7 +105,12 @@ def comparison(result: dict[str, Any]) -> str:
                 + (f"; stops {entry['stopped']}" if "stopped" in entry else ""),
             ]
         )
-    head = ["", *(f"ms at {error:.0e}" for error in errors), "smallest error: ms", "in our time, at equal error"]
+    head = [
+        "",
+        *(f"ms at {error:.0e}" for error in errors),
+        "smallest error: ms",
+        "time relative to tippetop, at equal error",
+    ]
     return table(head, rows)
 
 
@@ -127,7 +132,7 @@ def front(results: dict[str, Any]) -> str:
         if name != BARE and "points" in entry:
             at = common(ERROR, entry, ours)
             rows.append([name, f"{at:.1e}", _milliseconds(seconds(entry, at)), number(ratio(entry, ours, at))])
-    return table(["against", "at an error of", "its processor time [ms]", "in ours"], rows)
+    return table(["solver", "error of theta [rad]", "CPU time [ms]", "time relative to tippetop"], rows)
 
 
 def events(results: dict[str, Any]) -> str:

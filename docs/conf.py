@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
+
 import tippetop
 
 
@@ -47,6 +49,16 @@ def _formulas_as_text(app: object, what: str, name: str, obj: object, options: o
     lines[:] = [line.replace("|", r"\|") for line in lines]
 
 
+def _describe_figures(app: object, doctree: nodes.document) -> None:
+    """Give each computed figure the title of its section as alternative text."""
+    for image in doctree.findall(nodes.image):
+        section = image.parent
+        while not isinstance(section, nodes.section):
+            section = section.parent
+        image.setdefault("alt", f"Figure: {section.next_node(nodes.title).astext()}")
+
+
 def setup(app: Any) -> None:
     """What Sphinx calls first."""
     app.connect("autodoc-process-docstring", _formulas_as_text, priority=100)
+    app.connect("doctree-read", _describe_figures)

@@ -11,7 +11,8 @@ DOCS = Path(__file__).parents[1] / "docs"
 
 
 def test_every_public_name_is_in_the_reference() -> None:
-    text = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
+    pages = (DOCS / "reference" / "python").glob("*.md")
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
     listed = set(re.findall(r"^\.\. auto(?:class|function):: (\w+)", text, re.MULTILINE))
     listed |= set(re.findall(r"`tt\.([A-Z]+)`", text))
     assert listed == set(dir(tippetop)) - {"__version__"}

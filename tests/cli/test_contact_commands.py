@@ -65,7 +65,7 @@ def test_phases_and_impacts_are_exported(folder: Path, capsys: pytest.CaptureFix
     for group in ("phases", "impacts"):
         assert outcome(["export", store, "--to", "csv", "--group", group, "--out", str(folder / f"{group}.csv")]) == 0
     phases, impacts = (pd.read_csv(folder / f"{group}.csv", comment="#") for group in ("phases", "impacts"))
-    assert list(phases.columns[:2]) == ["start", "end"]
+    assert list(phases.columns[:2]) == ["start [s]", "end [s]"]
     assert phases.phase.iloc[0] == "flight"
     assert phases.phase.iloc[-1] == "roll"
     assert len(impacts) == len(phases) - 1
@@ -81,6 +81,6 @@ def test_a_replay_has_the_phases_and_impacts_of_its_time(folder: Path, capsys: p
         outcome(["export", str(folder / "r.zarr"), "--to", "csv", "--group", "impacts", "--out", str(folder / "r.csv")])
         == 0
     )
-    assert pd.read_csv(folder / "r.csv", comment="#").time.between(0.05, 0.1).all()
+    assert pd.read_csv(folder / "r.csv", comment="#")["time [s]"].between(0.05, 0.1).all()
     assert outcome(["info", str(folder / "r.zarr")]) == 0
     capsys.readouterr()

@@ -74,7 +74,7 @@ def test_a_store_keeps_them_and_is_continued_with_them(tmp_path: Path) -> None:
     assert_same(tmp_path / "saved.zarr", tmp_path / "whole.zarr")
     assert tt.open(tmp_path / "whole.zarr").summary.run.columns == ["theta", "phi_dot"]
     assert outcome(["export", str(tmp_path / "whole.zarr"), "--to", "csv", "--out", str(tmp_path / "run.csv")]) == 0
-    assert (tmp_path / "run.csv").read_text().splitlines()[0] == "time,phi_dot,theta"
+    assert (tmp_path / "run.csv").read_text().splitlines()[0] == "time [s],phi_dot [rad s-1],theta [rad]"
 
 
 def test_a_replay_has_the_columns_of_its_run(tmp_path: Path) -> None:

@@ -59,6 +59,7 @@ def test_an_export_says_the_same_as_the_store(store: Path, tmp_path: Path, to: s
         events.close()
     else:
         theirs = pd.read_parquet(out) if to == "parquet" else pd.read_csv(out)
+        theirs.columns = [name.partition(" [")[0] for name in theirs]
         np.testing.assert_array_equal(theirs["axis_z"], mine["axis"][:, 2])
     for name in ("time", "theta", "jellett"):
         np.testing.assert_array_equal(theirs[name], mine[name])
@@ -94,7 +95,7 @@ def test_a_bad_export_is_said(store: Path, tmp_path: Path, capsys: pytest.Captur
     assert out.read_text() == "mine"
     assert "must not exist" in capsys.readouterr().err
     assert outcome(["export", str(store), "--to", "csv", "--out", str(out), "--overwrite"]) == 0
-    assert out.read_text().startswith("time,")
+    assert out.read_text().startswith("time [s],")
 
 
 def test_a_run_without_rows_is_exported_by_its_other_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -104,7 +105,7 @@ def test_a_run_without_rows_is_exported_by_its_other_tables(tmp_path: Path, caps
     assert outcome(["export", run, "--to", "csv", "--out", str(rows)]) == 2
     assert "must have rows to be exported, but has none: say --group events" in capsys.readouterr().err
     assert outcome(["export", run, "--to", "csv", "--group", "trajectory", "--out", str(rows)]) == 0
-    assert "L_x,L_y,L_z" in rows.read_text()
+    assert "L_x [kg m2 s-1],L_y [kg m2 s-1],L_z [kg m2 s-1]" in rows.read_text()
 
 
 def test_a_thin_reading_loses_no_peak(store: Path) -> None:

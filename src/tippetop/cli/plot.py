@@ -72,7 +72,9 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     """The figure of some stores, or of a scenario."""
     from ..errors import InputError
     from ..figures.window import in_window
-    from ..store import chunks, root
+    from ..runs import keyframes
+    from ..scenario import build
+    from ..store import chunks, root, skeleton
 
     if len(stores) == 1 and kind in ("states", "phase") and not stores[0].is_dir():
         return _states(str(stores[0]), look)
@@ -94,10 +96,12 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
         catalogue.check_kind(kind or contents[0], [contents[0]])
         return picture(stores[0], attributes[0], look)
     kind = catalogue.kind_of(kind or "theta")
-    parts = [
-        in_window(chunks.for_figures(store, attrs, window), attrs, *window)
-        for store, attrs in zip(stores, attributes, strict=True)
-    ]
+    parts = []
+    for store, attrs in zip(stores, attributes, strict=True):
+        groups = chunks.for_figures(store, attrs, window)
+        if kind == "growth" and skeleton.has_keyframes(attrs):
+            groups["trajectory"] = keyframes.rows(store, build.stored(attrs))
+        parts.append(in_window(groups, attrs, *window))
     if len(stores) > 1:
         names = [store.name.removesuffix(".zarr") for store in stores]
         runs = [(groups["trajectory"], attrs) for groups, attrs in parts]

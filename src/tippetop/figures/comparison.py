@@ -51,7 +51,7 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     if drifts:
         panels[2].set(
             ylabel="relative change",
-            title="Its own change: solid Jellett's integral λ, which nothing may change, dashed energy E",
+            title="Its change less the exact one: solid Jellett's integral λ, dashed energy E",
         )
     panels[-1].set_xlabel("time t (s)")
     for axes in panels[1:]:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .labels import number, title
-from .style import ink, legend, panel
+from .style import compact, dashes, ink, legend, panel
 from .thinning import span, worst
 
 
@@ -25,11 +25,12 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     own = ax is None
     ax = panel(ax, 10, 5.0)
     t = trajectory["time"].values
-    for words, values, color in changes(trajectory, attrs):
+    for i, (words, values, color) in enumerate(changes(trajectory, attrs)):
         when, most = worst(t, values)
-        _curve(ax, when, most, words, color, alone=".")
+        _curve(ax, when, most, words, color, dashes(i), alone=".")
     _dress(ax, attrs, own)
-    ax.set(ylabel=f"relative change since t = {_start(attrs, t)} s, worst per bin", xlim=span(t))
+    words = "relative change" if compact() else f"relative change since t = {_start(attrs, t)} s, worst per bin"
+    ax.set(ylabel=words, xlim=span(t))
     return ax
 
 
@@ -40,28 +41,29 @@ def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     t = trajectory["time"].values
     later = t > 0
     most = 0.0
-    for words, values, color in changes(trajectory, attrs):
+    for i, (words, values, color) in enumerate(changes(trajectory, attrs)):
         grown = np.maximum.accumulate(values)[later]
         most = max(most, float(grown[-1]) if len(grown) else 0.0)
-        _curve(ax, t[later], grown, words, color)
+        _curve(ax, t[later], grown, words, color, dashes(i))
     ax.set_xscale("log")
     if most > 0:
         ax.plot(t[later], most * np.sqrt(t[later] / t[-1]), color=ink().quiet, lw=1.0, ls="--", label="∝ √t")
     _dress(ax, attrs, own)
-    ax.set(ylabel="worst relative change up to t")
+    at = " (at keyframes)" if attrs.get("run", {}).get("output") == "keyframes" else ""
+    ax.set(ylabel=f"worst relative change up to t{at}")
     if later.sum() > 1:
         ax.set_xlim(t[later][0], t[-1])
     return ax
 
 
-def _curve(ax: Axes, t: np.ndarray, values: np.ndarray, words: str, color: str, alone: str = "") -> None:
+def _curve(ax: Axes, t: np.ndarray, values: np.ndarray, words: str, color: str, ls: Any, alone: str = "") -> None:
     """A curve on a logarithmic axis, open where it is exactly 0; if it is 0 everywhere, an entry of the legend only."""
     if not values.any():
-        ax.plot([], [], color=color, lw=1.3, label=f"{words}: exactly 0")
+        ax.plot([], [], color=color, ls=ls, lw=1.3, label=f"{words}: exactly 0")
         return
     zero = values == 0
     words += ", open where it is 0" if zero[1:].any() and alone else ""
-    ax.semilogy(t, np.where(zero, np.nan, values), color=color, lw=1.3, label=words)
+    ax.semilogy(t, np.where(zero, np.nan, values), color=color, ls=ls, lw=1.3, label=words)
     lonely = ~zero & np.r_[True, zero[:-1]] & np.r_[zero[1:], True]
     if alone:
         ax.plot(t[lonely], values[lonely], alone, color=color, ms=2.5)

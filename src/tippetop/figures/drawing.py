@@ -75,7 +75,7 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
         from ..landscape import along_run
 
         given = _function(chosen.prepare)(*(along_run.table(group) for group in given[:2]), attrs)
-    with styled(dark=look.dark, size=look.size):
+    with styled(dark=look.dark, size=look.size, ax=ax):
         axes = _function(chosen.draw)(*given, ax=ax)
         if chosen.over_time and "phases" in groups:
             panels = [axes] if ax is not None else list(axes.get_figure(root=True).axes)
@@ -121,7 +121,7 @@ def several(
             raise InputError([f"`{kind}` is drawn for {words} only; one of these is {a_system(attrs['system'])}."])
         if not len(trajectory["time"].values):
             raise InputError([f"`{kind}` is drawn of rows, and one of these runs has none: replay or resume it."])
-    with styled(dark=look.dark, size=look.size):
+    with styled(dark=look.dark, size=look.size, ax=ax):
         axes = overlay(kind, [(run, with_units(attrs)) for run, attrs in runs], [*map(literal, names)], ax)
         _finish(axes, look, own=ax is None)
         return axes
@@ -159,7 +159,7 @@ def _finish(axes: Any, look: Look, *, own: bool) -> None:
         if any("\ud800" <= letter <= "\udfff" for letter in look.title):  # bytes of a command line that are no text
             raise InputError([f"the title must be text in UTF-8, but is {look.title!r}."])
         if own and figure.get_suptitle():
-            figure.suptitle(as_given(look.title), x=0.01, ha="left", fontsize=11)
+            figure.suptitle(as_given(look.title), x=0.01, ha="left")
         else:
             axes.set_title(as_given(look.title))
 

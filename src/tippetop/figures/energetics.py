@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from ..columns import on_sphere
 from .labels import number, title
-from .style import ink, legend, panel
+from .style import dashes, ink, legend, panel
 from .thinning import span, thinned
 
 
@@ -84,12 +84,12 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     origin = float(curves["energy"][0])
     slight = CONSTANT * level < max(changes.values()) < SLIGHT * level
     size, unit = in_joules(max(changes.values()) if slight else level)
-    for name, words, color, width in names:
+    for i, (name, words, color, width) in enumerate(names):
         if name in curves:
             shift = origin if slight and name != "work" else 0.0
             label = f"{words}{' − E(0)' if shift else ''}{', constant' if changes[name] <= CONSTANT * level else ''}"
             label += lost if name == "modified_energy" else ""
-            ax.plot(*thinned(t, (curves[name] - shift) / size), color=color, lw=width, label=label)
+            ax.plot(*thinned(t, (curves[name] - shift) / size), color=color, ls=dashes(i), lw=width, label=label)
     at = in_joules(level)
     note = f"change of energy ({unit}), E(0) = {number(origin / at[0], 5)} {at[1]}" if slight else f"energy ({unit})"
     ax.set(xlabel="time t (s)", ylabel=note, title=title(attrs), xlim=span(t))

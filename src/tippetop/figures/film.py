@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from . import raycast
 from .labels import title
 from .sphere import CALM, busy
-from .style import figure, ink
+from .style import compact, figure, ink
 from .thinning import span
 
 
@@ -44,8 +44,9 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
     t, theta = trajectory["time"].values[rows], trajectory["theta"].values[rows]
     between = float(np.min(np.diff(t))) if len(t) > 1 else 1.0
     decimals = max(0, 1 - int(np.floor(np.log10(max(between, 1e-12)))))
+    names = ("", "") if compact() else ("t = ", "θ = ")
     words = [
-        f"t = {when:.{decimals}f} s\nθ = {f'{np.degrees(angle):.1f}'.replace('-', '−')}°"
+        f"{names[0]}{when:.{decimals}f} s\n{names[1]}{f'{np.degrees(angle):.1f}'.replace('-', '−')}°"
         for when, angle in zip(t, theta, strict=True)
     ]
     ax.set_xticks(np.arange(len(rows)) * step, words)
@@ -53,11 +54,11 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
     ax.grid(visible=False)
     ax.spines[["left", "top", "right"]].set_visible(False)
     ax.spines["bottom"].set_color(ink().quiet)
-    ax.tick_params(axis="x", color=ink().quiet, labelsize=9)
+    ax.tick_params(axis="x", color=ink().quiet, labelsize="small")
     ax.set(xlim=(-reach - GAP / 2, (len(rows) - 1) * step + (1 + SHADOW) * reach), ylim=(bottom, top), aspect="equal")
     ax.set_title(title(attrs))
-    if scenes[0].kind != "heavy":
-        ax.set_title("grey dot: centre of mass", loc="right", fontsize=9, color=ink().quiet)
+    if scenes[0].kind != "heavy" and not compact():
+        ax.set_title("grey dot: centre of mass", loc="right", fontsize="small", color=ink().quiet)
     return ax
 
 

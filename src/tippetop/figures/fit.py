@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .labels import quantity
-from .style import QUIET, RUN, UPPER, figure
+from .style import QUIET, RUN, UPPER, dashes, figure
 
 
 NAMES = {
@@ -56,7 +56,7 @@ def fit(
         for i, curve in enumerate(curves[name].T):
             above.plot(t, seen[:, i], ".", ms=4, color=QUIET, label="measured" if not i else None)
             label = f"fit {PARTS[i]}" if seen.shape[1] > 1 else "fit"
-            above.plot(times, curve, color=colors[i % len(colors)], lw=0.8, label=label)
+            above.plot(times, curve, color=colors[i % len(colors)], ls=dashes(i), lw=0.8, label=label)
         for i in range(off.shape[1]):
             color = colors[i % len(colors)]
             below.plot(t, off[:, i], ".", ms=2.5, color=color)
@@ -66,11 +66,11 @@ def fit(
         below.set(ylabel=_labelled("what is left", angle), xlabel="time t (s)", ylim=(-4.5 * size, 4.5 * size))
         counts.set(ylim=(-4.5 * size, 4.5 * size), xticks=[], yticklabels=[])
         above.set(ylabel=_labelled(seen_as, unit), xticklabels=[])
-        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4, fontsize=9, borderaxespad=0.2)
+        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4, borderaxespad=0.2)
         words.set_axis_off()
         spread = f"root mean square\nof what is left:\n{quantity(size, angle or '1', 3)}"
-        words.text(0, 0.5, f"{spread}\n{np.isfinite(off).sum()} numbers", va="center", fontsize=9)
-    fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize=8, family="monospace")
+        words.text(0, 0.5, f"{spread}\n{np.isfinite(off).sum()} numbers", va="center", fontsize="small")
+    fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize="small", family="monospace")
     return fig
 
 

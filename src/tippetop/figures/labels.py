@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import SUPERSCRIPTS, units_text
-from .style import broken, letters
+from .style import broken, compact, letters
 
 
 SYMBOLS = {
@@ -99,7 +99,7 @@ def title(attrs: dict[str, Any]) -> str:
         details.append(law)
     head = attrs["title"][:1].upper() + attrs["title"][1:]
     most = letters(WIDTH)
-    return "\n".join([broken(head, most), *_lines(details, most)])
+    return broken(head, most) if compact() else "\n".join([broken(head, most), *_lines(details, most)])
 
 
 def _lines(words: list[str], letters: int = WIDTH) -> list[str]:

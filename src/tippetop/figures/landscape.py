@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..columns import SUPERSCRIPTS, units_text
-from .labels import end_of
-from .style import figure, ink, legend, panel
+from .labels import WIDTH, end_of
+from .style import compact, figure, heading, ink, legend, panel
 from .theta import WIDE
 
 
@@ -46,15 +46,21 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         ):
             axes.plot(x[i], y[i], z[i], style, color=colours.mark, mfc=face, ms=6, label=words, zorder=6)
         high = max(high, float(np.nanmax(z)))
-    axes.set_xlabel(f"{_name(x_name)} ({x_scale[1]}{_unit(grid[x_name])})", labelpad=12)
-    axes.set_ylabel(f"{_name(y_name)} ({y_scale[1]}{_unit(grid[y_name])})", labelpad=12)
+    small = compact()
+    called, pad = (_symbol, -4) if small else (_name, 12)
+    axes.set_xlabel(f"{called(x_name)} ({x_scale[1]}{_unit(grid[x_name])})", labelpad=pad)
+    axes.set_ylabel(f"{called(y_name)} ({y_scale[1]}{_unit(grid[y_name])})", labelpad=pad)
     axes.zaxis.set_rotate_label(False)
-    axes.set_zlabel("energy (mJ)", labelpad=6, rotation=90)
+    axes.set_zlabel("energy (mJ)", labelpad=0.5 * pad, rotation=90)
+    axes.locator_params(nbins=4 if small else 5)
+    axes.tick_params(pad=-2 if small else 3)
     axes.set_zlim(low, high)
-    axes.set_box_aspect((1.15, 1, 0.75), zoom=0.95)
+    axes.set_box_aspect((1.15, 1, 0.75), zoom=0.85 if small else 1.0)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_pane_color(colours.paper)
     axes.view_init(elev=28, azim=-108)
-    heading = f"Minimal surface F({_symbol(x_name)}, {_symbol(y_name)}), the least energy"
-    axes.set_title(f"{title}\n{heading}" if title else heading)
+    words = f"Minimal surface F({_symbol(x_name)}, {_symbol(y_name)}), the least energy"
+    axes.set_title(f"{title}\n{words}" if title and not small else words)
     legend(axes, "lower center", own=ax is None, ncols=3)
     return axes
 
@@ -85,7 +91,7 @@ def band(dataset: Any, events: Any = None, title: str = "", ax: Axes | None = No
     own, colours = ax is None, ink()
     away = np.abs(events["theta"].values - events["edge"].values) if events is not None else np.empty(0)
     below: Axes | None = None
-    if ax is None and np.isfinite(away).any():
+    if ax is None and np.isfinite(away).any() and not compact():
         ax, below = figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, 1.4))
     elif ax is None:
         ax = figure(10, 5.0).subplots()
@@ -116,7 +122,9 @@ def band(dataset: Any, events: Any = None, title: str = "", ax: Axes | None = No
     room = max(0.04 * (top - bottom), 1e-3)
     if top - bottom > WIDE:
         ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
-    ax.set(ylabel="inclination θ (rad)", title=title, ylim=(bottom - room, top + room), xlim=(t[0], t[-1]))
+    ax.set(
+        ylabel="inclination θ (rad)", title=heading(title, WIDTH), ylim=(bottom - room, top + room), xlim=(t[0], t[-1])
+    )
     legend(ax, "upper right", own=own, ncols=4, markerscale=2)
     if below is not None:
         assert events is not None
@@ -124,7 +132,7 @@ def band(dataset: Any, events: Any = None, title: str = "", ax: Axes | None = No
         below.semilogy(events["time"].values, np.where(away > EXACT, away, np.nan), ".", ms=3, color=colours.run)
         below.set_ylabel("|logged − edge|\n(rad)")
         if exact:
-            below.set_title(f"{exact} of {len(away)} exactly on the edge", fontsize=9, loc="right", pad=2)
+            below.set_title(f"{exact} of {len(away)} exactly on the edge", fontsize="small", loc="right", pad=2)
         apart = away[np.isfinite(away) & (away > EXACT)]
         if len(apart):
             below.set_ylim(apart.min() / 5, apart.max() * 5)
@@ -159,7 +167,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
     ax.set(
         xlabel=f"Routh's function D ({power}{_unit(section['D'])})",
         ylabel="energy (mJ)",
-        title=title,
+        title=heading(title, WIDTH),
         xlim=(D[0] / size, D[-1] / size),
     )
     legend(ax, "lower center", own=own, ncols=4)

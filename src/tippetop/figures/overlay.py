@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from .conserved import changes
 from .energetics import in_joules
 from .labels import differences, shared, title
-from .style import ink, legend, panel
+from .style import compact, dashes, ink, legend, panel
 from .thinning import span, thinned, worst
 
 
@@ -22,8 +22,6 @@ SHOWN = {
 }
 """What several runs are compared by, and the axis of each."""
 COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#b3258f", "#8c6d1f", "#666666", "#e7298a", "#5254a3")
-STYLES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (6, 2, 1, 2, 1, 2)))
-"""Colours and strokes, which differ for those who see no colours; 5 and 8 have no common factor."""
 
 
 def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], ax: Axes | None = None) -> Axes:
@@ -45,11 +43,12 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str],
     scale = in_joules(max(float(np.nanmax(np.abs(t["energy"].values))) for t, _ in runs)) if kind == "energy" else None
     for i, ((trajectory, each), label) in enumerate(zip(runs, labels, strict=True)):
         t, values = _curve(kind, trajectory, each)
-        color, style = COLOURS[i % len(COLOURS)], STYLES[i % len(STYLES)]
+        color = COLOURS[i % len(COLOURS)]
         width = 1.6 - 0.8 * i / len(runs)  # what is drawn first can be seen below what is drawn last
-        ax.plot(t, values / (scale[0] if scale else 1.0), color=color, ls=style, lw=width, label=label)
+        ax.plot(t, values / (scale[0] if scale else 1.0), color=color, ls=dashes(i), lw=width, label=label)
     times = np.array([trajectory["time"].values[[0, -1]] for trajectory, _ in runs])
-    ax.set(xlabel="time t (s)", ylabel=SHOWN[kind] + (f" ({scale[1]})" if scale else ""), title=title(shared(attrs)))
+    words = SHOWN[kind].partition(" since")[0] if compact() else SHOWN[kind]
+    ax.set(xlabel="time t (s)", ylabel=words + (f" ({scale[1]})" if scale else ""), title=title(shared(attrs)))
     ax.set_xlim(*span(np.array([times.min(), times.max()])))
     if kind in ("drift", "growth"):
         ax.set_yscale("log")

@@ -7,10 +7,11 @@ from matplotlib.axes import Axes
 
 from .energetics import in_joules
 from .labels import number
-from .style import figure, ink, legend
+from .style import compact, figure, ink, legend
 
 
 REACH = 2.8  # how high a panel without a level is above the least V
+FEW = 3  # every third panel where there is no room for all
 MARGIN = np.radians(4.0)  # at least this is shown beside the band
 
 
@@ -23,8 +24,9 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
     if ax is not None:
         _well(ax, *curves[0])
         ax.set(xlabel="z = cos θ", ylabel=f"V ({_unit(curves)[1]})")
-        ax.legend(fontsize=8)
+        ax.legend()
         return ax
+    curves = curves[:: FEW if compact() else 1]
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
     fig = figure(1.2 + 3.8 * columns if columns > 1 else 7.5, 1.3 + (2.9 * rows if columns > 1 else 4.4))
@@ -37,11 +39,8 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
         axes.set_ylabel(f"V ({_unit(curves)[1]})")
     for axes in panels[max(0, len(curves) - columns) : len(curves)]:
         axes.set_xlabel("z = cos θ")
-    handles = {
-        label: handle for axes in fig.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    legend(panels[0], "lower center", own=True, handles=[*handles.values()], ncols=5)
-    fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left", fontsize=11)
+    legend(panels[0], "lower center", own=True, ncols=5)
+    fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left")
     return panels[0]
 
 
@@ -91,7 +90,7 @@ def _well(axes: Axes, title: str, V: Any, at: Any, unit: tuple[float, str] | Non
             words = f"{_degrees(inner)} ≤ θ ≤ {_degrees(outer)}\nẼ = {number(level, 5)}, F = {number(least, 5)} {name}"
         else:
             words = f"no band: Ẽ = {number(level, 5)} {name}\nlies below F = {number(least, 5)} {name}"
-    axes.set_title(f"{title}\n{words}" if title else words, fontsize=9)
+    axes.set_title(f"{title}\n{words}" if title else words, fontsize="small")
     axes.set(xlim=window, ylim=(least - 0.08 * (high - least), high))
     axes.locator_params(axis="x", nbins=5)
-    axes.tick_params(labelsize=9)
+    axes.tick_params(labelsize="small")

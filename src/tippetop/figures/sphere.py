@@ -8,7 +8,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle
 
 from .labels import title
-from .style import figure, ink, legend
+from .style import compact, figure, ink, legend
 from .thinning import MOST_POINTS, span
 
 
@@ -47,8 +47,10 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     step = max(1, len(path) // MOST_POINTS)
     path, t = path[::step], t[::step]
     views = _worth_showing(path)
+    if compact():
+        views = views[:1]
     if ax is not None:
-        lines = _view(ax, views[-1] if len(views) == 1 else views[0], path, t, limits)
+        lines = _view(ax, views[0], path, t, limits)
         ax.set_title(title(attrs))
         ax.get_figure(root=True).colorbar(lines, ax=ax, shrink=0.8, label="time t (s)", extend=_extend(t, limits))  # type: ignore[union-attr]
         return ax
@@ -58,7 +60,7 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         lines = _view(axes, view, path, t, limits)
         axes.set_title(view.words)
     fig.colorbar(lines, ax=list(panels), shrink=0.8, pad=0.01, label="time t (s)", extend=_extend(t, limits))
-    fig.suptitle(title(attrs), x=0.01, ha="left", fontsize=11)
+    fig.suptitle(title(attrs), x=0.01, ha="left")
     legend(panels[0], "lower center", own=True, ncols=3)
     return panels[0]
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .labels import end_of
-from .style import ink, legend, panel
+from .style import compact, ink, legend, panel
 
 
 NAMES = {"upright": "upright spin", "tumbling": "tumbling", "inverted": "inverted spin"}
@@ -48,6 +48,6 @@ def states(
     ax.set_ylim(-1.06, 1.06)
     ax.set_xlim(0, most)
     heading = "Asymptotic states: solid stable, dashed unstable"
-    ax.set_title(f"{title}\n{heading}" if title else heading, pad=16 if marks else 6)
-    legend(ax, "right center", own=own)
+    ax.set_title(f"{title}\n{heading}" if title and not compact() else heading, pad=16 if marks else 6)
+    legend(ax, "lower center" if compact() else "right center", own=own, ncols=3 if compact() else 1)
     return ax

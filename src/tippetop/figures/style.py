@@ -58,9 +58,16 @@ RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
 _ink: ContextVar[Ink] = ContextVar("ink", default=LIGHT)
 _size: ContextVar[tuple[float, float] | None] = ContextVar("size", default=None)
 
+FONT = 10.0
+"""Size of letters [points] in a figure of the usual width; FONT_WIDTH [inches] or more."""
+FONT_WIDTH = 7.0
+LEAST_FONT = 6.5
+COMPACT = (5.0, 4.0)
+"""Below this width or height [inches] a figure has its curves alone: one line of title, no second panel."""
+DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)))
+"""Line styles of curves in one panel, so that they do not differ by colour alone."""
+
 RC: dict[str, Any] = {
-    "font.size": 10,
-    "axes.titlesize": 11,
     "axes.titlelocation": "left",
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -69,6 +76,7 @@ RC: dict[str, Any] = {
     "axes.axisbelow": True,
     "axes.formatter.useoffset": False,
     "legend.frameon": False,
+    "legend.columnspacing": 1.5,
     "lines.linewidth": 1.0,
     "agg.path.chunksize": 20000,
     "svg.hashsalt": "tippetop",  # the same picture has the same bytes
@@ -105,10 +113,14 @@ def legend(ax: Axes, place: str, *, own: bool, **options: Any) -> None:
     """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own; else in it."""
     if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
         return
-    if own:
-        fitted(ax.get_figure(root=True), place, {"fontsize": 9} | options)
-    else:
-        ax.legend(**({"fontsize": 8} | {name: value for name, value in options.items() if name != "ncols"}))
+    if not own:
+        ax.legend(**{name: value for name, value in options.items() if name != "ncols"})
+        return
+    whole: Any = ax.get_figure(root=True)
+    named = {
+        label: handle for axes in whole.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    fitted(whole, place, {"handles": [*named.values()]} | options)
 
 
 def fitted(whole: Any, place: str, options: dict[str, Any]) -> None:
@@ -135,9 +147,36 @@ def broken(words: str, letters: int) -> str:
 
 
 def letters(most: int) -> int:
-    """How many letters of a title stand beside each other in a figure of the size that was asked for."""
+    """Return the number of letters of a title that fit side by side in a figure of the requested size."""
     size = _size.get()
-    return most if size is None else max(20, min(most, int(9.0 * size[0])))
+    return most if size is None else max(20, min(most, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
+
+
+def compact() -> bool:
+    """Return whether the requested size has no room for more than the curves."""
+    size = _size.get()
+    return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
+
+
+def dashes(number: int) -> Any:
+    """Return the line style of a curve by its number in the panel."""
+    return DASHES[number % len(DASHES)]
+
+
+def heading(text: str, most: int) -> str:
+    """Return a title on lines of at most `most` letters; of a compact figure what stands before the colon."""
+    return broken(text.partition(":")[0] if compact() else text, letters(most))
+
+
+def _letter_sizes(width: float) -> dict[str, Any]:
+    """Return the settings of matplotlib for letters [points] in a figure of a width [inches]."""
+    size = max(LEAST_FONT, FONT * min(1.0, 0.4 + 0.6 * width / FONT_WIDTH))
+    return {
+        "font.size": size,
+        "axes.titlesize": 1.1 * size,
+        "figure.titlesize": 1.1 * size,
+        "legend.fontsize": 0.9 * size,
+    }
 
 
 def literal(text: str) -> str:
@@ -156,18 +195,23 @@ def as_given(text: str) -> str:
 
 
 @contextmanager
-def styled(*, dark: bool = False, size: tuple[float, float] | None = None) -> Iterator[None]:
-    """A block in which figures are made in our style, whatever the user's own settings are; of this size, inches."""
+def styled(*, dark: bool = False, size: tuple[float, float] | None = None, ax: Any = None) -> Iterator[None]:
+    """A block in which figures are made in our style, whatever the user's settings are, of this size [inches].
+
+    A panel of the user's figure, `ax`, keeps the user's settings and its own size.
+    """
     colours = DARK if dark else LIGHT
-    own = {"grid.color": colours.grid}
+    given = RC | _letter_sizes(size[0] if size else FONT_WIDTH) | {"grid.color": colours.grid}
     if dark:
         lines = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
-        own |= dict.fromkeys(lines, "#d5dae0") | dict.fromkeys(
+        given |= dict.fromkeys(lines, "#d5dae0") | dict.fromkeys(
             ("figure.facecolor", "axes.facecolor", "savefig.facecolor"), colours.paper
         )
+    if ax is not None:
+        size = tuple(ax.get_window_extent().size / ax.get_figure(root=True).dpi)
     token, sized = _ink.set(colours), _size.set(size)
     try:
-        with mpl.rc_context(dict(mpl.rcParamsDefault) | RC | own):  # type: ignore[arg-type]
+        with mpl.rc_context(dict(mpl.rcParamsDefault) | given if ax is None else {}):  # type: ignore[arg-type]
             yield
     finally:
         _ink.reset(token)

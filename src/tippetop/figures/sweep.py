@@ -10,7 +10,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from .style import ink, legend, panel
+from .labels import WIDTH
+from .style import DASHES, heading, ink, legend, panel
 
 
 LIFTED, TUMBLING, STEM, FLYING, ROLLING = "#6d28d9", "#e0a800", "#b06ab3", "#0ea5e9", "#5b8c5a"
@@ -47,7 +48,6 @@ NOT_INVERTED = {
     "nutating": "nutates for ever: no friction",
 }
 """The end of tops without a time of inversion, by their class."""
-STYLES = ("-", "--", ":", "-.")
 TITLES = {
     "class": "fate of each top",
     "inversion": "time of inversion, first rise of θ through π − 0.1",
@@ -132,7 +132,7 @@ def _borders(axes: Any, sweep_map: Any) -> list[Any]:
     """Thresholds as lines over the map, white below black so that they show on every colour."""
     x, y = (axis.span for axis in sweep_map.axes)
     entries = []
-    for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(STYLES)):
+    for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
         axes.contour(x, y, values.T, [0.0], colors="white", linewidths=3.0, alpha=0.7)
         axes.contour(x, y, values.T, [0.0], colors="black", linewidths=1.3, linestyles=[style])
         entries.append(Line2D([], [], color="black", lw=1.3, ls=style, label=_mathematical(label)))
@@ -155,25 +155,26 @@ def _over_one(sweep_map: Any, ax: Axes | None) -> Axes:
         axes.set(ylabel="inclination θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
         axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
     elif sweep_map.kind == "inversion":
-        for name, colour, words in (
-            ("first_equator", inks.lower, "θ = π/2"),
-            ("inverted_at", inks.upper, "θ = π − 0.1"),
+        for name, colour, style, words in (
+            ("first_equator", inks.lower, "--", "θ = π/2"),
+            ("inverted_at", inks.upper, "-", "θ = π − 0.1"),
         ):
-            axes.plot(x.centres, sweep_map.fields[name], color=colour, marker=marker, label=f"first {words}")
+            values = sweep_map.fields[name]
+            axes.plot(x.centres, values, color=colour, ls=style, marker=marker, label=f"first {words}")
         axes.set_ylabel("time t (s)")
     elif sweep_map.kind == "lyapunov":
         axes.plot(x.centres, sweep_map.fields["lyapunov"], color=inks.run, marker=marker)
         axes.axhline(0, color=inks.quiet, lw=0.8)
         axes.set_ylabel(FIELDS["lyapunov"][1])
     else:
-        for name, colour, words in (
-            ("normal_force_min", inks.run, "least"),
-            ("normal_force_max", inks.upper, "greatest"),
+        for name, colour, style, words in (
+            ("normal_force_min", inks.run, "--", "least"),
+            ("normal_force_max", inks.upper, "-", "greatest"),
         ):
-            axes.plot(x.centres, sweep_map.fields[name], color=colour, marker=marker, label=words)
+            axes.plot(x.centres, sweep_map.fields[name], color=colour, ls=style, marker=marker, label=words)
         axes.axhline(0, color=inks.alarm, lw=0.9)
         axes.set_ylabel("normal force $g_n\\,/\\,mg$")
-    for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(STYLES)):
+    for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
         known, above = np.isfinite(values), values > 0
         passed = known[1:] & known[:-1] & (above[1:] != above[:-1])
         for i, at in enumerate(x.span[:-1][passed]):
@@ -188,10 +189,10 @@ def _dress(axes: Any, sweep_map: Any, x: Any) -> None:
     if x.log:
         axes.set_xscale("log")
     axes.set_xlim(x.edges[0], x.edges[-1])
-    notes = f"\n{'; '.join(sweep_map.notes)}" if sweep_map.notes else ""
     name = sweep_map.title[:1].upper() + sweep_map.title[1:]
     title = TITLES[sweep_map.kind] if len(sweep_map.axes) == 2 else ONE_AXIS.get(sweep_map.kind, TITLES[sweep_map.kind])
-    axes.set_title(f"{name}: {title}{notes}")
+    lines = [f"{name}: {title}", *(["; ".join(sweep_map.notes)] if sweep_map.notes else [])]
+    axes.set_title("\n".join(heading(line, WIDTH) for line in lines))
 
 
 def _name(name: str) -> str:

@@ -8,7 +8,7 @@ from matplotlib.ticker import NullFormatter
 
 from ..columns import flagged
 from .labels import title
-from .style import figure, ink, legend
+from .style import compact, figure, ink, legend
 from .thinning import MOST_POINTS, span, thinned
 
 
@@ -27,7 +27,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), np.array(attrs.get("handed_over", ())))
     own = ax is None
     below: Axes | None = None
-    if ax is None and pieces:
+    if ax is None and pieces and not compact():
         ax, below = figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, 1.2))
     elif ax is None:
         ax = figure(10, 5.0).subplots()

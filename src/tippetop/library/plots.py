@@ -43,6 +43,7 @@ class Plots:
         kind: str = "theta",
         path: str | Path | None = None,
         *,
+        ax: "Axes | None" = None,
         beside: "Sequence[Run]" = (),
         overwrite: bool = False,
         **options: Any,
@@ -55,6 +56,8 @@ class Plots:
             theta, normal-force, drift, growth, sphere, energy, states, band, surface, potential, inversion or film.
         path : path-like, optional
             A file to write as well; its ending (.png, .svg, .pdf) names the format.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; its figure keeps its own settings.
         beside : sequence of Run, optional
             Other runs to draw in the same panel: theta, normal-force, drift, growth or energy.
         overwrite : bool
@@ -88,7 +91,7 @@ class Plots:
         if file is not None:
             catalogue.check_format(file)
         look = _look(options)
-        figure = self._axes(kind, None, look, options, beside).get_figure(root=True)
+        figure = self._axes(kind, ax, look, options, beside).get_figure(root=True)
         if file is not None:
             drawing.write(figure, file, look, overwrite=overwrite)
         return figure
@@ -99,8 +102,6 @@ class Plots:
             raise AttributeError(f"a run has no figure `{name}`: it has {', '.join(dir(self))}")
 
         def figure(ax: "Axes | None" = None, *, beside: "Sequence[Run]" = (), **options: Any) -> "Axes":
-            if ax is not None and not hasattr(ax, "get_figure"):
-                raise InputError([f"`ax` must be Axes of matplotlib, but is {ax!r:.60}."])
             return self._axes(kind, ax, _look(options), options, beside)
 
         figure.__name__, figure.__doc__ = name, f"{FIGURES[kind].shows}. Takes and returns Axes; options as of a call."
@@ -111,6 +112,8 @@ class Plots:
 
     def _axes(self, kind: str, ax: "Axes | None", look: Look, options: dict[str, Any], beside: "Sequence[Run]") -> Any:
         """Draws; `options` are what is left of them: the window."""
+        if ax is not None and not hasattr(ax, "get_figure"):
+            raise InputError([f"`ax` must be Axes of matplotlib, but is {ax!r:.60}."])
         given = (options.pop("start", None), options.pop("until", None))
         window = (
             None if given[0] is None else measured("start", given[0], SECOND),
@@ -125,7 +128,7 @@ class Plots:
         if not isinstance(others, list | tuple) or not all(isinstance(other, Run) for other in others):
             raise InputError([f"`beside` must be a list of Runs, but is {beside!r:.60}."])
         runs = [self._run, *others]
-        parts = [in_window(run._for_figures(window), run.attributes, *window) for run in runs]
+        parts = [in_window(run._for_figures(kind, window), run.attributes, *window) for run in runs]
         if others:
             names = [f"run {i + 1}" for i in range(len(runs))]
             return drawing.several(kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax)

@@ -234,8 +234,8 @@ class Run:
 
         return Plots(self)
 
-    def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
-        """The tables that figures are made of; of a store the rows of this window [s], and the first."""
+    def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
+        """The tables that a kind of figure is made of; of a store the rows of this window [s], and the first."""
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":

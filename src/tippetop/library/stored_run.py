@@ -10,13 +10,13 @@ from ..errors import InputError
 from ..mechanics.systems import find
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..runs import attributes
+from ..runs import attributes, keyframes
 from ..runs.phases import NAMES
 from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario import build
 from ..scenario.numbers import measured
-from ..store import chunks, root
+from ..store import chunks, root, skeleton
 from ..store.seal import SEAL
 from .run import Run, Window
 
@@ -132,8 +132,11 @@ class StoredRun(Run):
     def _system(self) -> "System | None":
         return self._own or find(self.attributes["system"])
 
-    def _for_figures(self, window: Window = (None, None)) -> dict[str, Any]:
-        return chunks.for_figures(self.path, self.attributes, window)
+    def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
+        groups = chunks.for_figures(self.path, self.attributes, window)
+        if kind == "growth" and skeleton.has_keyframes(self.attributes):
+            groups["trajectory"] = keyframes.rows(self.path, self.problem)
+        return groups
 
     def _page(self, start: float | None, until: float | None) -> str:
         from ..views.run import page_of_store

@@ -1,13 +1,17 @@
 """Keyframes: an integrator's exact state every so many steps, from which any part of a run can be integrated again."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..columns import Column
+from ..engine.observables import Observables
 from ..engine.slices import Driver
 from ..engine.taylor import fingerprint
 from ..mechanics.units import SECOND
+from ..problem import Problem
+from ..store import tables
 
 
 if TYPE_CHECKING:
@@ -47,6 +51,15 @@ def columns(integration: "Integration") -> dict[str, Column]:
         name: Column(("keyframe", *dims.get(name, ())), value[None], {"units": "1", "long_name": words, **more})
         for name, (value, words, more) in about.items()
     }
+
+
+def rows(path: Path, problem: Problem) -> dict[str, Column]:
+    """Return the start of a stored run and its keyframes as rows of its trajectory. Raises StoreError."""
+    arrays = tables.read_member(path, "keyframes")
+    start = problem.start()
+    states = _sum(arrays["state"][:], problem.number)[:, : len(start)]
+    times = np.concatenate([[0.0], arrays["time"][:]])
+    return Observables(problem).columns(times, np.vstack([start, states]))
 
 
 def empty(integration: "Integration") -> dict[str, Column]:

@@ -106,10 +106,18 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
 
 def _csv(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
     arrays = tables.read_member(store, groups[0])
-    units = {part: array.attrs.get("units", "1") for name, array in arrays.items() for part in _parts(name, array)}
+    heads = {part: head for name, array in arrays.items() for part, head in _heads(name, array)}
     for i, table in enumerate(_tables(store, groups[0], attrs)):
-        header = [name if units[name] in ("", "1") else f"{name} [{units[name]}]" for name in table] if not i else False
+        header = False if i else [heads[name] for name in table]
         table.to_csv(path, mode="a" if i else "w", header=header, index=False, float_format="%.17g")
+
+
+def _heads(name: str, array: Any) -> Iterator[tuple[str, str]]:
+    """Yield each component of a column and its header: name and unit, as `exchange` reads them."""
+    unit = str(array.attrs.get("units", "1"))
+    bare = unit in ("", "1") or "parameters" in array.attrs  # derivatives: by each parameter another unit
+    for part in _parts(name, array):
+        yield part, part if bare else f"{part} [{unit}]"
 
 
 def _parquet(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:

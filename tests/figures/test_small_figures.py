@@ -1,0 +1,74 @@
+"""Figures of one column of a journal, panels of the user's own figures, and curves told apart without colours."""
+
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import tippetop as tt
+from tippetop.figures.catalogue import FIGURES
+
+
+COLUMN = (3.4, 2.5)
+
+
+@pytest.fixture(scope="module")
+def run() -> tt.Run:
+    return tt.run("inverting", until=0.5, output_step=0.002)
+
+
+@pytest.mark.parametrize("kind", sorted(set(FIGURES) - {"surface", "film", "potential", "sphere"}))
+def test_the_curves_have_half_of_a_small_figure(run: tt.Run, kind: str) -> None:
+    figure = run.plot(kind, size=COLUMN)
+    figure.draw_without_rendering()
+    box = figure.axes[0].get_position()
+    assert box.height > 0.5
+    assert box.width > 0.6
+
+
+@pytest.mark.parametrize("kind", sorted(FIGURES))
+def test_all_of_a_small_figure_is_within_it(run: tt.Run, kind: str) -> None:
+    figure = run.plot(kind, size=COLUMN)
+    figure.draw_without_rendering()
+    drawn = figure.get_tightbbox()
+    assert min(drawn.x0, drawn.y0) > -0.03
+    assert (drawn.max < np.array(COLUMN) + 0.03).all()
+
+
+def test_letters_of_a_small_figure_are_small(run: tt.Run) -> None:
+    sizes = [run.plot("theta", size=size).axes[0].xaxis.label.get_size() for size in (COLUMN, (12, 6))]
+    assert 6 < sizes[0] < 8
+    assert sizes[1] == run.plot("theta").axes[0].xaxis.label.get_size() == 10
+
+
+def test_a_panel_of_a_users_figure_keeps_its_settings(run: tt.Run) -> None:
+    with mpl.rc_context({"font.size": 5.0, "axes.titlesize": 6.0, "legend.fontsize": 4.0}):
+        axes = Figure().subplots()
+        assert run.plot("theta", ax=axes) is axes.figure
+    assert axes.xaxis.label.get_size() == 5
+    assert axes.get_legend().get_texts()[0].get_size() == 4
+
+
+def test_several_runs_differ_by_their_lines(run: tt.Run, tmp_path: Path) -> None:
+    run.plot("theta", tmp_path / "a.svg", beside=[run, run])
+    patterns = re.findall("stroke-dasharray: ([0-9., ]+)", (tmp_path / "a.svg").read_text(encoding="utf-8"))
+    assert len(set(patterns)) == 2  # and a solid one
+
+
+def test_a_legend_has_each_entry_once() -> None:
+    figure = tt.run("inverting", until=8.0, output_step=0.01).plot("sphere")
+    assert len(figure.axes) > 3  # three views and the colours
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["start", "end"]
+
+
+def test_the_growth_of_a_run_of_keyframes_is_drawn(tmp_path: Path) -> None:
+    words = {"until": 2.0, "output": "keyframes", "keyframe_steps": 50}
+    run = tt.run("rolling", out=tmp_path / "run.zarr", **words)
+    line = run.plot("growth").axes[0].lines[0]
+    assert np.nanmax(line.get_ydata()) <= max(run.drift.to_dict().values())
+    assert len(line.get_xdata()) > 3
+    with pytest.raises(tt.InputError, match="drawn of rows"):
+        run.plot("theta")
