@@ -64,8 +64,9 @@ FONT_WIDTH = 7.0
 LEAST_FONT = 6.5
 COMPACT = (5.0, 4.0)
 """Below this width or height [inches] a figure has its curves alone: one line of title, no second panel."""
-DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)))
-"""Line styles of curves in one panel, so that they do not differ by colour alone."""
+DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (6, 2, 1, 2, 1, 2)))
+"""Line styles of curves in one panel, so that they do not differ by colour alone; 5 has no factor in common with the
+number of colours."""
 
 RC: dict[str, Any] = {
     "axes.titlelocation": "left",
