@@ -67,6 +67,52 @@ def test_what_cannot_be_fitted_is_a_sentence(tmp_path: Path, text: str, free: st
         tt.fit(path, "inverting", free)
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["friction.law=contensou", "friction.patch=1e-4"],
+        ["friction.law=coulomb"],
+        ['run.on_liftoff="fly"'],
+    ],
+)
+def test_laws_and_contacts_without_fits_are_not_supported_yet(film: Path, changes: list[str]) -> None:
+    scenario = tt.load("inverting", [*changes, "friction.mu=0.3"])
+    with pytest.raises(InputError, match="exact Coulomb friction, stems and hops are not supported yet: give a smooth"):
+        tt.fit(film, scenario, "friction.mu")
+
+
+def test_times_in_milliseconds_are_hours(tmp_path: Path) -> None:
+    path = tmp_path / "film.csv"
+    path.write_text("t [s],theta [deg]\n0,5.7\n33,5.6\n9000,5.8\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"must be at most .* but is 9000 s \(2\.5 hours\): is `t` in ms\?"):
+        tt.fit(path, "inverting", "friction.mu")
+
+
+@pytest.mark.parametrize(
+    ("noise", "words"),
+    [
+        (None, r"but is 3\.17894 rad \(182\.14 deg\) in row 3: .* must be stated \(`noise`\)"),
+        ("0.3 deg", r"\(182\.14 deg\) in row 3: a noise of 0\.3 deg \(`noise`\) does not explain it"),
+        ("1 deg", ""),
+        ("0 deg", "`noise` must be an angle between 0 and pi"),
+        ("1 m", "`noise` must be in rad"),
+    ],
+)
+def test_noise_explains_angles_beyond_the_poles(tmp_path: Path, noise: str | None, words: str) -> None:
+    path = tmp_path / "film.csv"
+    path.write_text("t [s],theta [deg]\n0,179\n0.1,-0.6\n0.2,182.14\n0.3,180.5\n", encoding="utf-8")
+
+    def observed() -> measured.Observation:
+        scenario, convention = tt.load("inverting"), measured.Convention()
+        return measured.observation_of(scenario, path, ["friction.mu"], convention, None, noise)
+
+    if words:
+        with pytest.raises(InputError, match=words):
+            observed()
+    else:
+        assert np.rad2deg(observed().groups["theta"][2, 0]) == pytest.approx(182.14)
+
+
 def test_names_that_are_offered_may_be_free(film: Path) -> None:
     with pytest.raises(InputError, match=r"Did you mean `mu`\?") as raised:
         tt.fit(film, "inverting", "friction.mue")
@@ -75,12 +121,15 @@ def test_names_that_are_offered_may_be_free(film: Path) -> None:
     assert list(observation.start()) == ["friction.mu"]
 
 
-def test_a_clock_that_is_free_starts_where_no_row_is_before_the_motion(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("first", "offset"), [(-1.0, 1.0), (12.3, -12.3), (0.02, 0.0)])
+def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_the_motion(
+    tmp_path: Path, first: float, offset: float
+) -> None:
     path = tmp_path / "film.csv"
-    path.write_text("t [s],theta [deg]\n-1,5\n0,5\n1,5\n", encoding="utf-8")
+    path.write_text(f"t [s],theta [deg]\n{first},5\n{first + 1},5\n{first + 2},5\n", encoding="utf-8")
     free = ["time.offset"]
     assert measured.observation_of(tt.load("inverting"), path, free, measured.Convention(), None).start() == {
-        "time.offset": 1.0
+        "time.offset": offset
     }
 
 
@@ -89,9 +138,15 @@ def test_an_interval_ends_where_that_of_its_number_does() -> None:
     assert [scale.outside(_within(scale, u)) for u in (-3.0, 2.0, 9.0)] == [0.0, 0.5, 1.0]
 
 
+def test_an_interval_of_many_powers_of_ten_is_undecided(film: Path) -> None:
+    observation = measured.observation_of(tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None)
+    fit = Fit({"friction.mu": Estimate(0.3, 50.0, 1e-167, 4e155)}, np.eye(1), True, True, ["."], {}, {}, np.zeros(2), 1)
+    assert "0.3 +- 50 s m-1   (95 %: undecided)" in lines(fit, observation)[0]
+
+
 @pytest.mark.parametrize(("sigma", "text"), [(1e6, "0.053 +- 1e+06"), (2e-5, "0.0526494 +- 2e-05")])
 def test_a_value_has_the_digits_that_its_error_leaves(film: Path, sigma: float, text: str) -> None:
     observation = measured.observation_of(tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None)
     estimates = {"friction.mu": Estimate(0.052649398, sigma, 0.0, 1.0)}
-    fit = Fit(estimates, np.eye(1), True, ["."], {}, {}, np.zeros(2), 1)
+    fit = Fit(estimates, np.eye(1), True, True, ["."], {}, {}, np.zeros(2), 1)
     assert text in lines(fit, observation)[0]

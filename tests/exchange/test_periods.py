@@ -9,7 +9,7 @@ from tippetop.exchange.misfit import Misfit
 from tippetop.exchange.observation import OFFSET
 from tippetop.exchange.periods import walked
 from tippetop.exchange.scales import Scale, Space
-from tippetop.exchange.search import End
+from tippetop.exchange.search import settled
 
 
 RATE = 60.0  # of the oscillation
@@ -41,21 +41,24 @@ def misfit(drift: float) -> Misfit:
 def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_named(begin: float) -> None:
     """The drift changes by 2 x 0.01 x 2 in 10 s of an offset: valleys beside are worse by little."""
     left = misfit(0.01)
-    found = walked(left, End(np.array([begin, 0.0]), np.inf, 1e-4), 0)
-    assert found.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
-    beside = sorted(point[0] * RATE / (2 * np.pi) for point, _ in found.rivals)
+    best, *others = walked(left, settled(left, np.array([begin, 0.0]), len(T)), 0)
+    assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    beside = sorted(other.point[0] * RATE / (2 * np.pi) for other in others)
     assert len(beside) > 2
     np.testing.assert_allclose(beside, np.round(beside), atol=0.1)
     assert {-1, 1} <= set(np.round(beside))
-    assert all(cost > found.cost for _, cost in found.rivals)
+    assert all(other.cost > best.cost for other in others)
 
 
 def test_a_drift_that_decides_the_period_leaves_no_other() -> None:
-    assert walked(misfit(0.5), End(np.zeros(2), np.inf, 1e-4), 0).rivals == ()
+    left = misfit(0.5)
+    best, *others = walked(left, settled(left, np.zeros(2), len(T)), 0)
+    assert all(other.cost - best.cost > 14 * best.variance for other in others)
 
 
 def test_of_periods_that_are_all_alike_the_nearest_is_taken() -> None:
     """A motion that is periodic: costs differ by rounding."""
-    found = walked(misfit(0.0), End(np.zeros(2), np.inf, 1e-4), 0)
-    assert found.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
-    assert len(found.rivals) > 20
+    left = misfit(0.0)
+    best, *others = walked(left, settled(left, np.zeros(2), len(T)), 0)
+    assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    assert len(others) > 20

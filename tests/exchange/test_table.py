@@ -72,9 +72,9 @@ def test_columns_that_are_not_known_are_one_sentence(tmp_path: Path) -> None:
         ("t [s], theta [rad]\n0,nan\n1,nan\n", "must have a number somewhere"),
         (
             "t [s], theta [rad]\n0,10\n1,170\n",
-            r"in 0 to pi, but is 170 rad \(9740\.28 deg\) somewhere: is it in degrees\?",
+            r"in 0 to pi, but is 170 rad \(9740\.28 deg\) in row 2: is it in degrees\?",
         ),
-        ("t [s], theta [deg]\n0,10\n1,-5\n", r"in 0 to pi, but is -0\.0872665 rad \(-5 deg\) somewhere\.$"),
+        ("t [s], theta [deg]\n0,10\n1,-5\n", r"in 0 to pi, but is -0\.0872665 rad \(-5 deg\) in row 2\.$"),
         ("t [s]; theta [deg]\n0,0;10\n", "must have commas between columns .*not `;`"),
         ("t [s]\ttheta [deg]\n0\t10\n", "commas between columns, not tabs"),
         ("t [s], theta [rad], theta [deg]\n0,1,1\n1,1,1\n", "`theta` must stand once"),

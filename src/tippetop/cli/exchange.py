@@ -96,6 +96,7 @@ def fit(
     marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quaternion: str | None = None,
     up: str = "z",
+    noise: str | None = None,
     figure: Path | None = None,
     out: Path | None = None,
     overwrite: Annotated[bool, Parameter(negative=())] = False,
@@ -111,20 +112,24 @@ def fit(
     scenario
         TOML file, preset, or the store of a run: what is not free is as it stands there, the rest is a first guess.
     free
-        What is fitted: dotted names with commas, time.offset [s] and time.scale of the table's clock among them.
+        What is fitted: dotted names with commas, time.offset [s] and time.scale of the table's clock among them: the
+        motion's time is scale t + offset, so that a clock that was started before the motion has a negative offset.
     set_
         Change a value: table.key=value. May be repeated.
     loss
         linear, or soft_l1, huber, cauchy, which outliers hardly move.
     starts
-        How many starts are followed at most, until one leaves nothing but noise: the scenario's own, then the best of
-        512 others within 40 %.
+        Independent searches at most, until three of them have ended in the best minimum. Each begins at eight points
+        within 40 % of the scenario.
     marker
         Where the marker is on the body: x,y,z [m] in body axes from the centre of mass; with columns marker_x ...
     quaternion
         The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
     up
         The letter of the vertical, and of the body's axis of symmetry: z or y. With y their z, x, y are our x, y, z.
+    noise
+        Standard deviation of measured angles and directions, such as "1.5 deg": theta may lie beyond 0 and 180 degrees
+        by five of these, and larger residuals are reported.
     figure
         Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or say --overwrite).
     out
@@ -148,8 +153,8 @@ def fit(
         _check_out(out, overwrite, {"the measurements": data, "the figure": figure})
     problem = _problem(scenario, set_)
     place = fit_text.marker_of(marker)
-    observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place)
-    result = measured.fitted(observation, loss, whole("--starts", starts))
+    observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place, noise)
+    result = measured.fitted(observation, loss, whole("--starts", starts), progress=True)
     text = fit_text.lines(result, observation)
     if out is not None:
         scenario_text = fit_text.toml(problem, result)

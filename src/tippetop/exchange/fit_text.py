@@ -10,6 +10,10 @@ from .fitting import Estimate, Fit
 from .observation import TIMES, Observation
 
 
+# Ratio of the ends of an interval beyond which it means nothing
+WIDEST = 1e6
+
+
 def plain(fit: Fit) -> dict[str, Any]:
     """The object that `tippetop fit --json` prints."""
     names = list(fit.estimates)
@@ -19,6 +23,7 @@ def plain(fit: Fit) -> dict[str, Any]:
         "estimates": {name: estimate._asdict() for name, estimate in fit.estimates.items()},
         "correlations": correlations,
         "converged": fit.converged,
+        "trustworthy": fit.trustworthy,
         "reason": " ".join(fit.reason),
         "noise": fit.noise,
         "rows": len(fit.t),
@@ -27,17 +32,20 @@ def plain(fit: Fit) -> dict[str, Any]:
 
 
 def lines(fit: Fit, observation: Observation) -> list[str]:
-    """The result in lines: each number with its standard error and 95 % interval, then what must be known."""
+    """Return the result in lines: each number with its standard error and 95 % interval, and the reasons: first if they
+    are doubts."""
     width = max(len(name) for name in fit.estimates)
     rows = []
     for name, e in fit.estimates.items():
         unit = observation.rule(name).unit.symbol
         digits = _digits(e)
         text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{'' if unit == '1' else ' ' + unit}"
-        rows.append(f"{text}   (95 %: {e.low:.{digits}g} to {e.high:.{digits}g})")
+        interval = f"{e.low:.{digits}g} to {e.high:.{digits}g}"
+        rows.append(f"{text}   (95 %: {'undecided' if 0 < WIDEST * e.low < e.high else interval})")
     units = {"place": "m", "marker": "m", "omega3": "rad/s"}
     noise = ", ".join(f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items())
-    return [*rows, f"what is left: {noise} (root mean square)", *fit.reason]
+    rows.append(f"what is left: {noise} (root mean square)")
+    return [*rows, *fit.reason] if fit.trustworthy else [*fit.reason, *rows]
 
 
 def _digits(estimate: Estimate) -> int:

@@ -1,24 +1,33 @@
 """A fit: the numbers of a scenario that fit a measured motion best, and what the measurements say of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import InputError
 from .misfit import Misfit
-from .observation import CLOCK, OFFSET, Observation
-from .periods import walked
+from .observation import CLOCK, OFFSET, REACH, Observation
+from .periods import RIVAL, walked
 from .scales import Scale, Space, scale_of
-from .search import RIVAL, End, finished, followed, others
+from .search import Minimum, different, searched, settled, starts_of, widen, windows
 
 
-STARTS = 12  # that are followed at most, until one leaves nothing but noise
-NOISY = 5.0  # standard deviations of the sum of squared autocorrelations that noise does not reach
-LAGS = 12  # of that sum
-ALIKE, ROUGH = 0.99, 0.05  # correlation, and one standard error, of numbers that cannot be distinguished
+# Searches at most, and those that must have ended in the best minimum
+STARTS, MET = 12, 3
+# Standard deviations of the sum of squared autocorrelations, and of the variance, that noise does not reach
+NOISY = 5.0
+# Lags of that sum
+LAGS = 12
+# Correlation, and one standard error, of numbers that cannot be distinguished
+ALIKE, ROUGH = 0.99, 0.05
 QUANTILE = 0.975
-IDLE = 1e-12  # of what is seen: what changes no more by the whole of a number is rounding
+# Standard errors from a bound, and at most this coordinate, within which a number is at it
+AT_BOUND = 0.01
+# Measurements whose noise is an angle
+ANGLES = ("theta", "phi", "axis", "orientation")
+# Part of what is seen: a smaller change by the whole of a number is rounding
+IDLE = 1e-12
 
 
 class Estimate(NamedTuple):
@@ -40,7 +49,9 @@ class Fit(NamedTuple):
     correlations
         (free, free).
     converged
-        Whether the numbers are those that fit best, and the data decide them.
+        Whether enough independent searches ended in the same best minimum.
+    trustworthy
+        Whether, besides, the residuals are noise, and the data decide every number.
     reason
         A sentence for each thing that must be known; the first says how it ended.
     residuals
@@ -56,6 +67,7 @@ class Fit(NamedTuple):
     estimates: dict[str, Estimate]
     correlations: np.ndarray
     converged: bool
+    trustworthy: bool
     reason: list[str]
     residuals: dict[str, np.ndarray]
     noise: dict[str, float]
@@ -63,8 +75,14 @@ class Fit(NamedTuple):
     evaluations: int
 
 
-def fit(observation: Observation, loss: str = "linear", starts: int = STARTS, seed: int = 0) -> Fit:
-    """Fits the free numbers of an observation.
+def fit(
+    observation: Observation,
+    loss: str = "linear",
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: Callable[[int, int], None] = lambda *_: None,
+) -> Fit:
+    """Fit the free numbers of an observation.
 
     Parameters
     ----------
@@ -73,10 +91,11 @@ def fit(observation: Observation, loss: str = "linear", starts: int = STARTS, se
     loss
         linear, or soft_l1, huber, cauchy, which outliers hardly move.
     starts
-        How many starts are followed at most, until one leaves nothing but noise: the scenario's own, then the best of
-        many others.
+        Independent searches at most, until `MET` of them have ended in the best minimum.
     seed
-        Of the other starts.
+        Of the searches.
+    progress
+        Called with the numbers of windows that are done and that are expected.
 
     Returns
     -------
@@ -91,28 +110,29 @@ def fit(observation: Observation, loss: str = "linear", starts: int = STARTS, se
     space = Space(begin, [scale_of(observation.rule(name), value) for name, value in begin.items()])
     misfit = Misfit(observation, space, loss)
     _refuse(misfit)
-    end = followed(misfit, space.start, seed)
-    for k in range(starts - 1):
-        if end is not None and _excess(misfit, end.point) <= NOISY:
+    widen(misfit)
+    count = len(windows(misfit))
+    ends: list[Minimum] = []
+    for n, points in enumerate(starts_of(misfit, starts, seed)):
+        expected = n + MET - (ends[0].searches if ends else 0)
+
+        def report(done: int, before: int = n * count, total: int = expected * count) -> None:
+            progress(before + done, total)
+
+        report(0)
+        found = searched(misfit, points, np.random.default_rng((seed, n)), report)
+        if OFFSET in space.names:
+            found = [*walked(misfit, found[0], space.names.index(OFFSET)), *found[1:]]
+        ends = different([*ends, *found])
+        if ends[0].searches >= MET:
             break
-        if k == 0:
-            more = others(misfit, starts - 1, seed)
-        end = _better(end, followed(misfit, more[k], seed))
-    if end is None:
-        end = followed(misfit, space.start, seed, to_the_end=True)
-    assert end is not None
     if len(observation.groups) > 1:
-        misfit.weigh(end.point)
-        end = finished(misfit, end.point)
-    if OFFSET in space.names:
-        end = walked(misfit, end, space.names.index(OFFSET))
-    return judged(misfit, end)
-
-
-def _better(one: End | None, other: End | None) -> End | None:
-    if one is None or other is None:
-        return one or other
-    return min(one, other, key=lambda end: end.cost)
+        misfit.weigh(ends[0].point)
+    total = len(observation.t)
+    again = [settled(misfit, end.point, total)._replace(searches=end.searches) for end in ends]
+    ends = different(again)  # a search along a long valley may have ended early
+    met = ends[0].searches
+    return judged(misfit, ends, met, n + 1)
 
 
 def _refuse(misfit: Misfit) -> None:
@@ -123,14 +143,16 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError(
             [f"more measurements than free numbers must be there, but are {count} for {len(space.names)}."]
         )
-    predictions = observation.predicted(space.values(space.start))
-    if space.values(space.start).get(CLOCK, 1.0) * observation.t[0] + space.values(space.start).get(OFFSET, 0.0) < 0:
+    start = np.zeros(len(space.names))
+    values = space.values(start)
+    predictions = observation.predicted(values)
+    if values.get(CLOCK, 1.0) * observation.t[0] + values.get(OFFSET, 0.0) < 0:
         first = f"but begin at {observation.t[0]:.6g} s: shift them, or let `{OFFSET}` be free"
         raise InputError([f"times must begin at 0, the start of the motion, or later, {first}."])
     if not any(np.isfinite(off).any() for off, _ in predictions.values()):
         raise InputError(["the scenario must move over the time of the table, but cannot."])
     moves = np.concatenate([moves.reshape(-1, len(space.names)) for _, moves in predictions.values()])
-    sizes = np.sqrt(np.nansum((moves * space.slopes(space.start)) ** 2, axis=0))
+    sizes = np.sqrt(np.nansum((moves @ space.slopes(start)) ** 2, axis=0))
     seen = np.sqrt(sum(np.nansum(rows**2) for rows in observation.groups.values()))
     idle = [name for name, size in zip(space.names, sizes, strict=True) if size <= IDLE * max(sizes.max(), seen)]
     if idle:
@@ -151,41 +173,72 @@ def _excess(misfit: Misfit, point: np.ndarray) -> float:
     return worst
 
 
-def judged(misfit: Misfit, end: End) -> Fit:
-    """The result at the end of a search."""
+def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> Fit:
+    """Return the result of searches, by the minima that they ended in, best first; `met` ended in the first one."""
     from scipy.stats import t as student
 
-    observation, space, point = misfit.observation, misfit.space, end.point
+    observation, space, point = misfit.observation, misfit.space, ends[0].point
     (residual,), (jacobian,) = misfit.at(point[None, :], len(observation.t))
-    weight = misfit.weight(residual, misfit.size(residual))
+    weight = misfit.weight(residual)
     freedom = max(float(weight.sum()) - len(point), 1.0)
     variance = float((weight * residual**2).sum() / freedom)
     sizes = np.sqrt((jacobian**2 * weight[:, None]).sum(axis=0))
     scaled = jacobian * np.sqrt(weight)[:, None] / np.where(sizes > 0, sizes, 1)
     _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
-    covariance = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways * variance / np.outer(sizes, sizes)
+    inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways * variance / np.outer(sizes, sizes)
+    values = space.values(point)
+    slopes = np.array([scale.slope(value) for scale, value in zip(space.scales, values.values(), strict=True)])
+    moves = space.slopes(point) / slopes[:, None]
+    covariance = moves @ inner @ moves.T
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
     quantile = float(student.ppf(QUANTILE, freedom))
     estimates = {}
-    for name, scale, u, s in zip(space.names, space.scales, point, sigma, strict=True):
-        value = scale.outside(u)
+    for (name, value), scale, s, slope in zip(values.items(), space.scales, sigma, slopes, strict=True):
+        u = scale.inside(value)
         low, high = (scale.outside(_within(scale, u + sign * quantile * s)) for sign in (-1, 1))
-        estimates[name] = Estimate(value, float(s * scale.slope(value)), low, high)
-    values = space.values(point)
+        estimates[name] = Estimate(value, float(s * slope), low, high)
     parts = {group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()}
     noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
-    reasons = [*_undecided(space, point, sigma, correlations), *_rivals(space, end, jacobian)]
+    converged = met >= MET
+    reasons = []
+    if not converged:
+        reasons.append(
+            f"the minimum is not trustworthy: {met} of {searches} independent searches ended there ({MET} are needed), "
+            "and other numbers may fit better: more `starts` may decide."
+        )
+    reasons += [*_undecided(space, values, sigma, correlations), *_rivals(space, ends)]
+    reasons += _not_noise(misfit, point, parts)
+    trustworthy = not reasons
+    reasons.insert(0, "the numbers fit: what is left is noise." if trustworthy else "the fit must be read with care:")
+    return Fit(estimates, correlations, converged, trustworthy, reasons, parts, noise, observation.t,
+               misfit.evaluations)  # fmt: skip
+
+
+def _not_noise(misfit: Misfit, point: np.ndarray, parts: dict[str, np.ndarray]) -> list[str]:
+    """Return sentences on residuals that are not noise, or not of the stated size."""
+    observation, reasons = misfit.observation, []
     excess = _excess(misfit, point)
     if excess > NOISY:
         reasons.append(
             f"the residuals are no noise (their autocorrelations are {excess:.0f} standard deviations too large): the "
             "model, or a start, is missing something."
         )
-    converged = not reasons
-    reasons.insert(0, "the numbers fit: what is left is noise." if converged else "the fit must be read with care:")
-    return Fit(estimates, correlations, converged, reasons, parts, noise, observation.t,
-               misfit.evaluations)  # fmt: skip
+        if OFFSET not in misfit.space.names and observation.t[0] > REACH * (observation.t[-1] - observation.t[0]):
+            reasons.append(
+                f"the table begins {observation.t[0]:.6g} s after the start of the motion: let `{OFFSET}` be "
+                "free if its clock was started earlier."
+            )
+    for group, off in parts.items():
+        seen = off[np.isfinite(off)]
+        size = float(np.sqrt(np.mean(seen**2)))
+        most = (observation.noise or np.inf) * np.sqrt(1 + NOISY * np.sqrt(2 / len(seen)))
+        if group in ANGLES and size > most:
+            reasons.append(
+                f"the residuals of {group} are larger than the stated noise: {size:.3g} rad, not "
+                f"{observation.noise:.3g} rad."
+            )
+    return reasons
 
 
 def _within(scale: Scale, u: float) -> float:
@@ -193,12 +246,13 @@ def _within(scale: Scale, u: float) -> float:
     return u if scale.logarithmic else min(max(u, scale.low), scale.high)
 
 
-def _undecided(space: Space, point: np.ndarray, sigma: np.ndarray, correlations: np.ndarray) -> list[str]:
-    """Sentences on the numbers that the data do not decide."""
+def _undecided(space: Space, values: dict[str, float], sigma: np.ndarray, correlations: np.ndarray) -> list[str]:
+    """Return sentences on the numbers that the data do not decide."""
     reasons = []
-    for name, scale, u, s in zip(space.names, space.scales, point, sigma, strict=True):
+    for (name, value), scale, s in zip(values.items(), space.scales, sigma, strict=True):
+        u = scale.inside(value)
         for side, limit in (("lowest", scale.low), ("highest", scale.high)):
-            if np.isfinite(limit) and abs(u - limit) <= 2e-6 * max(1.0, abs(limit)):
+            if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * s, AT_BOUND):
                 reasons.append(f"`{name}` ran into its {side} value, {scale.outside(limit):.6g}.")
         if (scale.logarithmic and s > 1) or (not scale.logarithmic and s > max(1.0, abs(u))):
             reasons.append(f"the data cannot decide `{name}`: its standard error is as large as itself.")
@@ -210,13 +264,12 @@ def _undecided(space: Space, point: np.ndarray, sigma: np.ndarray, correlations:
     return reasons
 
 
-def _rivals(space: Space, end: End, jacobian: np.ndarray) -> list[str]:
-    """A sentence where other numbers fit nearly as well."""
-    near = []
-    for point, cost in end.rivals:
-        apart = jacobian @ (point - end.point)
-        if cost - end.cost < RIVAL * end.variance and apart @ apart > end.variance:
-            near.append(", ".join(f"{name} = {value:.6g}" for name, value in space.values(point).items()))
+def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
+    """Return a sentence where other numbers fit nearly as well."""
+    best, near = ends[0], []
+    for end in ends[1:]:
+        if end.cost - best.cost < RIVAL * best.variance:
+            near.append(", ".join(f"{name} = {value:.6g}" for name, value in space.values(end.point).items()))
     more = f" (and {len(near) - 1} more such sets)" if len(near) > 1 else ""
     return [f"other numbers fit nearly as well: {near[0]}{more}; errors are those of one set."] if near else []
 

@@ -1,19 +1,23 @@
 """A table of measurements and a scenario become a fit."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ..arguments import dotted_keys
 from ..errors import InputError
+from ..mechanics.units import RADIAN
 from ..problem import Problem
+from ..progress import reporting
+from ..scenario.quantities import number_of
 from .fitting import Fit, fit
 from .motion import Convention, motion
 from .observation import Observation
 from .table import Table, read
 
 
+Progress = Callable[[int, int], None] | bool
 MOST_ROWS = 100_000  # that a fit takes
 DRAWN = 4001  # times of a curve: fifteen in a period of the canonical top filmed for ten seconds
 
@@ -24,19 +28,25 @@ def observation_of(
     free: Sequence[str],
     convention: Convention,
     marker: tuple[float, float, float] | None,
+    noise: float | str | None = None,
 ) -> Observation:
-    """What was measured, beside what a scenario predicts.
+    """Return measurements and what a scenario predicts for them.
+
+    `noise`: the standard deviation of measured angles [rad], or a text such as "1 deg".
 
     Raises
     ------
     InputError
         If the table, the names or the conventions are wrong.
     """
-    table = read(data, wrapped=bool(problem.system.vectors))
+    noise = number_of(noise, "noise", RADIAN) if isinstance(noise, str) else noise
+    if noise is not None and not 0 < noise < np.pi:
+        raise InputError([f"`noise` must be an angle between 0 and pi, but is {noise} rad."])
+    table = read(data, wrapped=bool(problem.system.vectors), noise=noise or 0.0)
     if len(table.t) > MOST_ROWS:
         raise InputError([f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."])
     names = dotted_keys(free, problem.rules)
-    return Observation(problem, names, motion(table, convention), *_marker(table, convention, marker))
+    return Observation(problem, names, motion(table, convention), *_marker(table, convention, marker), noise)
 
 
 def _marker(
@@ -56,9 +66,10 @@ def _marker(
     return np.array(marker), rows if convention.up == "z" else rows[:, [2, 0, 1]]
 
 
-def fitted(observation: Observation, loss: str, starts: int) -> Fit:
-    """The fit of an observation. Raises InputError."""
-    return fit(observation, loss, starts)
+def fitted(observation: Observation, loss: str, starts: int, progress: Progress = False) -> Fit:
+    """Return the fit of an observation. Raises InputError."""
+    with reporting(progress, "windows") as report:
+        return fit(observation, loss, starts, progress=report)
 
 
 def curves(observation: Observation, result: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:

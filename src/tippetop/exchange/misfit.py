@@ -1,7 +1,7 @@
-"""What sets of numbers leave of the measurements: weighted residuals, and what a loss makes of them."""
+"""Weighted residuals of sets of numbers, and their Jacobians."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -10,26 +10,17 @@ from .observation import Observation
 from .scales import Space
 
 
-WORST = 10.0  # the residual of what cannot be computed
-
-
-class Loss(NamedTuple):
-    """A loss of z, the square of a residual in units of its scale, and its derivative by z."""
-
-    of: Callable[[np.ndarray], np.ndarray]
-    weight: Callable[[np.ndarray], np.ndarray]
-
-
-LOSSES = {
-    "linear": Loss(lambda z: z, np.ones_like),
-    "soft_l1": Loss(lambda z: 2 * (np.sqrt(1 + z) - 1), lambda z: 1 / np.sqrt(1 + z)),
-    "huber": Loss(
-        lambda z: np.where(z <= 1, z, 2 * np.sqrt(np.maximum(z, 1)) - 1),
-        lambda z: np.where(z <= 1, 1.0, 1 / np.sqrt(np.maximum(z, 1))),
-    ),
-    "cauchy": Loss(np.log1p, lambda z: 1 / (1 + z)),
+# Residual of what cannot be computed
+WORST = 10.0
+# Medians of the noise beyond which a residual is an outlier
+OUTLIER = 5.0
+WEIGHTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "linear": np.ones_like,
+    "soft_l1": lambda z: 1 / np.sqrt(1 + z),
+    "huber": lambda z: 1 / np.sqrt(np.maximum(z, 1)),
+    "cauchy": lambda z: 1 / (1 + z),
 }
-"""As SciPy's `least_squares` defines them; the latter ones hardly see outliers."""
+"""Derivatives of the losses of SciPy's `least_squares`; z: squares of residuals in units of their scale."""
 
 
 class Misfit:
@@ -42,58 +33,53 @@ class Misfit:
     space
         The free numbers.
     loss
-        A name of `LOSSES`.
+        A name of `WEIGHTS`.
     """
 
     def __init__(self, observation: Observation, space: Space, loss: str):
-        if loss not in LOSSES:
-            raise InputError([f"the loss must be one of {', '.join(LOSSES)}, but is {loss!r:.40}."])
-        self.observation, self.space, self.loss = observation, space, LOSSES[loss]
+        if loss not in WEIGHTS:
+            raise InputError([f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}."])
+        self.observation, self.space, self.loss = observation, space, loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
         self.evaluations = 0
 
     def at(self, points: np.ndarray, rows: int, *, slopes: bool = True) -> tuple[np.ndarray, Any]:
-        """Residuals of the first rows, (points, numbers), and their Jacobians, (points, numbers, free), or None.
+        """Return residuals of the first rows, (points, numbers), and their Jacobians, (points, numbers, free), or None.
 
-        What was not measured is left out; what cannot be computed is `WORST`, and stays."""
+        Gaps are left out; a motion that cannot be computed leaves `WORST`, constant."""
         self.evaluations += len(points)
         parts = self.observation.predictions([self.space.values(p) for p in points], slice(0, rows), slopes=slopes)
         residuals, jacobians = [], []
-        chain = np.array([self.space.slopes(p) for p in points])[:, None, :] if slopes else None
+        chain = np.array([self.space.slopes(p) for p in points])[:, None] if slopes else None
         for group, (off, moves) in parts.items():
             weight = self.weights[group]
             given = np.isfinite(self.observation.groups[group][:rows]).all(axis=1)
             r = (off[:, given] * weight).reshape(len(points), -1)
             broken = ~np.isfinite(r)
             if slopes:
-                j = (-moves[:, given] * weight).reshape(*r.shape, -1) * chain
+                j = (-moves[:, given] * weight @ chain).reshape(*r.shape, -1)
                 broken |= ~np.isfinite(j).all(axis=2)
                 jacobians.append(np.where(broken[:, :, None], 0.0, j))
             residuals.append(np.where(broken, WORST * weight, r))
         return np.concatenate(residuals, axis=1), np.concatenate(jacobians, axis=1) if slopes else None
 
-    def rows(self, rows: int) -> np.ndarray:
-        """The row of each residual of the first rows."""
-        rows_of = []
-        for group, seen in self.observation.groups.items():
-            given = np.flatnonzero(np.isfinite(seen[:rows]).all(axis=1))
-            rows_of.append(np.repeat(given, self.observation.parts(group)))
-        return np.concatenate(rows_of)
-
     def weigh(self, point: np.ndarray) -> None:
-        """Weighs each kind of measurement by its own noise."""
+        """Weight each kind of measurement by its own noise."""
         if len(self.weights) > 1:
             for group, (off, _) in self.observation.predictions([self.space.values(point)], slopes=False).items():
                 self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), 1e-12)
 
     def size(self, residuals: np.ndarray) -> float:
-        """The scale of residuals beyond which a loss bends."""
+        """Return the scale of residuals beyond which a loss bends."""
         return max(float(np.median(np.abs(residuals))), 1e-12)
 
-    def costs(self, residuals: np.ndarray, size: float) -> np.ndarray:
-        """What a loss makes of residuals (points, numbers), (points,)."""
-        return size**2 * self.loss.of((residuals / size) ** 2).sum(axis=1)
+    def costs(self, residuals: np.ndarray, like: np.ndarray) -> np.ndarray:
+        """Return sums of squares (points,) of residuals (points, numbers), without outliers unless the loss is linear.
 
-    def weight(self, residuals: np.ndarray, size: float) -> np.ndarray:
-        """The weight of each residual."""
-        return self.loss.weight((residuals / size) ** 2)
+        `like`: residuals of the noise, which have the scale of outliers."""
+        most = np.inf if self.loss == "linear" else OUTLIER * self.size(like)
+        return (np.minimum(np.abs(residuals), most) ** 2).sum(axis=1)
+
+    def weight(self, residuals: np.ndarray) -> np.ndarray:
+        """Return the weight of each residual."""
+        return WEIGHTS[self.loss]((residuals / self.size(residuals)) ** 2)

@@ -23,9 +23,17 @@ TIMES = {
     CLOCK: Parameter(ONE, "seconds of the motion per second of the table's clock", above=0),
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
+# Part of the duration within which the time of a clock is searched
+REACH = 1 / 8
 TOLERANCE = 1e-9  # of the integrator: data are never better
 USES = 50  # of motions with derivatives over all of the data, in a fit
 MORE = 10  # so many times as many without
+# Internal units of time of the longest motion of a fit: half an hour of computing
+LONGEST = 3e4
+UNSUPPORTED = (
+    "fits under drilling friction, exact Coulomb friction, stems and hops are not supported yet: give a smooth law (a "
+    'Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'
+)
 MOST_STEPS = 25.0  # per internal unit of time: a canonical inversion takes 9
 NAMES = {
     "axis": tuple(component(f"u{c}") for c in "xyz"),
@@ -52,6 +60,8 @@ class Observation:
         Where the marker is on the body, body axes, from the centre of mass [m], (3,); with columns `marker_`.
     places
         Where the marker was, space frame, (rows, 3).
+    noise
+        Standard deviation of measured angles and directions [rad]; None: unknown.
 
     Attributes
     ----------
@@ -66,8 +76,19 @@ class Observation:
         seen: Motion,
         marker: np.ndarray | None = None,
         places: np.ndarray | None = None,
+        noise: float | None = None,
     ):
-        self.free, self.t = tuple(free), seen.t
+        self.free, self.t, self.noise = tuple(free), seen.t, noise
+        if problem.contact is not None:
+            raise InputError([UNSUPPORTED])
+        longest = LONGEST * float(problem.scales.of(SECOND))
+        if self.t[-1] > longest:
+            raise InputError(
+                [
+                    f"the last time must be at most {longest:.3g} s in a fit, but is {self.t[-1]:.6g} s "
+                    f"({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
+                ]
+            )
         faults = [
             f"`{name}` must be {' or '.join(TIMES)}, but is not.{suggestion(name, TIMES)}"
             for name in free
@@ -109,7 +130,9 @@ class Observation:
 
     def start(self) -> dict[str, float]:
         """The values of the free numbers in the scenario."""
-        clock = {OFFSET: max(0.0, -float(self.t[0])), CLOCK: 1.0}  # no row is before the start
+        first, last = float(self.t[0]), float(self.t[-1])
+        late = first < 0 or first > REACH * (last - first)  # then the motion starts with the first row
+        clock = {OFFSET: -first if late else 0.0, CLOCK: 1.0}
         return {name: clock.get(name, self.numbers.values.get(name, 0.0)) for name in self.free}
 
     def predicted(

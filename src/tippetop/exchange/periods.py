@@ -1,64 +1,63 @@
 """Other periods of an oscillation in which a free clock fits nearly as well.
 
-Where a table's clock starts at an unknown time of the motion, and the oscillation that is seen is fast, there is a
-valley of the cost for every period, and slow changes alone say which is right. So from the best fit one goes to the
-next valley on either side, by the time of the clock alone, and on from there by the step that led there, as far as
-valleys are nearly as deep.
+Where a table's clock starts at an unknown time of the motion, and the oscillation that is seen is fast, the misfit has
+a minimum in every period, and slow changes alone decide which is right. From the best fit the next minimum on either
+side is searched along the time of the clock, and further ones by the same step, as long as they are nearly as deep.
 """
 
 import numpy as np
 
 from .misfit import Misfit
-from .search import RIVAL, End, State, improved, met
+from .observation import REACH
+from .search import Minimum, settled
 
 
-REACH, POINTS = 1 / 8, 128  # of the duration, in which the next valley is looked for, and in how many points
-MOST = 12  # valleys on either side
-SAME = 1e-3  # variances of the noise: valleys so much alike are of a periodic motion, and the nearest is taken
+# Points in which the next minimum is searched
+POINTS = 128
+# Variances of the noise by which a minimum that is nearly as good is worse at most: odds of 1 in 1000
+RIVAL = 14.0
+# Minima on either side
+MOST = 12
+# Variances of the noise: minima that differ less are those of a periodic motion, and the nearest one is taken
+SAME = 1e-3
 
 
-def walked(misfit: Misfit, end: End, clock: int) -> End:
-    """The best of the valleys about an end, with the others as its rivals.
+def walked(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
+    """Return the minima near one of all of the data, best first; it alone counts as found.
 
     Parameters
     ----------
     misfit
-        What is left of the measurements.
-    end
-        Of a search over all of the data.
+        Residuals of the measurements.
+    first
+        A minimum.
     clock
         The place of the time of the clock among the free numbers.
     """
-    first = _settled(misfit, end.point)
+    total = len(misfit.observation.t)
     known = [first]
     for side in (1, -1):
         before, here = first, _next(misfit, first, clock, side)
         for _ in range(MOST):
-            if here is None or met(before, here) or here.cost - min(s.cost for s in known) > RIVAL * first.variance:
+            least = min(s.cost for s in known)
+            if here is None or before.met(here) or here.cost - least > RIVAL * first.variance:
                 break
             known.append(here)
-            ahead = misfit.space.clipped(2 * here.point - before.point)
-            before, here = here, _settled(misfit, ahead)
-    least = min(state.cost for state in known)
+            before, here = here, settled(misfit, misfit.space.clipped(2 * here.point - before.point), total)
+    least = min(s.cost for s in known)
     alike = [s for s in known if s.cost < least + SAME * first.variance]
-    best = min(alike, key=lambda state: abs(state.point[clock] - end.point[clock]))
-    others = [(s.point, s.cost) for s in sorted(known, key=lambda state: state.cost) if not met(best, s)]
-    old = [(point, cost) for point, cost in end.rivals if cost >= best.cost]
-    return End(best.point, best.cost, best.variance, (*others, *old))
+    best = min(alike, key=lambda s: abs(s.point[clock] - first.point[clock]))
+    others = [s for s in sorted(known, key=lambda s: s.cost) if not best.met(s)]
+    return [best._replace(searches=1), *(s._replace(searches=0) for s in others)]
 
 
-def _settled(misfit: Misfit, point: np.ndarray) -> State:
-    """The best point of the valley of a point, over all of the data."""
-    return improved(misfit, point, point, len(misfit.observation.t), last=True)
-
-
-def _next(misfit: Misfit, state: State, clock: int, side: int) -> State | None:
-    """The valley beside one; None where the cost has none within reach."""
+def _next(misfit: Misfit, minimum: Minimum, clock: int, side: int) -> Minimum | None:
+    """Return the next minimum on one side; None where the cost has none within reach."""
     t, total = misfit.observation.t, len(misfit.observation.t)
-    shift = np.zeros((POINTS, len(state.point)))
-    shift[:, clock] = side * np.linspace(0, REACH * (t[-1] - t[0]), POINTS) / misfit.space.scales[clock].size
-    points = misfit.space.clipped(state.point + shift)
+    shift = np.zeros((POINTS, len(minimum.point)))
+    shift[:, clock] = side * np.linspace(0, REACH * (t[-1] - t[0]), POINTS) / misfit.space.width[clock]
+    points = misfit.space.clipped(minimum.point + shift)
     residuals, _ = misfit.at(points, total, slopes=False)
-    costs = misfit.costs(residuals, misfit.size(state.residual))
+    costs = misfit.costs(residuals, minimum.residual)
     lowest = np.flatnonzero((costs[1:-1] < costs[:-2]) & (costs[1:-1] < costs[2:])) + 1
-    return _settled(misfit, points[lowest[0]]) if len(lowest) else None
+    return settled(misfit, points[lowest[0]], total) if len(lowest) else None

@@ -1,4 +1,4 @@
-"""How a free number is searched: in which coordinate, and within which bounds."""
+"""Coordinates in which free numbers are searched, and their bounds."""
 
 import math
 from collections.abc import Sequence
@@ -9,8 +9,18 @@ import numpy as np
 from ..mechanics.parameter import Parameter
 
 
-WIDEST = float(np.log(20))  # how far the logarithm of a number may go from where it starts
-MARGIN = 1e-6  # by which a start lies within the bounds
+# How far the logarithm of a number may go from where it starts
+WIDEST = float(np.log(20))
+# Distance of a start from its bounds
+MARGIN = 1e-6
+# Plausible distance of a number from where it starts, relative
+FAR = 0.4
+# Pairs of initial numbers that are polar components of a horizontal vector; the first one is the axis
+POLAR = (
+    ("initial.theta", "initial.phi"),
+    ("initial.theta_dot", "initial.phi_dot"),
+    ("initial.nu_x", "initial.nu_y"),
+)
 
 
 class Scale(NamedTuple):
@@ -22,20 +32,20 @@ class Scale(NamedTuple):
     high: float
 
     def inside(self, value: float) -> float:
-        """The coordinate of a value."""
+        """Return the coordinate of a value."""
         return float(np.log(value)) if self.logarithmic else value / self.size
 
     def outside(self, inside: float) -> float:
-        """The value of a coordinate."""
+        """Return the value of a coordinate."""
         return math.exp(min(max(inside, -600.0), 600.0)) if self.logarithmic else float(inside * self.size)
 
     def slope(self, value: float) -> float:
-        """d value/d coordinate."""
+        """Return d value/d coordinate."""
         return value if self.logarithmic else self.size
 
 
 def scale_of(rule: Parameter, value: float) -> Scale:
-    """The scale of a number, by its interval and where it starts."""
+    """Return the scale of a number, by its interval and where it starts."""
     low = max((b for b in (rule.above, rule.least) if b is not None), default=-np.inf)
     high = min((b for b in (rule.below, rule.most) if b is not None), default=np.inf)
     if low == 0 and not np.isfinite(high) and value > 0:
@@ -45,29 +55,94 @@ def scale_of(rule: Parameter, value: float) -> Scale:
 
 
 class Space:
-    """The coordinates of all free numbers.
+    """Coordinates of all free numbers: 0 at the start, 1 at a plausible distance from it.
+
+    Where theta and phi are free, they and the other `POLAR` pairs are searched as Cartesian
+    components of a vector: near a pole a straight line in these is a detour in the angles.
 
     Parameters
     ----------
     start
-        Value of each by name.
+        Value of each number by name.
     scales
-        Of each.
+        Of each number.
+
+    Attributes
+    ----------
+    pairs : list
+        Places of the two numbers of a vector, and whether the second one multiplies theta.
+    far : ndarray
+        Plausible distances by the start alone, (free,), of logarithms, of numbers in units of
+        their `size`, and of components; 0 for a number that starts at 0.
+    loose : ndarray
+        Whether a distance may also be larger, (free,).
+    width : ndarray
+        The distances that are 1, (free,).
     """
 
     def __init__(self, start: dict[str, float], scales: Sequence[Scale]):
         self.names, self.scales = tuple(start), tuple(scales)
+        values = np.array(list(start.values()))
+        self.origin = np.array([s.inside(v) for s, v in zip(scales, values, strict=True)])
+        self.far = np.where([s.logarithmic for s in scales], FAR, FAR * np.abs(self.origin))
         self.low, self.high = (np.array([getattr(s, side) for s in scales]) for side in ("low", "high"))
-        self.start = self.clipped(np.array([s.inside(v) for s, v in zip(scales, start.values(), strict=True)]))
+        self.loose = self.far == 0
+        self.azimuth = start.get("initial.phi", 0.0)
+        self.pairs: list[tuple[int, int, bool]] = []
+        r = start.get("initial.theta", 0.0)
+        polar = r > 0 and "initial.phi" in start
+        for first, second in POLAR if polar else ():
+            if not {first, second} <= set(start):
+                continue
+            i, k = self.names.index(first), self.names.index(second)
+            swept = first == "initial.theta_dot"
+            vector = (values[i], values[k] * (r if swept else 1)) if self.pairs else (r, 0.0)
+            reach = np.inf if self.pairs else np.pi / np.sqrt(2)
+            self.origin[[i, k]] = vector
+            self.far[[i, k]] = FAR * np.hypot(*vector)
+            self.low[[i, k]], self.high[[i, k]] = -reach, reach
+            self.loose[[i, k]] = True
+            self.pairs.append((i, k, swept))
+        self.width = np.where(self.far > 0, self.far, 1.0)
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest coordinates."""
+        return (self.low - self.origin) / self.width, (self.high - self.origin) / self.width
 
     def clipped(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., free) within the bounds."""
-        return np.clip(points, self.low + MARGIN, self.high - MARGIN)
+        """Return points (..., free) within the bounds."""
+        low, high = self.bounds
+        return np.clip(points, low + MARGIN, high - MARGIN)
 
     def values(self, point: np.ndarray) -> dict[str, float]:
-        """The numbers of a point, by name."""
-        return {name: s.outside(u) for name, s, u in zip(self.names, self.scales, point, strict=True)}
+        """Return the numbers of a point, by name."""
+        u = self.origin + self.width * point
+        values = [s.outside(x) for s, x in zip(self.scales, u, strict=True)]
+        for n, (i, k, swept) in enumerate(self.pairs):
+            vector = complex(u[i], u[k])
+            if n == 0:
+                r = abs(vector)
+                turn = vector / r
+                values[i], values[k] = r, self.azimuth + float(np.angle(turn))
+            else:
+                vector /= turn
+                values[i], values[k] = vector.real, vector.imag / (r if swept else 1)
+        return dict(zip(self.names, values, strict=True))
 
     def slopes(self, point: np.ndarray) -> np.ndarray:
-        """d value/d coordinate of each, (free,)."""
-        return np.array([s.slope(s.outside(u)) for s, u in zip(self.scales, point, strict=True)])
+        """Return d value/d coordinate, (free, free)."""
+        values = list(self.values(point).values())
+        slopes = np.diag([s.slope(v) for s, v in zip(self.scales, values, strict=True)])
+        for n, (i, k, swept) in enumerate(self.pairs):
+            if n == 0:
+                r = values[i]
+                c, s = np.cos(values[k] - self.azimuth), np.sin(values[k] - self.azimuth)
+            size = r if swept or n == 0 else 1.0
+            slopes[i, [i, k]] = c, s
+            slopes[k, [i, k]] = -s / size, c / size
+            if n > 0:  # the directions turn with phi, and a rate of phi is divided by theta
+                theta, phi = slopes[list(self.pairs[0][:2])]
+                slopes[i] += values[k] * size * phi
+                slopes[k] -= values[i] / size * phi + (values[k] / r * theta if swept else 0)
+        return slopes * self.width

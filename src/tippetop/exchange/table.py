@@ -14,6 +14,8 @@ from .headers import Heading, heading
 
 
 MOST_ROWS = 2_000_000  # what a comparison or a fit holds in memory with all that it computes
+# Standard deviations of the noise by which an angle may lie beyond its bounds
+BEYOND = 5.0
 UNSIGNED = {"theta": np.pi}  # angles with bounds
 
 
@@ -46,7 +48,7 @@ class Table:
         return np.stack([self.columns[name] for name in names], axis=1)
 
 
-def read(path: str | Path, *, wrapped: bool = True) -> Table:
+def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) -> Table:
     """The table of a CSV or Parquet file.
 
     Parameters
@@ -56,6 +58,8 @@ def read(path: str | Path, *, wrapped: bool = True) -> Table:
         cells and NaN are gaps.
     wrapped
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
+    noise
+        Standard deviation of theta [rad], which may take it beyond; None: there is none.
 
     Returns
     -------
@@ -72,7 +76,7 @@ def read(path: str | Path, *, wrapped: bool = True) -> Table:
         raise InputError([f"`{path}` must be a CSV or Parquet file, but {kind}."])
     names, values = _parquet(path) if path.suffix in (".parquet", ".pq") else _csv(path)
     columns = dict(zip(names, values.T, strict=True))
-    faults = _rows_faults(columns, wrapped)
+    faults = _rows_faults(columns, wrapped, noise)
     if faults:
         raise InputError([f"`{path}`: {sentence}" for sentence in faults])
     kept = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
@@ -87,7 +91,7 @@ def _heading(path: Path, header: list[str]) -> Heading:
     return columns
 
 
-def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool) -> list[str]:
+def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -> list[str]:
     t = columns["t"]
     if len(t) < 2:
         return [f"at least two rows must be there, but {'one is' if len(t) else 'none is'}."]
@@ -107,21 +111,28 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool) -> list[str]:
             faults.append(f"the column `{name}` must have a number somewhere, but has none.")
         elif np.isinf(values).any():
             faults.append(f"the column `{name}` must be finite where it is given, but is infinite in places.")
-        elif (
-            wrapped
-            and name in UNSIGNED
-            and (np.nanmin(values) < -1e-9 or np.nanmax(values) > UNSIGNED[name] * (1 + 1e-9))
-        ):
-            worst = values[np.nanargmax(np.abs(values - UNSIGNED[name] / 2))]
-            hint = ": is it in degrees?" if worst > 2 * UNSIGNED[name] else "."
-            faults.append(
-                f"`{name}` must lie in 0 to pi, but is {worst:.6g} rad ({np.rad2deg(worst):.6g} deg) somewhere{hint}"
-            )
+        elif wrapped and name in UNSIGNED and _beyond(values, name).max() > BEYOND * (noise or 0.0) + 1e-9:
+            worst = int(np.argmax(_beyond(values, name)))
+            found = f"{values[worst]:.6g} rad ({np.rad2deg(values[worst]):.6g} deg) in row {worst + 1}"
+            hint = "."
+            if values[worst] > 2 * UNSIGNED[name]:
+                hint = ": is it in degrees?"
+            elif noise == 0:
+                hint = ": noise that explains it must be stated (`noise`)."
+            elif noise is not None:
+                hint = f": a noise of {np.rad2deg(noise):.3g} deg (`noise`) does not explain it."
+            faults.append(f"`{name}` must lie in 0 to pi, but is {found}{hint}")
         elif name.startswith("axis_") and np.nanmax(np.abs(values)) > 1.01:
             faults.append(
                 f"`{name}` is a component of a unit vector, but is {np.nanmax(np.abs(values)):.4g} somewhere."
             )
     return faults
+
+
+def _beyond(values: np.ndarray, name: str) -> np.ndarray:
+    """Return how far angles are beyond their bounds."""
+    middle = UNSIGNED[name] / 2
+    return np.nan_to_num(np.abs(values - middle) - middle)
 
 
 def _csv(path: Path) -> tuple[Sequence[str], np.ndarray]:

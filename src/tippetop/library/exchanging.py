@@ -1,7 +1,7 @@
 """The calls that hold another program's motion against ours."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,7 +97,9 @@ class Fitted:
     correlations : ndarray
         (free, free), in the order of `estimates`.
     converged : bool
-        Whether what is left is noise, and the data decide every number.
+        Whether enough independent searches ended in the same best minimum.
+    trustworthy : bool
+        Whether, besides, the residuals are noise, and the data decide every number.
     reason : str
         What must be known of it, in sentences.
     problem : Problem
@@ -110,7 +112,8 @@ class Fitted:
     def __init__(self, before: Problem, observation: Any, result: Any):
         self._before, self._observation, self._fit = before, observation, result
         self.estimates, self.correlations = result.estimates, result.correlations
-        self.converged, self.reason, self.residuals = result.converged, " ".join(result.reason), result.residuals
+        self.converged, self.trustworthy = result.converged, result.trustworthy
+        self.reason, self.residuals = " ".join(result.reason), result.residuals
 
     @property
     def problem(self) -> Problem:
@@ -145,7 +148,7 @@ class Fitted:
         return "\n".join(fit_text.lines(self._fit, self._observation))
 
     def __repr__(self) -> str:
-        return f"<Fitted {', '.join(self.estimates)}: {'converged' if self.converged else 'to be read with care'}>"
+        return f"<Fitted {', '.join(self.estimates)}: {'trustworthy' if self.trustworthy else 'to be read with care'}>"
 
 
 def fit(
@@ -158,8 +161,10 @@ def fit(
     marker: Sequence[float] | None = None,
     quaternion: str | None = None,
     up: str = "z",
+    noise: float | str | None = None,
+    progress: Callable[[int, int], None] | bool = False,
 ) -> Fitted:
-    """Fits numbers of a scenario to a measured motion, by least squares with exact derivatives.
+    """Fit numbers of a scenario to a measured motion, by least squares with exact derivatives.
 
     Parameters
     ----------
@@ -169,16 +174,23 @@ def fit(
         What is not free is as it stands there; what is free starts there.
     free : str or list of str
         Dotted names, such as "friction.mu", "parameters.I1", "initial.omega3"; "time.offset" and "time.scale" of the
-        table's clock.
+        table's clock: the motion's time is scale t + offset, so that a clock that was started before the motion has a
+        negative offset.
     loss : str
         "linear", or "soft_l1", "huber", "cauchy", which outliers hardly move.
     starts : int
-        How many starts are followed at most, until one leaves nothing but noise: the scenario's own, then the best of
-        512 others within 40 %.
+        Independent searches at most, until three of them have ended in the best minimum. Each begins at eight points
+        within 40 % of the scenario.
     marker : three floats, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body axes [m].
     quaternion, up : str
         As for `compare`.
+    noise : float or str, optional
+        Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg". theta may lie beyond
+        0 and pi by five of these, and larger residuals are reported.
+    progress : bool or callable
+        True shows a bar on a terminal; a callable is called with the numbers of windows of the data that are done and
+        that are expected.
 
     Returns
     -------
@@ -197,9 +209,9 @@ def fit(
     problem = _reference(scenario)
     place = None if marker is None else fit_text.marker_of(",".join(str(float(part)) for part in marker))
     observation = measured.observation_of(
-        problem, path_of("data", data), names_of(free), Convention(quaternion, up), place
+        problem, path_of("data", data), names_of(free), Convention(quaternion, up), place, noise
     )
-    return Fitted(problem, observation, measured.fitted(observation, loss, whole("starts", starts)))
+    return Fitted(problem, observation, measured.fitted(observation, loss, whole("starts", starts), progress))
 
 
 def _reference(source: Any) -> Any:
