@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import in_python, path_of
-from ..caching import cached_property
 from ..errors import InputError, StoreError
+from ..mechanics.caching import cached_property
 from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
