@@ -235,7 +235,7 @@ class Run:
         return Plots(self)
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
-        """The tables that a kind of figure is made of; of a store the rows of this window [s], and the first."""
+        """Return the tables for a kind of figure; of a store the first row and those in the window."""
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":

@@ -53,7 +53,7 @@ def columns(integration: "Integration") -> dict[str, Column]:
 
 
 def rows(path: Path, problem: Problem) -> dict[str, Column]:
-    """Return the start of a stored run and its keyframes as rows of its trajectory. Raises StoreError."""
+    """Return the start and the keyframes of a stored run as rows. Raises StoreError."""
     from ..store import tables
 
     arrays = tables.read_member(path, "keyframes")
