@@ -51,7 +51,7 @@ MOST_FAULTS = 20
 
 
 def first_sentences(faults: Sequence[Any], sentence: Callable[[Any], str]) -> list[str]:
-    """Return the sentences on the first faults and the number of the others; input may have millions."""
+    """Return the sentences on the first faults and the number of the others."""
     more = len(faults) - MOST_FAULTS
     sentences = [sentence(fault) for fault in faults[:MOST_FAULTS]]
     return [*sentences, f"{more} more faults were found."] if more > 0 else sentences

@@ -33,7 +33,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_info_prints_no_control_characters_of_a_store(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Every text of the attributes in turn is replaced by terminal sequences, and the store sealed again."""
+    """Every text of the attributes in turn is replaced by terminal sequences."""
     file = store / "zarr.json"
     good, codes = file.read_text(), set()
     members = skeleton.sealed_members(skeleton.root_of(store))

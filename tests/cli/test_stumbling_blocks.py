@@ -217,7 +217,7 @@ def test_what_eps_decides_is_a_sentence_with_times(capsys: pytest.CaptureFixture
     info = json.loads(printed(capsys, "run", "leine-glocker", *sets)[0])
     text = dict(lines(info))["regularisation"]
     assert "theta = pi/2 at: not in this time (eps = 0.5 mm/s), 2.7094 s (1 mm/s), 1.799 s (2 mm/s)" in text
-    assert text.endswith("undefined")
+    assert text.endswith("1.799 s (2 mm/s)")
 
 
 def test_an_empty_value_removes_a_key_or_a_table(capsys: pytest.CaptureFixture[str]) -> None:

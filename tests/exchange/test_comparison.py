@@ -194,7 +194,7 @@ def test_the_command_prints_json_and_draws(run: tt.Run, tmp_path: Path, capsys: 
 
 
 def test_an_exported_model_follows_the_exact_motion(tmp_path: Path) -> None:
-    """As it is exported: with MuJoCo's default stiffness the top falls through 0.1 rad within 0.3 s."""
+    """With MuJoCo's default stiffness the error exceeds 0.1 rad within 0.3 s."""
     mujoco = pytest.importorskip("mujoco")
     problem = build.load("inverting", ["friction.law=coulomb", "friction.mu=0.3"], until=0.3)
     model = mujoco.MjModel.from_xml_string(text_of(problem, "mjcf"))

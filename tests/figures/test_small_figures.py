@@ -1,4 +1,4 @@
-"""Figures of one column of a journal, panels of the user's own figures, and curves told apart without colours."""
+"""Figures as wide as a journal column, panels of users' figures, line styles."""
 
 import re
 from pathlib import Path

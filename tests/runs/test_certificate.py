@@ -103,7 +103,7 @@ def test_a_planted_error_of_the_place_is_measured(problem: Problem, monkeypatch:
 
 
 def test_an_angle_that_jumps_is_compared_as_an_angle(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The azimuth of a row is turned by nearly a full turn: what counts is the angle between the two directions."""
+    """An azimuth that is turned by nearly a full turn differs by the rest."""
 
     def turn(made: Solution) -> Solution:
         x, y = (made.problem.variables.names.index(name) for name in ("ux", "uy"))

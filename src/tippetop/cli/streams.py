@@ -59,7 +59,7 @@ def _text(raw: type[io.FileIO], fd: int, old: Any) -> io.TextIOWrapper:
 
 
 def visible(text: str) -> str:
-    """Escape control characters: a file of unknown origin may contain sequences that a terminal executes."""
+    """Escape control characters, because a file may contain sequences that a terminal executes."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)

@@ -39,7 +39,7 @@ class Compared(NamedTuple):
     t
         Times that were compared [s], (rows,).
     curves
-        Differences, those of energy and Jellett's integral relative to their first values, (rows,) each.
+        Differences, (rows,) each; of energy and Jellett's integral relative to the first value.
     theta, reference
         theta of both [rad], (rows,); of the other NaN where it has none.
     numbers

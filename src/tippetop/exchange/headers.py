@@ -38,7 +38,7 @@ COLUMNS: dict[str, tuple[dict[str, float], str]] = {
 """Name -> units with their size in SI, and what it is."""
 
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
-"""Columns of every run of tippetop: after `time` they identify a header of `tippetop export`, which has more."""
+"""Columns of every run: after `time` they identify a header of `tippetop export`."""
 RENAMED = {"time": "t"} | {f"orientation_{c}": f"q_{c}" for c in "wxyz"}
 
 
@@ -62,7 +62,7 @@ class Heading(NamedTuple):
 
 
 def is_own(header: Sequence[str]) -> bool:
-    """Return whether a header is that of a run that tippetop exported, with or without units (then SI)."""
+    """Return whether a header is that of an exported run; without units it is in SI."""
     names = [text.partition(" [")[0] for text in header]
     return names[:1] == ["time"] and set(names) >= OWN
 

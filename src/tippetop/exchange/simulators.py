@@ -16,7 +16,8 @@ from ..problem import Problem
 
 FORMATS = ("mjcf", "urdf")
 TIP = 1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
-STEP = 1e-4  # [s]; a soft contact is as stiff as the step allows, see the table in docs/how-to/compare-a-simulator.md
+# [s]. A soft contact is as stiff as the step allows; see docs/how-to/compare-a-simulator.md.
+STEP = 1e-4
 RESULT = "tippetop compare OTHER.csv SCENARIO"
 
 

@@ -59,14 +59,15 @@ _ink: ContextVar[Ink] = ContextVar("ink", default=LIGHT)
 _size: ContextVar[tuple[float, float] | None] = ContextVar("size", default=None)
 
 FONT = 10.0
-"""Size of letters [points] in a figure of the usual width; FONT_WIDTH [inches] or more."""
+"""Font size [points] of figures that are at least FONT_WIDTH [inches] wide."""
 FONT_WIDTH = 7.0
 LEAST_FONT = 6.5
 COMPACT = (5.0, 4.0)
-"""Below this width or height [inches] a figure has its curves alone: one line of title, no second panel."""
+"""Below this width or height [inches] a figure has one line of title and one panel."""
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (6, 2, 1, 2, 1, 2)))
-"""Line styles of curves in one panel, so that they do not differ by colour alone; 5 has no factor in common with the
-number of colours."""
+"""Line styles of curves in one panel, so that they do not differ by colour alone.
+
+Five has no factor in common with the number of colours."""
 
 RC: dict[str, Any] = {
     "axes.titlelocation": "left",
@@ -148,7 +149,7 @@ def broken(words: str, letters: int) -> str:
 
 
 def letters(most: int) -> int:
-    """Return the number of letters of a title that fit side by side in a figure of the requested size."""
+    """Return the number of letters in a line of a title, for the requested size."""
     size = _size.get()
     return most if size is None else max(20, min(most, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
 
@@ -165,7 +166,7 @@ def dashes(number: int) -> Any:
 
 
 def heading(text: str, most: int) -> str:
-    """Return a title on lines of at most `most` letters; of a compact figure what stands before the colon."""
+    """Return a title on lines of at most `most` letters; for a compact figure its first part."""
     return broken(text.partition(":")[0] if compact() else text, letters(most))
 
 
@@ -197,7 +198,7 @@ def as_given(text: str) -> str:
 
 @contextmanager
 def styled(*, dark: bool = False, size: tuple[float, float] | None = None, ax: Any = None) -> Iterator[None]:
-    """A block in which figures are made in our style, whatever the user's settings are, of this size [inches].
+    """Draw in our style, whatever the user's settings are, at this size [inches].
 
     A panel of the user's figure, `ax`, keeps the user's settings and its own size.
     """

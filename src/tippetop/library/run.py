@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import in_python, path_of
-from ..caching import cached_property
 from ..errors import InputError, StoreError
+from ..mechanics.caching import cached_property
 from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
@@ -235,7 +235,7 @@ class Run:
         return Plots(self)
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
-        """The tables that a kind of figure is made of; of a store the rows of this window [s], and the first."""
+        """Return the tables for a kind of figure; of a store the first row and those in the window."""
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":

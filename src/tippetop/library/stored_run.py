@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import path_of
-from ..caching import cached_property
 from ..engine.status import Status
 from ..errors import InputError
+from ..mechanics.caching import cached_property
 from ..mechanics.systems import find
 from ..mechanics.units import SECOND
 from ..problem import Problem

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..caching import cached_property
+from .caching import cached_property
 from .system import Form, Integral
 from .units import Scales, Unit
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..caching import cached_property
 from ..errors import InputError
+from ..mechanics.caching import cached_property
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit

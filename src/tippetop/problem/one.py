@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import heyoka as hy
 import numpy as np
 
-from ..caching import cached_property
 from ..errors import unknown_key
+from ..mechanics.caching import cached_property
 from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactLaw, stem_faults
 from ..mechanics.friction import Law, named
 from ..mechanics.operand import refill

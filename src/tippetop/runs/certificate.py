@@ -184,7 +184,7 @@ def _comparable(problem: Problem, until: float) -> Problem:
 
 
 def _differences(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, np.ndarray]:
-    """Return the absolute differences of each column of numbers in the rows that both tables have."""
+    """Return the absolute differences of each column of numbers, in the rows of both tables."""
     result = {}
     for name, column in table.items():
         if "flag_meanings" in column.attrs:

@@ -11,7 +11,6 @@ from ..engine.slices import Driver
 from ..engine.taylor import fingerprint
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..store import tables
 
 
 if TYPE_CHECKING:
@@ -54,7 +53,9 @@ def columns(integration: "Integration") -> dict[str, Column]:
 
 
 def rows(path: Path, problem: Problem) -> dict[str, Column]:
-    """Return the start of a stored run and its keyframes as rows of its trajectory. Raises StoreError."""
+    """Return the start and the keyframes of a stored run as rows. Raises StoreError."""
+    from ..store import tables
+
     arrays = tables.read_member(path, "keyframes")
     start = problem.start()
     states = _sum(arrays["state"][:], problem.number)[:, : len(start)]

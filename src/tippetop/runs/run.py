@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ..caching import cached_property
 from ..columns import Column
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError
+from ..mechanics.caching import cached_property
 from ..problem import Problem
 from . import sensitivities
 from .events import EventTable

@@ -144,8 +144,8 @@ def regularisation(info: Mapping[str, Any]) -> str:
         f"{_equator(t, end)} ({'eps = ' if i == 0 else ''}{1e3 * eps:g} mm/s)"
         for i, (eps, t, end) in enumerate(zip(by_eps["eps"], by_eps["first_equator"], lifted, strict=True))
     )
-    exponent = "undefined" if by_eps["exponent"] is None else f"{by_eps['exponent']:.3g}"
-    return f"{info['regularisation']}; theta = pi/2 at: {times}; exponent d log t/d log eps {exponent}"
+    power = "" if by_eps["exponent"] is None else f", about as eps^{by_eps['exponent']:.3g}"
+    return f"{info['regularisation']}; theta = pi/2 at: {times}{power}"
 
 
 def _equator(time: float | None, lifted: float | None) -> str:

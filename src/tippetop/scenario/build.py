@@ -64,8 +64,8 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     try:
         scenario: Any = shape.model_validate(tables)
     except ValidationError as error:
-        found = error.errors(include_url=False)
-        sentences = first_sentences(found, lambda e: scenario_sentence(e, system, tables, shape))
+        errors = error.errors(include_url=False)
+        sentences = first_sentences(errors, lambda e: scenario_sentence(e, system, tables, shape))
         raise InputError(sentences) from None
     parameters = scenario.parameters.model_dump()
     initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..caching import cached_property
+from ..mechanics.caching import cached_property
 
 
 @dataclass(frozen=True)

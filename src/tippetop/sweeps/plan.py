@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
 from ..arguments import path_of
-from ..caching import cached_property
 from ..ensembles import ensemble
 from ..ensembles.outcomes import LYAPUNOV
 from ..errors import InputError, first_sentences
+from ..mechanics.caching import cached_property
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches

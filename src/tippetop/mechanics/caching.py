@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 else:
 
     class cached_property(functools.cached_property):
-        """As in Python 3.12 and later; the lock of 3.11 stays taken in a process forked while a thread computes."""
+        """As in Python 3.12: a fork may inherit the lock of 3.11 from a thread that it lacks."""
 
         def __get__(self, instance: Any, owner: Any = None) -> Any:
             if instance is None:
