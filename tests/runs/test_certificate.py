@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -127,6 +129,18 @@ def test_planted_errors_of_phases_and_impacts_are_measured(monkeypatch: pytest.M
     assert found["impacts"]["time"] == pytest.approx(2e-7, rel=1e-3)
     assert found["phases"]["start"] == pytest.approx(3e-7, rel=1e-3)
     assert found["theta"] < 1e-12
+
+
+def test_both_runs_report_their_progress(problem: Problem) -> None:
+    seen: list[list[Any]] = []
+
+    @contextmanager
+    def following() -> Iterator[Any]:
+        seen.append([])
+        yield seen[-1].append
+
+    certificate.certificate(problem, 0.1, following)
+    assert [{integration.problem.precision for integration in each} for each in seen] == [{"double"}, {"longdouble"}]
 
 
 def test_another_end_is_seen(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
