@@ -38,9 +38,9 @@ def plot(
     until
         Draw a run up to this time [s].
     title
-        Instead of the figure's own title.
+        Instead of the figure's own title; "" for none.
     size
-        Width and height in inches: 8x5.
+        Width and height in inches: 8x5. Below 5x4, such as 3.4x2.5, only the curves are drawn, in smaller letters.
     dpi
         Dots per inch of a PNG.
     dark

@@ -286,7 +286,8 @@ class Run:
         -------
         Record
             `against` (the wider precision), `window` [s], the largest difference of `theta` [rad] and of its end,
-            whether both end the same way, and of the times of shared turnings [s]. It joins the summary.
+            whether both end the same way, of the times of shared turnings [s], of every column (`columns`), and of
+            shared `phases` and `impacts`, in SI units. It joins the summary.
         """
         seconds = None if window is None else measured("window", window, SECOND)
         if seconds is not None and seconds <= 0:
