@@ -797,65 +797,58 @@ static void take_step(const Loop *l, integer i, const real *tc, const real *star
 
 /* --- rows at given times --- */
 
-/* The states of the first lane at TIMES times after the beginning of a step, to out (variables,
-   TIMES). The sums are compensated, and have the bits of those that the compiled step makes of one
-   time. */
-INLINED void sum_rows(const Loop *l, const real *when, bool fused, real *restrict out) {
-    integer size = l->sizes.size, variables = l->output.variables;
-    for (integer first = 0; first < variables; first += TOGETHER) {
-        const real *c[TOGETHER];
-        real sums[TOGETHER][TIMES], rests[TOGETHER][TIMES] = {{0}}, power[TIMES];
-        for (int i = 0; i < TOGETHER; i++) /* the last variable again where there are no more */
-            c[i] = l->motion.tc + (first + i < variables ? first + i : variables - 1) * size;
-        for (int t = 0; t < TIMES; t++) {
-            power[t] = when[t];
-            for (int i = 0; i < TOGETHER; i++)
-                sums[i][t] = c[i][0];
-        }
-        for (integer k = 1; k < size; k++) {
-            for (int i = 0; i < TOGETHER; i++) {
-                real factor = c[i][k];
-                for (int t = 0; t < TIMES; t++) {
-                    real product = factor * power[t];
-                    real more = fused ? fma(factor, power[t], -rests[i][t]) : product - rests[i][t];
-                    real sum = sums[i][t] + more;
-                    rests[i][t] = (sum - sums[i][t]) - more;
-                    sums[i][t] = sum;
-                }
-            }
-            for (int t = 0; t < TIMES; t++)
-                power[t] *= when[t];
-        }
-        for (int i = 0; i < TOGETHER && first + i < variables; i++)
-            memcpy(out + (first + i) * TIMES, sums[i], sizeof sums[i]);
+/* Define a function that writes the states of the first lane at the TIMES times `when` after the
+   beginning of the step to out (variables, TIMES). The sums are compensated, and have the bits of
+   those that the compiled step makes of one time. WIDTH: numbers in a vector of the processor. */
+#define SUM_ROWS(NAME, WIDTH, MORE)                                                \
+    static void NAME(const Loop *l, const real *when, real *out) {                 \
+        typedef real Vector __attribute__((vector_size(WIDTH * sizeof(real))));    \
+        integer size = l->sizes.size, last = l->output.variables - 1;              \
+        for (integer first = 0; first <= last; first += TOGETHER) {                \
+            for (int group = 0; group < TIMES; group += WIDTH) {                   \
+                const real *c[TOGETHER];                                           \
+                Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};      \
+                memcpy(&h, when + group, sizeof h);                                \
+                power = h;                                                         \
+                for (int i = 0; i < TOGETHER; i++) {                               \
+                    c[i] = l->motion.tc + MIN(last, first + i) * size;             \
+                    sums[i] = zero + c[i][0];                                      \
+                    rests[i] = zero;                                               \
+                }                                                                  \
+                for (integer k = 1; k < size; k++) {                               \
+                    for (int i = 0; i < TOGETHER; i++) {                           \
+                        Vector factor = zero + c[i][k], minus = -rests[i], more;   \
+                        for (int t = 0; t < WIDTH; t++)                            \
+                            more[t] = MORE(factor[t], power[t], minus[t]);         \
+                        Vector sum = sums[i] + more;                               \
+                        rests[i] = (sum - sums[i]) - more;                         \
+                        sums[i] = sum;                                             \
+                    }                                                              \
+                    power *= h;                                                    \
+                }                                                                  \
+                for (int i = 0; i < TOGETHER && first + i <= last; i++)            \
+                    memcpy(out + (first + i) * TIMES + group, sums + i, sizeof h); \
+            }                                                                      \
+        }                                                                          \
     }
-}
 
-static void sum_rows_separate(const Loop *l, const real *when, real *out) {
-    sum_rows(l, when, false, out);
-}
+#define SEPARATELY(a, b, c) ((a) * (b) + (c))
 
-/* Code that fuses was compiled for this processor, which therefore can do it. */
+SUM_ROWS(sum_rows_separate, 2, SEPARATELY)
+
+/* A step that fuses was compiled for this processor, which therefore can do it. */
 #ifdef __x86_64__
-__attribute__((target("avx512f,fma"))) static void sum_rows_512(const Loop *l, const real *when,
-                                                                real *out) {
-    sum_rows(l, when, true, out);
-}
-
+__attribute__((target("avx512f,fma")))
+SUM_ROWS(sum_rows_512, 8, fma)
 __attribute__((target("fma")))
+SUM_ROWS(sum_rows_256, 4, fma)
+#else
+SUM_ROWS(sum_rows_256, 2, fma)
+#define sum_rows_512 sum_rows_256
 #endif
-static void sum_rows_fused(const Loop *l, const real *when, real *out) {
-#ifdef __x86_64__
-    if (l->output.vector == 8) {
-        sum_rows_512(l, when, out);
-        return;
-    }
-#endif
-    sum_rows(l, when, true, out);
-}
 
-/* The state of the first lane at a time since the beginning of the step, to `scratch.out`. */
-static void state_at(const Loop *l, real high) {
+    /* The state of the first lane at a time since the beginning of the step, to `scratch.out`. */
+    static void state_at(const Loop *l, real high) {
     l->motion.limit[0] = (high - l->motion.start_high[0]) - l->motion.start_low[0];
     l->dense(l->scratch.out, l->motion.tc, l->motion.limit);
 }
@@ -876,7 +869,12 @@ static void write_rows(const Loop *l, integer at, integer count) {
         real time = rows->times[at + (k < count ? k : count - 1)];
         when[k] = (time - l->motion.start_high[0]) - l->motion.start_low[0];
     }
-    (rows->rounding == FUSED ? sum_rows_fused : sum_rows_separate)(l, when, out);
+    if (rows->rounding == SEPARATE)
+        sum_rows_separate(l, when, out);
+    else if (rows->vector == 8)
+        sum_rows_512(l, when, out);
+    else
+        sum_rows_256(l, when, out);
     for (integer i = 0; i < rows->variables; i++)
         memcpy(rows->states + i * rows->count + at, out + i * TIMES, count * sizeof(real));
 }
@@ -915,9 +913,7 @@ static bool take_rows(const Loop *l, bool moved) {
     return at == rows->count;
 }
 
-/* --- steps
-   ---------------------------------------------------------------------------------------------------------
- */
+/* --- steps --- */
 
 /* Allow the next step up to the end of each run; 0 in a lane that has ended. */
 void loop_begin_step(const Loop *l) {

@@ -1,0 +1,40 @@
+"""The compiled loop is found, is that of the source, and reads the structures that Python makes."""
+
+import ctypes
+import shutil
+from pathlib import Path
+
+import pytest
+
+import tippetop_kernels
+from tippetop.engine.loop import _Loop, library, structure
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of the loop and its source, which this process takes for the installed one."""
+    for name in ("loop.c", "loop.so"):
+        shutil.copy(Path(tippetop_kernels.__file__).with_name(name), tmp_path)
+    monkeypatch.setattr(tippetop_kernels, "__file__", str(tmp_path / "__init__.py"))
+    return tmp_path
+
+
+def test_a_loop_that_was_compiled_from_its_source_is_loaded(folder: Path) -> None:
+    assert library.__wrapped__().loop_digest()
+
+
+def test_a_loop_that_was_compiled_from_another_source_is_refused(folder: Path) -> None:
+    with (folder / "loop.c").open("a") as file:
+        file.write("/* edited */")
+    with pytest.raises(ImportError, match=r"must be compiled from `loop.c` as it is"):
+        library.__wrapped__()
+
+
+def test_a_loop_that_is_missing_is_refused(folder: Path) -> None:
+    (folder / "loop.so").unlink()
+    with pytest.raises(ImportError, match="must exist, but is missing"):
+        library.__wrapped__()
+
+
+def test_structures_have_the_size_that_they_have_in_c() -> None:
+    assert library().loop_structure_size() == ctypes.sizeof(structure(_Loop))
