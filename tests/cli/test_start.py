@@ -55,7 +55,7 @@ def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
 def test_a_command_imports_its_own_module_only() -> None:
     assert {m for m in imported("presets") if m.startswith("tippetop.cli.")} == {
         f"tippetop.cli.{name}"
-        for name in ("application", "host", "memory", "overview", "show", "streams", "text", "usage")
+        for name in ("application", "host", "memory", "numbers", "overview", "show", "streams", "text", "usage")
     }
 
 

@@ -120,10 +120,10 @@ def fit(
             progress(before + done, total)
 
         report(0)
-        found = searched(misfit, points, np.random.default_rng((seed, n)), report)
+        minima = searched(misfit, points, np.random.default_rng((seed, n)), report)
         if OFFSET in space.names:
-            found = [*walked(misfit, found[0], space.names.index(OFFSET)), *found[1:]]
-        ends = different([*ends, *found])
+            minima = [*walked(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
+        ends = different([*ends, *minima])
         if ends[0].searches >= MET:
             break
     if len(observation.groups) > 1:

@@ -18,7 +18,7 @@ from .observation import OFFSET, REACH
 
 # Measurements of the first window per free number, and growth of a window to the next
 FEWEST, GROWTH = 3, 1.5
-# Starts of a search; different points that go on to the next window
+# Starts of a search; different points kept for the next window
 BATCH, BEAM = 8, 4
 # Points about the best one; those that are improved; their distance in standard errors
 CLOUD, CHILDREN, WIDER = 128, 2, 1.5
@@ -64,7 +64,7 @@ def settled(misfit: Misfit, point: np.ndarray, rows: int, size: float | None = N
     begin = misfit.at(point[None], rows, slopes=False)[0][0]
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
-    found = least_squares(
+    solution = least_squares(
         lambda x: np.append(misfit.at(x[None], rows, slopes=False)[0][0], keep * x),
         point,
         lambda x: np.vstack([misfit.at(x[None], rows)[1][0], keep * np.eye(len(x))]),
@@ -74,9 +74,9 @@ def settled(misfit: Misfit, point: np.ndarray, rows: int, size: float | None = N
         ftol=1e-8 if last else 0.1 / count,
         max_nfev=MOST if last else FEW,
     )
-    residual = found.fun[:count]
+    residual = solution.fun[:count]
     variance = float((misfit.weight(residual) * residual**2).sum()) / max(count - len(point), 1)
-    return Minimum(found.x, residual, found.jac[:count], 2 * found.cost, variance)
+    return Minimum(solution.x, residual, solution.jac[:count], 2 * solution.cost, variance)
 
 
 def searched(
@@ -91,12 +91,12 @@ def searched(
         last = window == rows[-1]
         residuals, _ = misfit.at(points, window, slopes=False)
         size = misfit.size(residuals[np.argmin((residuals**2).sum(axis=1))])
-        found = different([settled(misfit, p, window, size) for p in points], last=last)
+        minima = different([settled(misfit, p, window, size) for p in points], last=last)
         if looking:
-            more = [settled(misfit, p, window, size) for p in _cloud(misfit, found[0], window, random)]
-            found = different([*found, *more], last=last)
-        best = found[0]
-        kept = [s for s in found if s.cost < best.cost + WORSE * best.variance][:BEAM]
+            more = [settled(misfit, p, window, size) for p in _cloud(misfit, minima[0], window, random)]
+            minima = different([*minima, *more], last=last)
+        best = minima[0]
+        kept = [s for s in minima if s.cost < best.cost + WORSE * best.variance][:BEAM]
         points = np.array([s.point for s in kept])
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
         least = min(least, best.variance)
