@@ -7,6 +7,7 @@ import shutil
 import stat
 import uuid
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from .files import synced
 
 
 METADATA = "zarr.json"
+# Files that are synced at the same time share a commit of the journal.
+SYNC_THREADS = 16
 FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 
@@ -35,9 +38,8 @@ class OwnStore(LocalStore):
 
     def sync(self) -> None:
         """Wait until the disk has all that was written: a power failure cannot undo it."""
-        files_first = sorted(self.unsynced, key=lambda key: -key.count("/"))
-        for key in files_first:
-            synced(self.root / key)
+        with ThreadPoolExecutor(SYNC_THREADS) as pool:
+            list(pool.map(synced, map(self.root.joinpath, sorted(self.unsynced))))
         self.unsynced.clear()
 
     async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
