@@ -62,6 +62,10 @@ def a_system(name: str) -> str:
     return f"a{'n' if name[0] in 'aeiou' else ''} {name.replace('-', ' ')}"
 
 
+class BuildError(ImportError):
+    """The compiled part of the package is missing, damaged, or was compiled from another source."""
+
+
 EXTRAS = {
     "matplotlib": "figures",
     **dict.fromkeys(("numba", "scipy"), "grids"),

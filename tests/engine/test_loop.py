@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import tippetop_kernels
+from tippetop.cli import outcome
 from tippetop.engine.loop import _Loop, library, structure
 
 
@@ -34,6 +35,15 @@ def test_a_loop_that_is_missing_is_refused(folder: Path) -> None:
     (folder / "loop.so").unlink()
     with pytest.raises(ImportError, match="must exist, but is missing"):
         library.__wrapped__()
+
+
+def test_a_loop_that_is_no_library_is_one_message_of_the_command_line(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "loop.so").write_text("text")
+    monkeypatch.setattr("tippetop.engine.loop.library", library.__wrapped__)
+    assert outcome(["run", "heavy-top", "--until", "0.0123"]) == 2
+    assert capsys.readouterr().err.count("install tippetop again") == 1
 
 
 def test_structures_have_the_size_that_they_have_in_c() -> None:

@@ -208,6 +208,10 @@ def without(record: Any) -> Any:
         ({"quantities": (), "integrals": ()}, "`quantities` of `own-top` must have `energy`"),
         ({"vectors": {"axis": ("kx", "ky")}}, "`vectors` .* it lacks kx, ky"),
         ({"events": (dataclasses.replace(LIFTOFF, kept=()),)}, "`kept` of the event `liftoff` .* `lifted_at`"),
+        ({"contact": ()}, r"`contact` of `own-top` must be None, but is \(\)"),
+        ({"vectors": None}, "`vectors` of `own-top` must be names of variables by name, but is None"),
+        ({"on_request": None}, "`on_request` of `own-top` must be a tuple of Quantity records, but is None"),
+        ({"motion": ()}, r"`motion` of `own-top` must be a function or None, but is \(\)"),
     ],
 )
 def test_what_a_run_would_stumble_over_is_refused_when_it_is_registered(changes: dict, message: str) -> None:

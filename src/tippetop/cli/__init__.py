@@ -92,10 +92,12 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
 
 def _known_errors(error: Exception) -> int | None:
     """Exit code of an error that is the user's or the machine's, after printing it; None for a bug."""
-    from ..errors import InputError, StoreError, missing_extra
+    from ..errors import BuildError, InputError, StoreError, missing_extra
 
     if isinstance(error, ImportError) and (sentence := missing_extra(error)):
         return complain([sentence], USAGE)
+    if isinstance(error, BuildError):
+        return complain([str(error)], USAGE)
     if isinstance(error, InputError):
         return complain(error.sentences, USAGE)
     if isinstance(error, StoreError):

@@ -16,6 +16,7 @@ import numpy as np
 
 import tippetop_kernels
 
+from ..errors import BuildError
 from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
 from .status import Status
 from .stepper import UNKNOWN, MachineCode
@@ -186,16 +187,19 @@ def _field(value: Any) -> Any:
 
 @cache
 def library() -> ctypes.CDLL:
-    """Return the compiled loop. Raises ImportError if it is missing, or was compiled from another source."""
+    """Return the compiled loop. Raises BuildError if it is missing, or was compiled from another source."""
     folder = Path(tippetop_kernels.__file__).parent
     built, source = folder / "loop.so", folder / "loop.c"
     if not built.exists():
-        raise ImportError(f"`{built}` must exist, but is missing: install tippetop again (pip install -e .).")
-    loaded = ctypes.CDLL(str(built))
+        raise BuildError(f"`{built}` must exist, but is missing: install tippetop again (pip install -e .).")
+    try:
+        loaded = ctypes.CDLL(str(built))
+    except OSError as error:
+        raise BuildError(f"{error}: install tippetop again (pip install -e .).") from None
     loaded.loop_digest.restype = ctypes.c_char_p
     expected = hashlib.sha256(source.read_bytes()).hexdigest()
     if loaded.loop_digest().decode() != expected:
-        raise ImportError(
+        raise BuildError(
             f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: install tippetop again "
             "(pip install -e .)."
         )

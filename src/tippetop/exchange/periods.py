@@ -55,7 +55,8 @@ def _next(misfit: Misfit, minimum: Minimum, clock: int, side: int) -> Minimum | 
     """Return the next minimum on one side; None where the cost has none within reach."""
     t, total = misfit.observation.t, len(misfit.observation.t)
     shift = np.zeros((POINTS, len(minimum.point)))
-    shift[:, clock] = side * np.linspace(0, REACH * (t[-1] - t[0]), POINTS) / misfit.space.width[clock]
+    seconds = misfit.space.width[clock] * misfit.space.scales[clock].size
+    shift[:, clock] = side * np.linspace(0, REACH * (t[-1] - t[0]), POINTS) / seconds
     points = misfit.space.clipped(minimum.point + shift)
     residuals, _ = misfit.at(points, total, slopes=False)
     costs = misfit.costs(residuals, minimum.residual)

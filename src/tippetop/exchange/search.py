@@ -22,6 +22,8 @@ FEWEST, GROWTH = 3, 1.5
 BATCH, BEAM = 8, 4
 # Points about the best one; those that are improved; their distance in standard errors
 CLOUD, CHILDREN, WIDER = 128, 2, 1.5
+# How often they are tried at most, as long as they lead to better ones: from period to period
+ROUNDS = 8
 # Step of slow changes in plausible distances
 COARSE = 0.3
 # Growth of the rows, from the first window, over which points about the best one are tried in any case
@@ -92,10 +94,13 @@ def searched(
         residuals, _ = misfit.at(points, window, slopes=False)
         size = misfit.size(residuals[np.argmin((residuals**2).sum(axis=1))])
         minima = different([settled(misfit, p, window, size) for p in points], last=last)
-        if looking:
-            more = [settled(misfit, p, window, size) for p in _cloud(misfit, minima[0], window, random)]
-            minima = different([*minima, *more], last=last)
         best = minima[0]
+        for _ in range(ROUNDS if looking else 0):
+            more = [settled(misfit, p, window, size) for p in _cloud(misfit, best, window, random)]
+            minima = different([*minima, *more], last=last)
+            before, best = best, minima[0]
+            if before.cost - best.cost < best.variance:
+                break
         kept = [s for s in minima if s.cost < best.cost + WORSE * best.variance][:BEAM]
         points = np.array([s.point for s in kept])
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
@@ -110,8 +115,10 @@ def widen(misfit: Misfit) -> None:
     space, t = misfit.space, misfit.observation.t
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
     need = space.width * np.linalg.norm(residual) / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
-    need = np.where(np.array(space.names) == OFFSET, REACH * (t[-1] - t[0]), need)
     space.width = np.where(space.loose, np.maximum(space.far, need), space.far)
+    if OFFSET in space.names:
+        clock = space.names.index(OFFSET)
+        space.width[clock] = REACH * (t[-1] - t[0]) / space.scales[clock].size
 
 
 def windows(misfit: Misfit) -> list[int]:

@@ -115,6 +115,9 @@ KINDS = (
     ("integrals", (tuple, list), "a tuple of names"),
     ("alternatives", (tuple, list), "a tuple of Alternative records"),
     ("landscape", (Landscape, type(None)), "a Landscape or None"),
+    ("vectors", Mapping, "names of variables by name"),
+    ("on_request", (tuple, list), "a tuple of Quantity records"),
+    ("contact", type(None), "None"),
 )
 """Fields of a system, what they must be, and that in words."""
 
@@ -149,8 +152,9 @@ def _shapeless(system: System) -> list[str]:
         if not (isinstance(value, int | float) and isfinite(value))
     ]
     for name in CALLED:
-        if not callable(getattr(system, name) or len):
-            faults.append(f"`{name}` of `{system.name}` must be a function or None, but is {getattr(system, name)!r}.")
+        value = getattr(system, name)
+        if value is not None and not callable(value):
+            faults.append(f"`{name}` of `{system.name}` must be a function or None, but is {value!r}.")
     return faults or _phaseless(system)
 
 
