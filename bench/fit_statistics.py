@@ -21,7 +21,7 @@ from tippetop.exchange.misfit import Misfit
 from tippetop.exchange.motion import Motion
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.scales import Space, scale_of
-from tippetop.exchange.search import Minimum, settled, widen
+from tippetop.exchange.search import Minimum, local_minimum, widen
 
 
 TRUE = {"friction.mu": 0.3, "initial.omega3": 155.0, "initial.theta": 0.1, "parameters.I1": 131 / 350 * 8e-6}
@@ -45,7 +45,7 @@ def best_near(observation: Observation, values: dict[str, float]) -> tuple[Misfi
     space = Space(values, [scale_of(observation.rule(name), v) for name, v in values.items()])
     misfit = Misfit(observation, space, "linear")
     widen(misfit)
-    return misfit, settled(misfit, np.zeros(len(values)), len(observation.t))
+    return misfit, local_minimum(misfit, np.zeros(len(values)), len(observation.t))
 
 
 def cut_films(sets: int) -> None:

@@ -73,7 +73,7 @@ class Bar:
 
     def _show(self, done: float, of: float, note: str) -> None:
         count = self.count.format(done=done, of=of, things=self.things)
-        self.bar.update(self.task, completed=done, count=count, note=note)
+        self.bar.update(self.task, completed=done, total=of, count=count, note=note)
 
     def _starting(self, done: float, of: float) -> None:
         """Draws the bar of work of which nothing is done yet."""

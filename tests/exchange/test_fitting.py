@@ -17,7 +17,7 @@ from tippetop.errors import InputError
 from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.scales import Space, scale_of
-from tippetop.exchange.search import Minimum, different
+from tippetop.exchange.search import Minimum, merge
 
 
 TRUE = {"friction.mu": 0.3, "initial.omega3": 155.0, "initial.theta": 0.5}
@@ -74,6 +74,16 @@ def test_residuals_larger_than_the_stated_noise_are_reported(film: Path) -> None
     assert ["larger than the stated noise" in reason for reason in told] == [False, True]
 
 
+def test_outliers_hardly_move_a_fit_with_another_loss(film: Path, fit: tt.Fitted, tmp_path: Path) -> None:
+    rows = np.loadtxt(film, delimiter=",", skiprows=1)
+    rows[5::9, 1:] = [0.0, 0.6, 0.8]
+    path = tmp_path / "outliers.csv"
+    np.savetxt(path, rows, delimiter=",", header="t [s],axis_x,axis_y,axis_z", comments="")
+    found = tt.fit(path, tt.load("inverting", SCENARIO), list(TRUE), loss="cauchy", starts=1)
+    for name, estimate in fit.estimates.items():
+        assert found.estimates[name].value == pytest.approx(estimate.value, abs=4 * estimate.sigma)
+
+
 def test_progress_ends_with_the_windows_that_were_expected(film: Path) -> None:
     seen: list[tuple[int, int]] = []
     problem = tt.load("inverting", SCENARIO)
@@ -87,7 +97,7 @@ def test_searches_with_the_same_end_are_counted_together() -> None:
     def end(point: float, cost: float) -> Minimum:
         return Minimum(np.array([point]), np.zeros(9), np.full((9, 1), 10.0), cost, 0.01)
 
-    ends = different([end(1.0, 3.0), end(0.0, 1.0), end(0.001, 1.0), end(1.0, 3.0), end(0.0, 1.0)])
+    ends = merge([end(1.0, 3.0), end(0.0, 1.0), end(0.001, 1.0), end(1.0, 3.0), end(0.0, 1.0)])
     assert [(e.point.round(2).item(), e.searches) for e in ends] == [(0.0, 3), (1.0, 2)]
 
 

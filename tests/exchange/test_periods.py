@@ -7,9 +7,9 @@ import pytest
 
 from tippetop.exchange.misfit import Misfit
 from tippetop.exchange.observation import OFFSET
-from tippetop.exchange.periods import walked
+from tippetop.exchange.periods import walk
 from tippetop.exchange.scales import Scale, Space
-from tippetop.exchange.search import settled
+from tippetop.exchange.search import local_minimum
 
 
 RATE = 60.0  # of the oscillation
@@ -41,7 +41,7 @@ def misfit(drift: float) -> Misfit:
 def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_named(begin: float) -> None:
     """The drift changes by 2 x 0.01 x 2 in 10 s of an offset: valleys beside are worse by little."""
     left = misfit(0.01)
-    best, *others = walked(left, settled(left, np.array([begin, 0.0]), len(T)), 0)
+    best, *others = walk(left, local_minimum(left, np.array([begin, 0.0]), len(T)), 0)
     assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
     beside = sorted(other.point[0] * RATE / (2 * np.pi) for other in others)
     assert len(beside) > 2
@@ -52,13 +52,13 @@ def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_n
 
 def test_a_drift_that_decides_the_period_leaves_no_other() -> None:
     left = misfit(0.5)
-    best, *others = walked(left, settled(left, np.zeros(2), len(T)), 0)
+    best, *others = walk(left, local_minimum(left, np.zeros(2), len(T)), 0)
     assert all(other.cost - best.cost > 14 * best.variance for other in others)
 
 
 def test_of_periods_that_are_all_alike_the_nearest_is_taken() -> None:
     """A motion that is periodic: costs differ by rounding."""
     left = misfit(0.0)
-    best, *others = walked(left, settled(left, np.zeros(2), len(T)), 0)
+    best, *others = walk(left, local_minimum(left, np.zeros(2), len(T)), 0)
     assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
     assert len(others) > 20

@@ -5,17 +5,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, refuse_without
 from .misfit import Misfit
 from .observation import CLOCK, OFFSET, REACH, Observation
-from .periods import RIVAL, walked
+from .periods import RIVAL, walk
 from .scales import Scale, Space, scale_of
-from .search import Minimum, different, searched, settled, starts_of, widen, windows
+from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
 
 
 # Searches at most, and those that must have ended in the best minimum
 STARTS, MET = 12, 3
-# Standard deviations of the sum of squared autocorrelations, and of the variance, that noise does not reach
+# Standard deviations of the sum of squared autocorrelations, and of the variance, beyond noise
 NOISY = 5.0
 # Lags of that sum
 LAGS = 12
@@ -106,6 +106,7 @@ def fit(
     InputError
         If there are fewer measurements than numbers, or a number does nothing.
     """
+    refuse_without("scipy")
     begin = observation.start()
     space = Space(begin, [scale_of(observation.rule(name), value) for name, value in begin.items()])
     misfit = Misfit(observation, space, loss)
@@ -120,17 +121,17 @@ def fit(
             progress(before + done, total)
 
         report(0)
-        minima = searched(misfit, points, np.random.default_rng((seed, n)), report)
+        minima = search(misfit, points, np.random.default_rng((seed, n)), report)
         if OFFSET in space.names:
-            minima = [*walked(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
-        ends = different([*ends, *minima])
+            minima = [*walk(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
+        ends = merge([*ends, *minima])
         if ends[0].searches >= MET:
             break
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
     total = len(observation.t)
-    again = [settled(misfit, end.point, total)._replace(searches=end.searches) for end in ends]
-    ends = different(again)  # a search along a long valley may have ended early
+    again = [local_minimum(misfit, end.point, total)._replace(searches=end.searches) for end in ends]
+    ends = merge(again)  # a search along a long valley may have ended early
     met = ends[0].searches
     return judged(misfit, ends, met, n + 1)
 
@@ -174,7 +175,7 @@ def _excess(misfit: Misfit, point: np.ndarray) -> float:
 
 
 def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> Fit:
-    """Return the result of searches, by the minima that they ended in, best first; `met` ended in the first one."""
+    """Return the result of searches that ended in these minima, best first, `met` in the first."""
     from scipy.stats import t as student
 
     observation, space, point = misfit.observation, misfit.space, ends[0].point

@@ -44,7 +44,8 @@ class Misfit:
         self.evaluations = 0
 
     def at(self, points: np.ndarray, rows: int, *, slopes: bool = True) -> tuple[np.ndarray, Any]:
-        """Return residuals of the first rows, (points, numbers), and their Jacobians, (points, numbers, free), or None.
+        """Return residuals of the first rows, (points, numbers), and their Jacobians, (points,
+        numbers, free), or None.
 
         Gaps are left out; a motion that cannot be computed leaves `WORST`, constant."""
         self.evaluations += len(points)
@@ -74,7 +75,8 @@ class Misfit:
         return max(float(np.median(np.abs(residuals))), 1e-12)
 
     def costs(self, residuals: np.ndarray, like: np.ndarray) -> np.ndarray:
-        """Return sums of squares (points,) of residuals (points, numbers), without outliers unless the loss is linear.
+        """Return sums of squares (points,) of residuals (points, numbers), outliers cut off unless
+        the loss is linear.
 
         `like`: residuals of the noise, which have the scale of outliers."""
         most = np.inf if self.loss == "linear" else OUTLIER * self.size(like)

@@ -1,28 +1,29 @@
 """Other periods of an oscillation in which a free clock fits nearly as well.
 
-Where a table's clock starts at an unknown time of the motion, and the oscillation that is seen is fast, the misfit has
-a minimum in every period, and slow changes alone decide which is right. From the best fit the next minimum on either
-side is searched along the time of the clock, and further ones by the same step, as long as they are nearly as deep.
+Where a table's clock starts at an unknown time of the motion, and the observed oscillation is
+fast, the misfit has a minimum in every period, and slow changes alone decide which is right. From
+the best fit the next minimum on either side is searched along the time of the clock, and further
+ones by the same step, as long as they are nearly as deep.
 """
 
 import numpy as np
 
 from .misfit import Misfit
 from .observation import REACH
-from .search import Minimum, settled
+from .search import Minimum, local_minimum
 
 
 # Points in which the next minimum is searched
 POINTS = 128
-# Variances of the noise by which a minimum that is nearly as good is worse at most: odds of 1 in 1000
+# Variances of the noise by which a minimum that is nearly as good is worse: odds of 1 in 1000
 RIVAL = 14.0
 # Minima on either side
 MOST = 12
-# Variances of the noise: minima that differ less are those of a periodic motion, and the nearest one is taken
+# Variances of the noise: minima that differ less are those of a periodic motion
 SAME = 1e-3
 
 
-def walked(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
+def walk(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
     """Return the minima near one of all of the data, best first; it alone counts as found.
 
     Parameters
@@ -43,7 +44,10 @@ def walked(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
             if here is None or before.met(here) or here.cost - least > RIVAL * first.variance:
                 break
             known.append(here)
-            before, here = here, settled(misfit, misfit.space.clipped(2 * here.point - before.point), total)
+            before, here = (
+                here,
+                local_minimum(misfit, misfit.space.clipped(2 * here.point - before.point), total),
+            )
     least = min(s.cost for s in known)
     alike = [s for s in known if s.cost < least + SAME * first.variance]
     best = min(alike, key=lambda s: abs(s.point[clock] - first.point[clock]))
@@ -61,4 +65,4 @@ def _next(misfit: Misfit, minimum: Minimum, clock: int, side: int) -> Minimum | 
     residuals, _ = misfit.at(points, total, slopes=False)
     costs = misfit.costs(residuals, minimum.residual)
     lowest = np.flatnonzero((costs[1:-1] < costs[:-2]) & (costs[1:-1] < costs[2:])) + 1
-    return settled(misfit, points[lowest[0]], total) if len(lowest) else None
+    return local_minimum(misfit, points[lowest[0]], total) if len(lowest) else None

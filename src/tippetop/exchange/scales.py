@@ -15,7 +15,7 @@ WIDEST = float(np.log(20))
 MARGIN = 1e-6
 # Plausible distance of a number from where it starts, relative
 FAR = 0.4
-# Pairs of initial numbers that are polar components of a horizontal vector; the first one is the axis
+# Pairs of initial numbers that are polar components of a horizontal vector; the axis is first
 POLAR = (
     ("initial.theta", "initial.phi"),
     ("initial.theta_dot", "initial.phi_dot"),

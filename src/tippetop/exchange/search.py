@@ -1,9 +1,10 @@
-"""The numbers that fit best: SciPy's least squares from many starts, over windows of the data that grow.
+"""The numbers that fit best: SciPy's least squares from many starts, over windows that grow.
 
-The misfit of a motion that oscillates has a minimum in nearly every period, and these are the wider the shorter the
-data are. A search begins at several starts and a short first window. Before the last window the scenario's numbers
-count as measurements with a standard error of one plausible distance, so that numbers that a window leaves open stay
-plausible. Over each window points about the best one are tried, as far as slow changes leave it open: they are in other
+The misfit of a motion that oscillates has a minimum in nearly every period, and the minima are
+wider where the data are shorter. A search begins with several starts and a short first window.
+Before the last window the scenario's numbers count as measurements with a standard error of one
+plausible distance, so that numbers that a window leaves open stay plausible. Over each window
+points about the best one are tried, as far as slow changes leave it open: they are in other
 periods. Searches with other starts and other points are independent of each other.
 """
 
@@ -18,7 +19,7 @@ from .observation import OFFSET, REACH
 
 # Measurements of the first window per free number, and growth of a window to the next
 FEWEST, GROWTH = 3, 1.5
-# Starts of a search; different points kept for the next window
+# Starts of a search; different points that continue to the next window
 BATCH, BEAM = 8, 4
 # Points about the best one; those that are improved; their distance in standard errors
 CLOUD, CHILDREN, WIDER = 128, 2, 1.5
@@ -26,11 +27,12 @@ CLOUD, CHILDREN, WIDER = 128, 2, 1.5
 ROUNDS = 8
 # Step of slow changes in plausible distances
 COARSE = 0.3
-# Growth of the rows, from the first window, over which points about the best one are tried in any case
+# Growth of the rows over which points about the best one are tried in any case
 LOOK = 6
 # Growth of the variance from one window to the next, beyond which they are tried again
 SURPRISE = 1.1
-# Variances of the noise: by which a point that is dropped is worse than the best one; within which points are the same
+# Variances of the noise: by which a dropped point is worse than the best one, and between points
+# that are the same
 WORSE, SAME = 60.0, 1.0
 # Plausible distances within which points are the same before the last window
 NEAR = 0.03
@@ -39,8 +41,8 @@ FEW, MOST = 12, 60
 
 
 class Minimum(NamedTuple):
-    """A minimum over a window: its point (free,), residuals and Jacobian, cost, variance of the residuals, and the
-    number of searches that ended there."""
+    """A minimum over a window: its point (free,), residuals and Jacobian, cost, variance of the
+    residuals, and the number of searches that ended there."""
 
     point: np.ndarray
     residual: np.ndarray
@@ -50,13 +52,13 @@ class Minimum(NamedTuple):
     searches: int = 1
 
     def met(self, other: "Minimum", within: float = np.inf) -> bool:
-        """Return whether another point is the same: the data cannot tell them apart, and each coordinate is near."""
+        """Return whether another point is the same to the data, and near in each coordinate."""
         apart = self.point - other.point
         seen = self.jacobian @ apart
         return bool(seen @ seen < SAME * self.variance and np.all(np.abs(apart) < within))
 
 
-def settled(misfit: Misfit, point: np.ndarray, rows: int, size: float | None = None) -> Minimum:
+def local_minimum(misfit: Misfit, point: np.ndarray, rows: int, size: float | None = None) -> Minimum:
     """Return the minimum next to a point over the first rows.
 
     `size`: the scale beyond which a loss bends; None: of the residuals of the point."""
@@ -66,7 +68,7 @@ def settled(misfit: Misfit, point: np.ndarray, rows: int, size: float | None = N
     begin = misfit.at(point[None], rows, slopes=False)[0][0]
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
-    solution = least_squares(
+    result = least_squares(
         lambda x: np.append(misfit.at(x[None], rows, slopes=False)[0][0], keep * x),
         point,
         lambda x: np.vstack([misfit.at(x[None], rows)[1][0], keep * np.eye(len(x))]),
@@ -76,15 +78,17 @@ def settled(misfit: Misfit, point: np.ndarray, rows: int, size: float | None = N
         ftol=1e-8 if last else 0.1 / count,
         max_nfev=MOST if last else FEW,
     )
-    residual = solution.fun[:count]
+    residual = result.fun[:count]
     variance = float((misfit.weight(residual) * residual**2).sum()) / max(count - len(point), 1)
-    return Minimum(solution.x, residual, solution.jac[:count], 2 * solution.cost, variance)
+    return Minimum(result.x, residual, result.jac[:count], 2 * result.cost, variance)
 
 
-def searched(
+def search(
     misfit: Misfit, points: np.ndarray, random: np.random.Generator, progress: Callable[[int], None]
 ) -> list[Minimum]:
-    """Return minima over all of the data that starts (starts, free) lead to, the best first; it alone counts.
+    """Return minima over all of the data, best first, to which starts (starts, free) lead.
+
+    The best one alone counts as an end of the search.
 
     `progress`: called with the number of windows that are done."""
     rows = windows(misfit)
@@ -93,11 +97,11 @@ def searched(
         last = window == rows[-1]
         residuals, _ = misfit.at(points, window, slopes=False)
         size = misfit.size(residuals[np.argmin((residuals**2).sum(axis=1))])
-        minima = different([settled(misfit, p, window, size) for p in points], last=last)
+        minima = merge([local_minimum(misfit, p, window, size) for p in points], last=last)
         best = minima[0]
         for _ in range(ROUNDS if looking else 0):
-            more = [settled(misfit, p, window, size) for p in _cloud(misfit, best, window, random)]
-            minima = different([*minima, *more], last=last)
+            more = [local_minimum(misfit, p, window, size) for p in _cloud(misfit, best, window, random)]
+            minima = merge([*minima, *more], last=last)
             before, best = best, minima[0]
             if before.cost - best.cost < best.variance:
                 break
@@ -131,8 +135,8 @@ def windows(misfit: Misfit) -> list[int]:
     return rows
 
 
-def different(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
-    """Return the minima that are not the same, best first; the searches of those that are the same are added."""
+def merge(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
+    """Return different minima, best first, with the searches that ended in each."""
     kept: list[Minimum] = []
     for state in sorted(minima, key=lambda s: s.cost):
         n = next((n for n, other in enumerate(kept) if other.met(state, np.inf if last else NEAR)), None)
@@ -146,7 +150,8 @@ def different(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
 def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator) -> np.ndarray:
     """Return the best of many points about one, as far as its slow changes leave open where it is.
 
-    Differences over a coarse step ignore fast oscillations, whose derivatives are large and mean nothing far off."""
+    Differences over a coarse step ignore fast oscillations: their derivatives are large, and
+    mean nothing far from the point."""
     space, one = misfit.space, np.eye(len(best.point))
     ahead, behind = (space.clipped(best.point + sign * COARSE * one) for sign in (1, -1))
     after, before = (misfit.at(side, rows, slopes=False)[0] for side in (ahead, behind))
@@ -158,8 +163,7 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
 
 
 def starts_of(misfit: Misfit, searches: int, seed: int) -> np.ndarray:
-    """Return the starts of searches, (searches, starts, free): that of the scenario, and others spread evenly about
-    it."""
+    """Return the starts of searches, (searches, starts, free), spread about the scenario."""
     from scipy.stats import qmc
 
     free = len(misfit.space.names)

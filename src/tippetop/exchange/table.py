@@ -113,7 +113,7 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
             faults.append(f"the column `{name}` must be finite where it is given, but is infinite in places.")
         elif wrapped and name in UNSIGNED and _beyond(values, name).max() > BEYOND * (noise or 0.0) + 1e-9:
             worst = int(np.argmax(_beyond(values, name)))
-            place = f"{values[worst]:.6g} rad ({np.rad2deg(values[worst]):.6g} deg) in row {worst + 1}"
+            value = f"{values[worst]:.6g} rad ({np.rad2deg(values[worst]):.6g} deg) in row {worst + 1}"
             hint = "."
             if values[worst] > 2 * UNSIGNED[name]:
                 hint = ": is it in degrees?"
@@ -121,7 +121,7 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
                 hint = ": noise that explains it must be stated (`noise`)."
             elif noise is not None:
                 hint = f": a noise of {np.rad2deg(noise):.3g} deg (`noise`) does not explain it."
-            faults.append(f"`{name}` must lie in 0 to pi, but is {place}{hint}")
+            faults.append(f"`{name}` must lie in 0 to pi, but is {value}{hint}")
         elif name.startswith("axis_") and np.nanmax(np.abs(values)) > 1.01:
             faults.append(
                 f"`{name}` is a component of a unit vector, but is {np.nanmax(np.abs(values)):.4g} somewhere."
