@@ -157,6 +157,10 @@ def test_coulomb_law_is_built_with_its_units() -> None:
     assert problem.friction == Coulomb(0.3, 1e-3)
 
 
+def test_numbers_that_another_law_does_not_have_are_dropped() -> None:
+    assert build.load("inverting", ["friction.law=none"]).friction == ()
+
+
 @pytest.mark.parametrize(
     ("preset", "assignments", "stale"),
     [

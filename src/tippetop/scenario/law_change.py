@@ -11,13 +11,13 @@ if TYPE_CHECKING:
     from ..mechanics.friction import Law
 
 
-def refuse_other_units(before: Mapping[str, Any], after: Mapping[str, Any], given: Collection[str]) -> None:
-    """Check that no number keeps its value while the new law measures it in another unit.
+def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collection[str]) -> None:
+    """Drop the numbers that a new law does not have; no other may keep its value in another unit.
 
     Parameters
     ----------
     before, after
-        The tables of a scenario before and after its law may have changed.
+        The tables of a scenario before and after its law may have changed; `after` is changed in place.
     given
         Names of the numbers of the law that are given with the change.
 
@@ -33,6 +33,8 @@ def refuse_other_units(before: Mapping[str, Any], after: Mapping[str, Any], give
     if old is None or new is None:
         return
     numbers, faults = after["friction"], []
+    for name in set(old.parameters) - set(new.parameters) - set(given):
+        numbers.pop(name, None)
     for name, rule in new.parameters.items():
         if name not in old.parameters or name not in numbers or name in given:
             continue

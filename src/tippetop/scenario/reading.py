@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, suggestion
-from .law_change import refuse_other_units
+from .law_change import change_law
 
 
 OUTPUT = ("output", "output_step", "output_times")  # one of them says when rows are wanted
@@ -113,7 +113,7 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
         if not isinstance(table, dict):
             raise InputError([f"--set {key} must name a key of a table, but `{parts[0]}` is not a table."])
         table[parts[-1]] = value
-    refuse_other_units(tables, changed, [key.removeprefix("friction.") for key, _ in words])
+    change_law(tables, changed, [key.removeprefix("friction.") for key, _ in words])
     return changed
 
 

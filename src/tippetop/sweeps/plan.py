@@ -17,7 +17,7 @@ from ..mechanics.caching import cached_property
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches
-from ..scenario.law_change import refuse_other_units
+from ..scenario.law_change import change_law
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived
@@ -229,7 +229,7 @@ def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
             tables[name] = value
     numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
     law = shape.set.get("friction")
-    refuse_other_units(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
+    change_law(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
     initial = tables.get("initial")
     if isinstance(initial, dict) and "from" in initial:
         raise InputError(["`initial.from` must be the start of a single run, but many are asked for."])

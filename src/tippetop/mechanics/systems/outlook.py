@@ -35,6 +35,7 @@ UNLESS = ", unless it lifts off"
 STAYS = "stays at the pole until it is disturbed"
 FREE = "no friction: nothing is lost, and no state attracts"
 SOMEWHERE_FREE = "friction vanishes somewhere on the body or in fast sliding: no state is known to attract"
+ROLLING_ALONE = "rolling resistance alone, without sliding friction: no state is known to attract"
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -73,6 +74,8 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
         return Outlook(FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
     known = named(type(b.friction))
+    if known and known[1].regions and b.friction.mu == 0:
+        return Outlook(ROLLING_ALONE, "", limits)
     if known and known[1].set_valued:
         sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
     elif known and known[1].regions:

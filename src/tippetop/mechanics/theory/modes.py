@@ -118,9 +118,8 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
         with np.errstate(all="ignore"):
             slip = _slip(omega3, up, b.friction)
             least = WEAK / b.g * np.maximum(np.abs(omega3), np.sqrt(b.g / (b.R + np.abs(b.c))))
-            known = named(type(b.friction))
-            slides = known is not None and known[1].coefficient is not None
-            acts = (slip > 0) | (slides & np.logical_not(takes_nothing(b.friction)))
+            dissipates = named(type(b.friction)) is not None and np.logical_not(takes_nothing(b.friction))
+            acts = (slip > 0) | dissipates
             matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
         modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # NaN beyond the doubles would end all
