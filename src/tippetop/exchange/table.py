@@ -118,9 +118,9 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
             if values[worst] > 2 * UNSIGNED[name]:
                 hint = ": is it in degrees?"
             elif noise == 0:
-                hint = ": noise that explains it must be stated (`noise`)."
+                hint = ': noise that explains it must be stated (--noise "1 deg").'
             elif noise is not None:
-                hint = f": a noise of {np.rad2deg(noise):.3g} deg (`noise`) does not explain it."
+                hint = f": a noise of {np.rad2deg(noise):.3g} deg (--noise) does not explain it."
             faults.append(f"`{name}` must lie in 0 to pi, but is {value}{hint}")
         elif name.startswith("axis_") and np.nanmax(np.abs(values)) > 1.01:
             faults.append(
