@@ -20,7 +20,7 @@ FLAGS += ["-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 
 
 def compiler() -> list[str]:
-    """Return the command of the C compiler of this machine; empty if there is none."""
+    """Return the command of the C compiler of this machine; empty without a compiler."""
     if named := os.environ.get("CC"):
         return named.split()
     return next(([path] for name in ("cc", "gcc", "clang") if (path := shutil.which(name))), [])

@@ -26,7 +26,7 @@ QUANTILE = 0.975
 AT_BOUND = 0.01
 # Measurements whose noise is an angle
 ANGLES = ("theta", "phi", "axis", "orientation")
-# Part of what is seen: a smaller change by the whole of a number is rounding
+# Fraction of the data: a number whose whole range changes them by less is lost in rounding
 IDLE = 1e-12
 
 
