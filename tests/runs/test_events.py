@@ -1,16 +1,14 @@
 """The event log: which turnings are rounding, and what their amplitudes are."""
 
-import ctypes
-
 import numpy as np
 import pytest
 from examples import turning_times
 
 import tippetop
-from tippetop.engine.loop import Loop, library, new_motion
+from tippetop.engine.loop import Loop, new_motion
 from tippetop.engine.slices import RULES
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import event_rows, new_log, new_samples, new_tallies
+from tippetop.engine.tallies import CONFIRMS, WAITS, event_rows, new_log, new_samples, new_tallies
 from tippetop.mechanics.events import NOISE_FLOOR
 from tippetop.runs.events import Confirmation
 from tippetop.runs.run import solve
@@ -75,12 +73,14 @@ def test_lanes_and_single_runs_confirm_the_same_turnings(rng: np.random.Generato
         nothing = event_rows([], [], [])
         tallies = new_tallies(nothing, 1)
         loop = Loop(new_motion(1, 0, 1, 1), nothing, tallies, new_log(0, 0), new_samples(0, 0), RULES)
-        for way, angle in zip(sign.tolist(), theta.tolist(), strict=True):
-            library().loop_take_turning(loop.place, way, ctypes.c_double(angle))
+        turns = [loop.take_turning(way, angle) for way, angle in zip(sign.tolist(), theta.tolist(), strict=True)]
         end = float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR)
-        library().loop_take_turning(loop.place, 0, ctypes.c_double(end))
+        turns.append(loop.take_turning(0, end))
         rows = confirmed(theta.tolist(), sign.tolist(), end)
         assert rows == confirmed(theta.tolist(), sign.tolist(), end, 7)
+        waits = [-1, *(row for row, turn in enumerate(turns) if turn & WAITS)]
+        before = np.searchsorted(waits, np.flatnonzero(np.array(turns) & CONFIRMS)) - 1
+        assert [waits[at] for at in before] == rows
         tally = tallies.lane[0]
         assert int(tally["turnings"]) == len(rows)
         assert (float(tally["theta_min"]), float(tally["theta_max"])) == (theta[rows].min(), theta[rows].max())

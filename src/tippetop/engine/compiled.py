@@ -1,5 +1,6 @@
 """A system becomes an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
 
+import copy
 import math
 import threading
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from ..problem import PRECISIONS
 from .code_cache import compiled_once
 from .expressions import equations_of_motion
 from .opt_level import opt_level
-from .stepper import UNKNOWN, MachineCode, call, load, rounding_of
+from .stepper import UNKNOWN, Called, Loaded, Stepper, call, load, rounding_of
 from .tallies import EventRows, event_rows
 
 
@@ -42,7 +43,7 @@ class Compiled(NamedTuple):
 
     integrator: Any
     rows: EventRows
-    machine: MachineCode | None
+    machine: Loaded | None
     rounding: int
     agrees: list[bool]
     places: threading.local
@@ -166,12 +167,27 @@ def _integral_of(event: Event, system: System, variables: Variables, friction: A
     return variables.moving + int(np.argmax(alike)) if alike.any() else 0
 
 
-def _machine(integrator: Any) -> MachineCode | None:
+def _machine(integrator: Any) -> Loaded | None:
     """The machine code of a step; None where it cannot be loaded."""
     try:
         return load(integrator.llvm_state.object_code)
     except RuntimeError:
         return None
+
+
+def stepper_of(code: Compiled, state: np.ndarray, pars: np.ndarray) -> Stepper:
+    """Return the stepper of new runs: the loaded code, if there is one that makes the steps of heyoka.
+
+    Parameters
+    ----------
+    code
+        The integrator.
+    state, pars
+        Those of `is_same_step`.
+    """
+    if code.machine is not None and is_same_step(code, state, pars):
+        return code.machine
+    return Called(copy.deepcopy(code.integrator))
 
 
 _comparing = threading.Lock()

@@ -19,7 +19,7 @@ import tippetop_kernels
 from ..errors import BuildError
 from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
 from .status import Status
-from .stepper import UNKNOWN, MachineCode
+from .stepper import UNKNOWN, Called, Stepper
 from .tallies import EventRows, PassageLog, Samples, StopRules, Tallies, new_samples
 
 
@@ -206,10 +206,10 @@ def library() -> ctypes.CDLL:
     whole, flag, array = ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p
     signatures: dict[str, tuple[Any, Sequence[Any]]] = {
         "drive": (whole, [array, whole]),
-        "drive_lanes": (whole, [array, whole]),
+        "begin": (flag, [array]),
         "begin_step": (None, [array]),
         "end_step": (flag, [array]),
-        "change": (flag, [array, flag]),
+        "take_turning": (whole, [array, whole, ctypes.c_double]),
         "follow": (None, [array, whole, array, array]),
     }
     for name, (result, arguments) in signatures.items():
@@ -236,8 +236,8 @@ class Loop:
         What the observer reads and writes. The log is that of the first lane.
     rules
         What ends a run.
-    machine
-        The steps. None: other code makes them.
+    stepper
+        The steps. None for `follow`: they are made elsewhere.
     """
 
     def __init__(
@@ -248,7 +248,7 @@ class Loop:
         log: PassageLog,
         samples: Samples,
         rules: StopRules,
-        machine: MachineCode | None = None,
+        stepper: Stepper | None = None,
     ):
         variables, size, lanes = motion.tc.shape
         if size > MOST_COEFFICIENTS:
@@ -271,8 +271,12 @@ class Loop:
             "tables": TABLES,
         }
         self.structure: Any = structure(_Loop)(**{name: filled(record) for name, record in self.records.items()})
-        if machine is not None:
-            self.structure.step, self.structure.dense = machine.step, machine.dense
+        self.motion, self.stepper = motion, stepper
+        if isinstance(stepper, Called):
+            self.dense = _dense(stepper, motion, self.out)  # which C calls
+            self.structure.dense = ctypes.cast(self.dense, ctypes.c_void_p).value
+        elif stepper:
+            self.structure.step, self.structure.dense = stepper.step, stepper.dense
         self.place = ctypes.byref(self.structure)
 
     def fill(self, rows: Rows) -> None:
@@ -286,24 +290,38 @@ class Loop:
         self.structure.ensemble = filled(ensemble)
 
     def drive(self, most: int) -> int:
-        """Make at most `most` steps of one run. Return their number."""
-        return self.library.loop_drive(self.place, most)
+        """Make at most `most` steps of all lanes. Return their number.
 
-    def drive_lanes(self, most: int) -> int:
-        """Make at most `most` steps of all lanes. Return their number."""
-        return self.library.loop_drive_lanes(self.place, most)
+        It stops earlier where the caller must look: a lane has no run, a top has settled, all rows are written, or
+        there is no room for what a step may find. The next call puts down tops that have settled, unless their status
+        is that of a running one again.
+        """
+        if not isinstance(self.stepper, Called):
+            return self.library.loop_drive(self.place, most)
+        stops, steps = self.library.loop_begin(self.place), 0
+        while steps < most and not stops:
+            self.library.loop_begin_step(self.place)
+            self.stepper.step(self.motion)
+            stops = self.library.loop_end_step(self.place)
+            steps += 1
+        return steps
 
-    def begin_step(self) -> None:
-        """Allow the next step."""
-        self.library.loop_begin_step(self.place)
+    def take_turning(self, sign: int, theta: float) -> int:
+        """Count a turning of theta in the first lane: sign +1 for a minimum, -1 for a maximum, 0 for the end of a run.
 
-    def end_step(self) -> bool:
-        """Take in the step that was made. Return whether a run has ended."""
-        return self.library.loop_end_step(self.place)
+        Returns CONFIRMS if the turning that waited counts, plus WAITS if this one waits from now on. For forms whose
+        axis the loop does not read, and for the end of a run.
+        """
+        return self.library.loop_take_turning(self.place, sign, theta)
 
-    def change(self, settled: bool) -> bool:
-        """Put down tops that have ended and take others. Return whether a lane is empty or a top has settled."""
-        return self.library.loop_change(self.place, settled)
+
+def _dense(stepper: Called, motion: Motion, out: np.ndarray) -> Any:
+    """Return the dense output of a stepper as a function of C, for the arrays that the loop gives it."""
+
+    def dense(*_: int) -> None:
+        out[:] = stepper.state_at(motion.limit)
+
+    return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(dense)
 
 
 def follow(

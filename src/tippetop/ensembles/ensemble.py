@@ -16,6 +16,7 @@ from ..engine.observables import values_of
 from ..engine.settling import slides
 from ..engine.slices import event_functions, signs_of
 from ..engine.status import Status
+from ..engine.stepper import Called
 from ..engine.tallies import EventRows
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
@@ -187,7 +188,7 @@ def _run(
             except BaseException:  # Ctrl-C too: the others must stop
                 queue.stopped = True
                 raise
-    if any(worker.lanes.machine is None for worker in workers):
+    if any(isinstance(worker.lanes.stepper, Called) for worker in workers):
         measured.steps_by = "heyoka"
     measured.processor = sum(worker.processor for worker in workers)
     measured.steps_made = int(tops.lane["steps"].sum())
