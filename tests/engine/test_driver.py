@@ -14,11 +14,10 @@ import pytest
 import tippetop
 from tippetop.engine import compiled as compiling
 from tippetop.engine.expressions import equations_of_motion
-from tippetop.engine.one_run import CompiledDriver
-from tippetop.engine.slices import Driver
+from tippetop.engine.driver import Driver
 from tippetop.engine.status import Status
+from tippetop.engine.stepper import Called, Loaded
 from tippetop.engine.taylor import driver_of
-from tippetop.engine.wide import SliceDriver
 from tippetop.ensembles.lanes import Lanes, new_tops
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
@@ -91,7 +90,7 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.r
     """Ends of steps, the double length of the time, and rows anywhere, however few are asked for at a time."""
     made = problem(preset, form, 0.4)
     driver = driver_of(made)
-    assert isinstance(driver, CompiledDriver), "the machine code of a step must be loaded here"
+    assert isinstance(driver.place.stepper, Loaded), "the machine code of a step must be loaded here"
     theirs = heyokas(driver)
     *_, output, _ = theirs.propagate_until(driver.end, c_output=True)
     ends, n = np.concatenate([output.tcs[1:, :, 0], theirs.state[None, :]]), driver.variables
@@ -229,10 +228,10 @@ def test_without_machine_code_a_run_is_the_same(
     preset: str, sets: list[str], until: float, request: pytest.FixtureRequest
 ) -> None:
     made = build.load(preset, sets, until)
-    assert isinstance(driver_of(made), CompiledDriver)
+    assert isinstance(driver_of(made).place.stepper, Loaded)
     usual = solve(made)
     request.getfixturevalue("unlike")
-    assert isinstance(driver_of(made), SliceDriver)
+    assert isinstance(driver_of(made).place.stepper, Called)
     compared(usual, solve(made))
 
 
@@ -242,7 +241,7 @@ def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: py
     varied = {"initial.omega3": np.array([120.0, 155.0, 158.0])}
     usual, many = solve(made), tippetop.ensemble("inverting", varied, until=0.5, threads=1)
     request.getfixturevalue("unloadable")
-    assert isinstance(driver_of(made), SliceDriver)
+    assert isinstance(driver_of(made).place.stepper, Called)
     compared(usual, solve(made))
     again = tippetop.ensemble("inverting", varied, until=0.5, threads=1)
     assert all(same_bits(many[name].values, again[name].values) for name in many)

@@ -1,11 +1,12 @@
 """What is kept of every run while its steps pass, and where the event functions stand in the Taylor coefficients."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..mechanics.events import ON_ZERO as ON_ZERO_BELOW
 from ..mechanics.events import Event
 from .status import Status
 
@@ -107,6 +108,22 @@ def mark_bounded(records: np.ndarray) -> None:
     records["bounded"] = records["watched"] | records["ranged"] | (records["ends"] != 0)
     leaders = records["leader"][records["bounded"]]
     records["bounded"][leaders[leaders >= 0]] = True
+
+
+def looked_for(rows: EventRows, events: Sequence[Event], logged: Collection[str], *, stops: bool) -> np.ndarray:
+    """Return the records of events as a run looks for them: turnings, which are many, only if they are logged; without
+    ends, unless it `stops`."""
+    records = rows.events.copy()
+    records["watched"] = [not event.sense or event.name in logged for event in events]
+    if not stops:
+        records["ends"] = 0
+    mark_bounded(records)
+    return records
+
+
+def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the signs of event functions at a start, and which of them are on their zero."""
+    return np.where(functions > 0, 1.0, -1.0), np.abs(functions) < ON_ZERO_BELOW
 
 
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:

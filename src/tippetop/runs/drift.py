@@ -8,7 +8,7 @@ import numpy as np
 
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import Observables
-from ..engine.slices import Extremes
+from ..engine.driver import Extremes
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 

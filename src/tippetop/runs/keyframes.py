@@ -7,7 +7,7 @@ import numpy as np
 
 from ..columns import Column
 from ..engine.observables import Observables
-from ..engine.slices import Driver
+from ..engine.driver import Driver
 from ..engine.taylor import fingerprint
 from ..mechanics.units import SECOND
 from ..problem import Problem
