@@ -44,6 +44,9 @@ enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST, K
 /* What an event keeps of its passages: the time of the first or the last one, or their number. */
 enum { FIRST, LAST, COUNT };
 
+/* What a passage does to the turning of theta that waits to be counted. */
+enum { CONFIRMS = 1, WAITS = 2 };
+
 /* How compiled code rounds a product and the difference that takes it. */
 enum { UNKNOWN, SEPARATE, FUSED };
 
@@ -77,7 +80,7 @@ typedef struct {
 typedef struct {
     integer status;
     real t;
-    integer steps, step;
+    integer steps;
     real upto;
     integer tiny, waiting;
     real waits_at;
@@ -95,7 +98,6 @@ typedef struct {
     real *time;
     integer *event, *sign;
     bool *at_pole;
-    integer *step;
     real *states;
 } Log;
 
@@ -610,12 +612,14 @@ INLINED bool of_start(const Loop *l, integer e, real when, integer lane) {
 }
 
 /* Count a turning of theta (sign +1: a minimum, -1: a maximum) once theta has come back from it by
-   the noise floor; the end of a run (0) confirms the turning that waits. The rule is
-   `mechanics.events.hysteresis`. */
-static void take_turning(const Loop *l, Tally *tally, integer sign, real theta) {
+   the noise floor; the end of a run (0) confirms the turning that waits. Return CONFIRMS if the
+   turning that waited counts, plus WAITS if this one waits now: small wiggles between do not
+   matter, so a true turning that rounding splits into three counts once, and a decay that ends in
+   noise not at all. */
+static integer take_turning(Tally *tally, real noise_floor, integer sign, real theta) {
     real back = theta - tally->waits_at;
     bool confirmed =
-        tally->waiting != 0 && (real)tally->waiting * back >= l->thresholds.noise_floor;
+        tally->waiting != 0 && (real)tally->waiting * back >= noise_floor;
     bool further = sign == tally->waiting && (real)sign * back < 0;
     bool waits = sign != 0 && (confirmed || tally->waiting == 0 || further);
     if (confirmed) {
@@ -629,6 +633,7 @@ static void take_turning(const Loop *l, Tally *tally, integer sign, real theta) 
         tally->waiting = sign;
         tally->waits_at = theta;
     }
+    return (confirmed ? CONFIRMS : 0) + (waits ? WAITS : 0);
 }
 
 /* theta at the time x of a step, and whether the axis passes through a pole there, rather than near
@@ -654,7 +659,7 @@ static real theta_at(const Loop *l, const real *tc, real x, integer lane, bool *
 }
 
 /* Keep what the event asks for of its zero at x of a step, and log it. */
-static void take_passage(const Loop *l, integer i, const real *tc, integer e, real t, real h,
+static void take_passage(const Loop *l, const real *tc, integer e, real t, real h,
                          real x, integer lane) {
     const Event *event = l->rows.events + e;
     Tally *tally = l->tallies.lane + lane;
@@ -667,7 +672,9 @@ static void take_passage(const Loop *l, integer i, const real *tc, integer e, re
     bool at_pole = false;
     if (event->sense != 0 && l->sizes.axis > 0) {
         real theta = theta_at(l, tc, x * h, lane, &at_pole);
-        take_turning(l, tally, at_pole ? 0 : (integer)((real)event->sense * sign), theta);
+        if (l->sizes.log == 0) /* of a logged run the caller counts them, from the states of the log */
+            take_turning(tally, l->thresholds.noise_floor,
+                         at_pole ? 0 : (integer)((real)event->sense * sign), theta);
     }
     if ((real)event->direction * sign < 0)
         return;
@@ -689,7 +696,6 @@ static void take_passage(const Loop *l, integer i, const real *tc, integer e, re
     log->event[at] = e;
     log->sign[at] = (integer)sign;
     log->at_pole[at] = at_pole;
-    log->step[at] = i;
     log->filled[0]++;
 }
 
@@ -713,7 +719,7 @@ static real ending(const Loop *l, const real *tc, integer e, real t, real h, int
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
    run. */
-static real take_events(const Loop *l, integer i, const real *tc, real t, real end, integer lane) {
+static real take_events(const Loop *l, const real *tc, real t, real end, integer lane) {
     integer size = l->sizes.size;
     real h = end - t, upto = 1, p[MOST], zeros[MOST];
 
@@ -733,7 +739,7 @@ static real take_events(const Loop *l, integer i, const real *tc, real t, real e
             integer count =
                 crossings(p, size, known(l, SIGN, e)[lane] > 0, monotone, &l->tables, zeros);
             for (integer k = 0; k < count && !(zeros[k] > upto); k++)
-                take_passage(l, i, tc, e, t, h, zeros[k], lane);
+                take_passage(l, tc, e, t, h, zeros[k], lane);
         }
         if (!event->ranged)
             continue;
@@ -757,7 +763,7 @@ static real take_events(const Loop *l, integer i, const real *tc, real t, real e
 }
 
 /* Count a step that was made. End a run that goes nowhere, or has settled. */
-static void count_step(const Loop *l, integer i, real t, real end, integer lane, real upto) {
+static void count_step(const Loop *l, real t, real end, integer lane, real upto) {
     const StopRules *rules = &l->rules;
     Tally *tally = l->tallies.lane + lane;
     real h = end - t;
@@ -773,12 +779,11 @@ static void count_step(const Loop *l, integer i, real t, real end, integer lane,
             tally->status = l->codes.settled;
     }
     tally->t = upto < 1 ? t + upto * h : end;
-    tally->step = i;
     tally->upto = upto;
 }
 
-/* Take in the i-th step of a slice, from `start` to `stop` (lanes,). */
-static void take_step(const Loop *l, integer i, const real *tc, const real *start,
+/* Take in a step from `start` to `stop` (lanes,). */
+static void take_step(const Loop *l, const real *tc, const real *start,
                       const real *stop) {
     if (l->sizes.lanes == 1)
         bound_functions(l, 1, tc, start, stop);
@@ -790,8 +795,8 @@ static void take_step(const Loop *l, integer i, const real *tc, const real *star
         if (!(stop[lane] > start[lane]) || l->tallies.lane[lane].status != l->codes.running)
             continue;
         bool quiet = l->scratch.quiet[lane] >= 0;
-        real upto = quiet ? 1 : take_events(l, i, tc, start[lane], stop[lane], lane);
-        count_step(l, i, start[lane], stop[lane], lane, upto);
+        real upto = quiet ? 1 : take_events(l, tc, start[lane], stop[lane], lane);
+        count_step(l, start[lane], stop[lane], lane, upto);
     }
 }
 
@@ -847,10 +852,11 @@ SUM_ROWS(sum_rows_256, 2, fma)
 #define sum_rows_512 sum_rows_256
 #endif
 
-    /* The state of the first lane at a time since the beginning of the step, to `scratch.out`. */
-    static void state_at(const Loop *l, real high) {
-    l->motion.limit[0] = (high - l->motion.start_high[0]) - l->motion.start_low[0];
-    l->dense(l->scratch.out, l->motion.tc, l->motion.limit);
+    /* Write the state of a lane at a time within the step to `scratch.out`. */
+static void state_at(const Loop *l, integer lane, real time) {
+    const Motion *m = &l->motion;
+    m->limit[lane] = (time - m->start_high[lane]) - m->start_low[lane];
+    l->dense(l->scratch.out, m->tc, m->limit);
 }
 
 /* Write rows `at` to `at + count` of the present step. */
@@ -858,7 +864,7 @@ static void write_rows(const Loop *l, integer at, integer count) {
     const Rows *rows = &l->output;
     if (count <= FEW || rows->rounding == UNKNOWN) {
         for (integer k = 0; k < count; k++) {
-            state_at(l, rows->times[at + k]);
+            state_at(l, 0, rows->times[at + k]);
             for (integer i = 0; i < rows->variables; i++)
                 rows->states[i * rows->count + at + k] = l->scratch.out[i];
         }
@@ -946,7 +952,7 @@ static void add_values(integer n, const real *restrict values, real *restrict fi
 }
 
 /* Take in the step that was made. Return whether a run has ended. */
-bool loop_end_step(const Loop *l) {
+static bool take_motion(const Loop *l) {
     const Motion *m = &l->motion;
     integer n = l->sizes.lanes, variables = l->sizes.variables;
     real *finite = l->scratch.quiet;
@@ -963,7 +969,7 @@ bool loop_end_step(const Loop *l) {
         m->high[lane] = m->start_high[lane];
         m->low[lane] = m->start_low[lane];
     }
-    take_step(l, 0, m->tc, m->start_high, m->high);
+    take_step(l, m->tc, m->start_high, m->high);
 
     bool ended = false;
     const Samples *samples = &l->samples;
@@ -983,46 +989,6 @@ bool loop_end_step(const Loop *l) {
             samples->states[at * variables + i] = m->state[i * n + lane];
     }
     return ended;
-}
-
-INLINED bool samples_are_full(const Loop *l) {
-    return l->sizes.samples > 0 && l->samples.filled[0] + l->sizes.lanes > l->sizes.samples;
-}
-
-static void make_step(const Loop *l) {
-    loop_begin_step(l);
-    l->step(l->motion.state, l->motion.pars, l->motion.start_high, l->motion.h, l->motion.tc);
-}
-
-/* Make at most `most` steps of one run. Stop where it ends, and where there is no room for what it
-   may give. Return the number of steps. */
-integer loop_drive(const Loop *l, integer most) {
-    integer room = l->sizes.events * l->sizes.size, *filled = l->log.filled;
-    bool ended = false;
-    for (integer steps = 0;; steps++) {
-        bool full = take_rows(l, steps > 0);
-        full = full || (l->sizes.log > 0 && filled[0] + room > l->sizes.log) || samples_are_full(l);
-        if (steps == most || ended || full)
-            return steps;
-        make_step(l);
-        integer first = filled[0];
-        ended = loop_end_step(l);
-        for (integer k = first; k < filled[0]; k++) {
-            state_at(l, l->log.time[k]);
-            memcpy(l->log.states + k * l->sizes.variables, l->scratch.out,
-                   l->sizes.variables * sizeof(real));
-        }
-    }
-}
-
-/* Follow a slice of steps that were made elsewhere: times (steps + 1, lanes), coefficients (steps,
-   variables, size, lanes). The tally of a run that ended has the step and the place in it; later
-   steps are ignored. */
-void loop_follow(const Loop *l, integer steps, const real *times, const real *tcs) {
-    integer lanes = l->sizes.lanes;
-    for (integer i = 0; i < steps; i++)
-        take_step(l, i, tcs + i * l->sizes.variables * l->sizes.size * lanes, times + i * lanes,
-                  times + (i + 1) * lanes);
 }
 
 /* --- lanes that take tops from a queue --- */
@@ -1064,17 +1030,16 @@ static void put_down(const Loop *l, integer lane, integer top) {
     if (tally->upto == 1) {
         for (integer i = 0; i < l->sizes.variables; i++)
             out[i * n + lane] = m->state[i * n + lane];
-    } else if (l->dense) { /* without it the caller has written the state */
-        for (integer i = 0; i < n; i++)
-            m->limit[i] = (tally->t - m->start_high[i]) - m->start_low[i];
-        l->dense(out, m->tc, m->limit);
+    } else {
+        state_at(l, lane, tally->t);
     }
     for (integer i = 0; i < l->ensemble.variables; i++)
         tops->final[i * count + top] = out[i * n + lane];
     real axis[3];
     for (int i = 0; i < 3; i++)
         axis[i] = out[l->rows.axis[i] * n + lane];
-    take_turning(l, tally, 0, atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]));
+    take_turning(tally, l->thresholds.noise_floor, 0,
+                 atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]));
     if (tally->status == l->codes.finished)
         tally->t = tops->until[top];
     tops->lane[top] = *tally;
@@ -1087,7 +1052,7 @@ static void put_down(const Loop *l, integer lane, integer top) {
 
 /* Put down the tops that have ended, and, if `settled`, those that have settled. Take others.
    Return whether the caller must look: a lane is empty, or a top has settled. */
-bool loop_change(const Loop *l, bool settled) {
+static bool change(const Loop *l, bool settled) {
     const Queue *queue = &l->ensemble.queue;
     bool looks = false;
     for (integer lane = 0; lane < l->sizes.lanes; lane++) {
@@ -1113,17 +1078,52 @@ bool loop_change(const Loop *l, bool settled) {
     return looks;
 }
 
-/* Make at most `most` steps of all lanes. Stop where a lane stays empty, where there is no room for
-   samples, and where a top has settled: the next call puts it down, unless its status is that of a
-   running one again. Return the number of steps. */
-integer loop_drive_lanes(const Loop *l, integer most) {
+/* --- the loop --- */
+
+/* Whether there may be no room for what the next step finds. */
+static bool is_full(const Loop *l) {
+    const Sizes *n = &l->sizes;
+    return (n->log > 0 && l->log.filled[0] + n->events * n->size > n->log) ||
+           (n->samples > 0 && l->samples.filled[0] + n->lanes > n->samples);
+}
+
+/* Fill the lanes. Return whether no step is possible: no run is under way, or there is no room. */
+bool loop_begin(const Loop *l) {
+    if (l->ensemble.count > 0)
+        change(l, true);
+    bool runs = false;
+    for (integer lane = 0; lane < l->sizes.lanes; lane++)
+        runs = runs || l->tallies.lane[lane].status == l->codes.running;
+    bool filled = take_rows(l, false);
+    return !runs || filled || is_full(l);
+}
+
+/* Take in the step that was made. Return whether the caller must look: a run has ended and has no
+   successor, a top has settled, all rows are written, or there is no room. */
+bool loop_end_step(const Loop *l) {
+    integer first = l->log.filled[0];
+    bool ended = take_motion(l);
+    for (integer k = first; k < l->log.filled[0]; k++) {
+        state_at(l, 0, l->log.time[k]);
+        memcpy(l->log.states + k * l->sizes.variables, l->scratch.out,
+               l->sizes.variables * sizeof(real));
+    }
+    bool filled = take_rows(l, true);
+    if (ended && l->ensemble.count > 0)
+        ended = change(l, false);
+    return ended || filled || is_full(l);
+}
+
+/* Make at most `most` steps of all lanes, until the caller must look. Return their number. The next
+   call puts down tops that have settled, unless their status is that of a running one again. */
+integer loop_drive(const Loop *l, integer most) {
+    const Motion *m = &l->motion;
+    bool stops = loop_begin(l);
     integer steps = 0;
-    loop_change(l, true);
-    while (steps < most && !samples_are_full(l)) {
-        make_step(l);
-        steps++;
-        if (loop_end_step(l) && loop_change(l, false))
-            break;
+    for (; steps < most && !stops; steps++) {
+        loop_begin_step(l);
+        l->step(m->state, m->pars, m->start_high, m->h, m->tc);
+        stops = loop_end_step(l);
     }
     return steps;
 }
@@ -1153,8 +1153,11 @@ void loop_extremes(const real *p, integer n, real least, real greatest, bool mon
     *found = extremes(p, n, least, greatest, monotone, tables);
 }
 
-void loop_take_turning(const Loop *l, integer sign, real theta) {
-    take_turning(l, l->tallies.lane, sign, theta);
+/* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */
+void loop_count_turnings(Tally *tally, real noise_floor, integer n, const integer *signs,
+                         const real *thetas, integer *effects) {
+    for (integer k = 0; k < n; k++)
+        effects[k] = take_turning(tally, noise_floor, signs[k], thetas[k]);
 }
 
 void loop_ranges(integer n, integer size, integer shift, const real *c, const real *factors,

@@ -7,7 +7,7 @@ import pytest
 from tippetop.engine import taylor
 from tippetop.engine.compiled import compiled
 from tippetop.engine.opt_level import OPT_LEVEL
-from tippetop.engine.stepper import FUSED, SEPARATE, UNKNOWN, MachineCode, load, rounding_of
+from tippetop.engine.stepper import FUSED, SEPARATE, UNKNOWN, Loaded, load, rounding_of
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
@@ -48,7 +48,7 @@ MORE = {
 }
 
 
-def code_of(more: str, size: int) -> MachineCode:
+def code_of(more: str, size: int) -> Loaded:
     """The dense output of one variable with `size` coefficients, whose sum is made so."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()

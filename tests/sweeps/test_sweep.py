@@ -69,7 +69,7 @@ def test_a_sweep_says_where_the_loop_of_heyoka_made_its_steps(
     whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As a single run does; for the rest the store is the same."""
-    monkeypatch.setattr("tippetop.ensembles.lanes.is_same_step", lambda *_: False)
+    monkeypatch.setattr("tippetop.engine.compiled.is_same_step", lambda *_: False)
     sweep.sweep(file, tmp_path / "S.zarr", workers=1)
     attrs, usual = root.attributes(tmp_path / "S.zarr"), root.attributes(whole)
     assert attrs.pop("steps_by") == "heyoka"

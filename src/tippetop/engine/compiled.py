@@ -1,5 +1,6 @@
 """A system becomes an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
 
+import copy
 import math
 import threading
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from ..problem import PRECISIONS
 from .code_cache import compiled_once
 from .expressions import equations_of_motion
 from .opt_level import opt_level
-from .stepper import UNKNOWN, MachineCode, call, load, rounding_of
+from .stepper import UNKNOWN, Called, Loaded, Stepper, call, load, rounding_of
 from .tallies import EventRows, event_rows
 
 
@@ -30,6 +31,8 @@ class Compiled(NamedTuple):
         heyoka's, to be copied: state, parameters and time are zero. It detects no events.
     rows
         Where the event functions stand among the variables.
+    lasting, way
+        The number of the event that must last, -1 if there is none; the sign of its function beyond its zero.
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
     rounding
@@ -42,7 +45,9 @@ class Compiled(NamedTuple):
 
     integrator: Any
     rows: EventRows
-    machine: MachineCode | None
+    lasting: int
+    way: int
+    machine: Loaded | None
     rounding: int
     agrees: list[bool]
     places: threading.local
@@ -113,7 +118,9 @@ def compiled(
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
     rounding = rounding_of(machine.dense, len(equations), integrator.order) if machine and not lanes else UNKNOWN
-    return Compiled(integrator, event_rows(system.events, sources, axis), machine, rounding, [], threading.local())
+    rows = event_rows(system.events, sources, axis)
+    lasting, way = next(((e, event.direction) for e, event in enumerate(system.events) if event.lasting), (-1, 0))
+    return Compiled(integrator, rows, lasting, way, machine, rounding, [], threading.local())
 
 
 def _source(
@@ -166,12 +173,27 @@ def _integral_of(event: Event, system: System, variables: Variables, friction: A
     return variables.moving + int(np.argmax(alike)) if alike.any() else 0
 
 
-def _machine(integrator: Any) -> MachineCode | None:
+def _machine(integrator: Any) -> Loaded | None:
     """The machine code of a step; None where it cannot be loaded."""
     try:
         return load(integrator.llvm_state.object_code)
     except RuntimeError:
         return None
+
+
+def stepper_of(code: Compiled, state: np.ndarray, pars: np.ndarray) -> Stepper:
+    """Return the stepper of new runs: the loaded code, if there is one that makes the steps of heyoka.
+
+    Parameters
+    ----------
+    code
+        The integrator.
+    state, pars
+        Those of `is_same_step`.
+    """
+    if code.machine is not None and is_same_step(code, state, pars):
+        return code.machine
+    return Called(copy.deepcopy(code.integrator))
 
 
 _comparing = threading.Lock()

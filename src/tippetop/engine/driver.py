@@ -1,15 +1,16 @@
 """One run, driven by the compiled loop slice by slice."""
 
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .compiled import Compiled
+from .compiled import Compiled, stepper_of
 from .loop import Loop, Rows, new_motion
 from .status import Status
+from .stepper import Called, Stepper
 from .tallies import (
     LEAST,
     MOST,
@@ -113,9 +114,11 @@ class Place:
     ----------
     compiled
         The integrator.
+    stepper
+        Its steps, in this place alone.
     """
 
-    def __init__(self, compiled: Compiled):
+    def __init__(self, compiled: Compiled, stepper: Stepper):
         self.taken_by: Any = None  # a weak reference to a driver
         n, size, rows = len(compiled.integrator.state), compiled.integrator.order + 1, compiled.rows
         self.rows: EventRows = rows._replace(events=rows.events.copy())
@@ -123,16 +126,16 @@ class Place:
         self.log: PassageLog = new_log(PASSAGES + len(rows.events) * size, n)
         self.samples: Samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
         self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
-        self.stepper = compiled.stepper()
-        self.loop = Loop(self.motion, self.rows, self.tallies, self.log, self.samples, RULES, self.stepper)
+        self.stepper, rules = stepper, RULES._replace(lasting=compiled.lasting, way=compiled.way)
+        self.loop = Loop(self.motion, self.rows, self.tallies, self.log, self.samples, rules, stepper)
 
 
-def place_for(driver: "Driver", compiled: Compiled) -> Place:
+def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Stepper]) -> Place:
     """Return a place that no other driver of this thread has while this one exists."""
     places: list[Place] = compiled.places.__dict__.setdefault("places", [])
     place = next((place for place in places if place.taken_by() is None), None)
     if place is None:
-        place = Place(compiled)
+        place = Place(compiled, stepper())
         if len(places) < PLACES:
             places.append(place)
     place.taken_by = weakref.ref(driver)
@@ -171,22 +174,30 @@ class Driver:
         end: Any,
     ):
         self.compiled, self.at_start, self.end = compiled, functions, end
-        self.place = place = place_for(self, compiled)
+        whole, pars = np.zeros(len(compiled.integrator.state), start.dtype), body[: len(compiled.integrator.pars)]
+        whole[: len(start)] = start  # the others are integrals of event functions
+        self.place = place = place_for(self, compiled, lambda: self._stepper(whole, pars))
         self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
         self.motion, self.loop = place.motion, place.loop
-        self.variables, self.number = len(start), start.dtype.type  # the others are integrals of event functions
+        self.variables, self.number = len(start), start.dtype.type
         self.rows.events[:] = records
         ranged = np.flatnonzero(records["extremes"])
         self.ranged = int(ranged[0]) if len(ranged) else -1
         self.tallies.functions[:] = 0.0
         reset(self.tallies, self.rows, 0, *signs_of(functions))
         self.wanted, self.filling = Wanted(), NO_ROWS
-        self.motion.pars[:, 0] = [float(number) for number in body[: len(self.motion.pars)]]
         self.first = start[None, :].copy()
-        whole = np.zeros(len(self.motion.state), self.number)
-        whole[: self.variables] = start
+        self._take(pars)
         self.put(whole, (self.number(0), self.number(0)))
         self.end_at(end)
+
+    def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
+        """Return new steps of the integrator, in a place of its own."""
+        return stepper_of(self.compiled, state, np.array(pars, float))
+
+    def _take(self, pars: Sequence[Any]) -> None:
+        """Take the parameters of the integrator."""
+        self.motion.pars[:, 0] = [float(number) for number in pars]
 
     # --- steps ----------------------------------------------------------------------------------------------------
 
@@ -269,6 +280,11 @@ class Driver:
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
         return self.state[None, : self.variables].copy()
+
+    @property
+    def is_called(self) -> bool:
+        """Whether Python calls heyoka for each step."""
+        return isinstance(self.place.stepper, Called)
 
     def equations(self) -> list[tuple]:
         """Return the equations of motion: pairs of a variable and its rate."""

@@ -19,8 +19,8 @@ import tippetop_kernels
 from ..errors import BuildError
 from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
 from .status import Status
-from .stepper import UNKNOWN, MachineCode
-from .tallies import EventRows, PassageLog, Samples, StopRules, Tallies, new_samples
+from .stepper import UNKNOWN, Called, Stepper
+from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 
 
 MOST_COEFFICIENTS = 64
@@ -206,11 +206,10 @@ def library() -> ctypes.CDLL:
     whole, flag, array = ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p
     signatures: dict[str, tuple[Any, Sequence[Any]]] = {
         "drive": (whole, [array, whole]),
-        "drive_lanes": (whole, [array, whole]),
+        "begin": (flag, [array]),
         "begin_step": (None, [array]),
         "end_step": (flag, [array]),
-        "change": (flag, [array, flag]),
-        "follow": (None, [array, whole, array, array]),
+        "count_turnings": (None, [array, ctypes.c_double, whole, array, array, array]),
     }
     for name, (result, arguments) in signatures.items():
         function = getattr(loaded, f"loop_{name}")
@@ -236,8 +235,8 @@ class Loop:
         What the observer reads and writes. The log is that of the first lane.
     rules
         What ends a run.
-    machine
-        The steps. None: other code makes them.
+    stepper
+        The steps. None for `follow`: they are made elsewhere.
     """
 
     def __init__(
@@ -248,7 +247,7 @@ class Loop:
         log: PassageLog,
         samples: Samples,
         rules: StopRules,
-        machine: MachineCode | None = None,
+        stepper: Stepper | None = None,
     ):
         variables, size, lanes = motion.tc.shape
         if size > MOST_COEFFICIENTS:
@@ -271,8 +270,12 @@ class Loop:
             "tables": TABLES,
         }
         self.structure: Any = structure(_Loop)(**{name: filled(record) for name, record in self.records.items()})
-        if machine is not None:
-            self.structure.step, self.structure.dense = machine.step, machine.dense
+        self.motion, self.stepper = motion, stepper
+        if isinstance(stepper, Called):
+            self.dense = _dense(stepper, motion, self.out)  # which C calls
+            self.structure.dense = ctypes.cast(self.dense, ctypes.c_void_p).value
+        elif stepper:
+            self.structure.step, self.structure.dense = stepper.step, stepper.dense
         self.place = ctypes.byref(self.structure)
 
     def fill(self, rows: Rows) -> None:
@@ -286,33 +289,52 @@ class Loop:
         self.structure.ensemble = filled(ensemble)
 
     def drive(self, most: int) -> int:
-        """Make at most `most` steps of one run. Return their number."""
-        return self.library.loop_drive(self.place, most)
+        """Make at most `most` steps of all lanes. Return their number.
 
-    def drive_lanes(self, most: int) -> int:
-        """Make at most `most` steps of all lanes. Return their number."""
-        return self.library.loop_drive_lanes(self.place, most)
-
-    def begin_step(self) -> None:
-        """Allow the next step."""
-        self.library.loop_begin_step(self.place)
-
-    def end_step(self) -> bool:
-        """Take in the step that was made. Return whether a run has ended."""
-        return self.library.loop_end_step(self.place)
-
-    def change(self, settled: bool) -> bool:
-        """Put down tops that have ended and take others. Return whether a lane is empty or a top has settled."""
-        return self.library.loop_change(self.place, settled)
+        It stops earlier where the caller must look: a lane has no run, a top has settled, all rows are written, or
+        there is no room for what a step may find. The next call puts down tops that have settled, unless their status
+        is that of a running one again.
+        """
+        if not isinstance(self.stepper, Called):
+            return self.library.loop_drive(self.place, most)
+        stops, steps = self.library.loop_begin(self.place), 0
+        while steps < most and not stops:
+            self.library.loop_begin_step(self.place)
+            self.stepper.step(self.motion)
+            stops = self.library.loop_end_step(self.place)
+            steps += 1
+        return steps
 
 
-def follow(
-    times: np.ndarray, tcs: np.ndarray, rows: EventRows, rules: StopRules, tallies: Tallies, log: PassageLog
-) -> None:
-    """Take in steps that were made elsewhere: times (n + 1, lanes), coefficients tcs (n, variables, order + 1, lanes).
+def _dense(stepper: Called, motion: Motion, out: np.ndarray) -> Any:
+    """Return the dense output of a stepper as a function of C, for the arrays that the loop gives it."""
 
-    The tally of a run that ended has the step and the place in it where it ended. Later steps are ignored.
+    def dense(*_: int) -> None:
+        out[:] = stepper.state_at(motion.limit)
+
+    return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(dense)
+
+
+def count_turnings(tallies: Tallies, signs: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Count turnings of theta that are more than rounding in the tally of the first lane.
+
+    An extreme counts once theta has come back from it by `NOISE_FLOOR`: until then it waits.
+
+    Parameters
+    ----------
+    tallies
+        Of a run whose loop has a log, and therefore leaves the count to its caller.
+    signs, theta
+        (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end of a run, which end
+        a swing; [rad].
+
+    Returns
+    -------
+    confirmed, waits
+        (k,) whether the turning that waited counts; whether this one waits from now on.
     """
-    variables, size, lanes = tcs.shape[1:]
-    loop = Loop(new_motion(variables, 0, size, lanes), rows, tallies, log, new_samples(0, 0), rules)
-    loop.library.loop_follow(loop.place, len(tcs), times.ctypes.data, tcs.ctypes.data)
+    signs, theta = np.ascontiguousarray(signs, np.int64), np.ascontiguousarray(theta, float)
+    effects = np.empty(len(signs), np.int64)
+    arrays = (array.ctypes.data for array in (signs, theta, effects))
+    library().loop_count_turnings(tallies.lane.ctypes.data, float(NOISE_FLOOR), len(signs), *arrays)
+    return effects & CONFIRMS > 0, effects & WAITS > 0

@@ -1,4 +1,7 @@
-"""The machine code of heyoka's Taylor steps, loaded by LLVM: the compiled loop calls its addresses.
+"""Taylor steps of heyoka, made by one of two steppers.
+
+`Loaded` is heyoka's machine code, loaded by LLVM: the compiled loop calls its addresses. `Called` is an integrator that
+Python calls: where code cannot be loaded, and for numbers wider than doubles.
 
 step(state, pars, time, h, tc) makes one step in place: h is the longest allowed step, and then the one that was made.
 dense(out, tc, h) writes the state at h after the beginning of the step. All are arrays of doubles.
@@ -23,7 +26,7 @@ TRIALS = 4
 """Random polynomials by which the rounding is recognised."""
 
 
-class MachineCode(NamedTuple):
+class Loaded(NamedTuple):
     """The functions of an integrator in memory."""
 
     library: Any  # owns the memory
@@ -31,11 +34,50 @@ class MachineCode(NamedTuple):
     dense: int
 
 
-def load(code: bytes) -> MachineCode:
+def load(code: bytes) -> Loaded:
     """Load the object file of an integrator. Raises RuntimeError if a function that it calls or has is missing."""
     builder = llvm.JITLibraryBuilder().add_object_img(code).add_current_process()
     library = builder.export_symbol("step").export_symbol("d_out_f").link(_linker(), f"step-{next(_numbers)}")
-    return MachineCode(library, library["step"], library["d_out_f"])
+    return Loaded(library, library["step"], library["d_out_f"])
+
+
+class Called:
+    """An integrator of heyoka whose steps are called from Python: one run, or the lanes of a batch.
+
+    For doubles, its numbers have the bits of the loaded code. A subclass may keep state, time and coefficients in wider
+    numbers and write them rounded to the arrays of the loop. It may also correct the time at which the step starts
+    (`start_high` and `start_low`, `high` and `low`); a run is finished where `h` is equal to `limit`.
+
+    Parameters
+    ----------
+    integrator
+        For this stepper alone.
+    """
+
+    def __init__(self, integrator: Any):
+        self.integrator = integrator
+        self.lanes = integrator.state.shape[1:]  # () for one run
+
+    def step(self, motion: Any) -> None:
+        """Make a step from `motion.state`, at most `motion.limit` long. Write its end, its length and coefficients."""
+        ta = self.integrator
+        ta.state[:], ta.pars[:] = motion.state.reshape(ta.state.shape), motion.pars.reshape(ta.pars.shape)
+        if self.lanes:  # dense output counts from the start of the step, exactly, where that is at zero
+            ta.set_time(0.0)
+            ta.step(motion.limit.tolist(), write_tc=True)
+            motion.h[:] = [h for _, h in ta.step_res]
+        else:
+            ta.time = 0.0
+            motion.h[0] = ta.step(float(motion.limit[0]), write_tc=True)[1]
+        motion.state[:], motion.tc[:] = ta.state.reshape(motion.state.shape), ta.tc.reshape(motion.tc.shape)
+
+    def state_at(self, inside: np.ndarray) -> np.ndarray:
+        """Return the states (variables, lanes) at times `inside` (lanes,) since the start of the present step."""
+        times = inside if self.lanes else float(inside[0])
+        return self.integrator.update_d_output(times).reshape(-1, len(inside))
+
+
+Stepper = Loaded | Called
 
 
 _numbers = itertools.count()

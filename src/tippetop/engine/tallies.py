@@ -46,8 +46,7 @@ _LANE: dict[str, Any] = {
     "status": Status.RUNNING.code,
     "t": 0.0,  # internal time reached
     "steps": 0,
-    "step": -1,  # of a slice of steps, the last one made
-    "upto": 1.0,  # how far of it
+    "upto": 1.0,  # how far of the last step
     "tiny": 0,  # steps in a row that led nowhere
     "waiting": 0,  # sign of the turning that waits to be confirmed; 0: none
     "waits_at": 0.0,  # its theta
@@ -146,6 +145,10 @@ def reset(tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_ze
     tallies.kept[:, lane] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
 
 
+CONFIRMS, WAITS = 1, 2
+"""Effects of a passage on the turning that waits to be counted: that turning counts; this one waits from now on."""
+
+
 class PassageLog(NamedTuple):
     """Zeros of event functions as they are found, in one lane; of length 0 where nobody wants them."""
 
@@ -154,15 +157,14 @@ class PassageLog(NamedTuple):
     event: np.ndarray  # (n,) its number
     sign: np.ndarray  # (n,) of the crossing, +1 rising
     at_pole: np.ndarray  # (n,) whether the axis passes a pole there
-    step: np.ndarray  # (n,) of a slice of steps
     states: np.ndarray  # (n, variables)
 
 
 def new_log(length: int, variables: int) -> PassageLog:
     """A log with room for so many passages."""
-    event, sign, step = np.zeros((3, length), np.int64)
+    event, sign = np.zeros((2, length), np.int64)
     at_pole, states = np.zeros(length, np.bool_), np.zeros((length, variables))
-    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, step, states)
+    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, states)
 
 
 class Samples(NamedTuple):

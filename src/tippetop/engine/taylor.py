@@ -83,7 +83,16 @@ def new_driver(
     end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
     compact = problem.precision != "double" and float(end) < LONG
     law = type(body.friction)
-    key = (system, form.name, law, problem.precision, problem.tolerance, 0, compact, problem.orientation)
+    key: tuple[Any, ...] = (
+        system,
+        form.name,
+        law,
+        problem.precision,
+        problem.tolerance,
+        0,
+        compact,
+        problem.orientation,
+    )
     if key in _known:
         code = compiled(*key)
     else:

@@ -4,7 +4,9 @@ Events are found in doubles, from the same polynomials as those of a run in doub
 working precision.
 """
 
-from typing import Any
+import copy
+from collections.abc import Sequence
+from typing import Any, cast
 
 import heyoka as hy
 import numpy as np
@@ -12,7 +14,7 @@ import numpy as np
 from .driver import NO_ROWS, Driver, Passages, Request
 from .loop import Motion
 from .status import Status
-from .stepper import Called
+from .stepper import Called, Stepper
 
 
 REFINEMENTS = 3  # of a zero: each squares its error, from 1e-16
@@ -45,6 +47,10 @@ class WideSteps(Called):
         """Return to the start of the last step."""
         self.integrator.state[:], self.integrator.dtime = self.before
 
+    def state_at(self, inside: np.ndarray) -> np.ndarray:
+        """Return nothing of use: the driver makes the states of the log, in the working precision."""
+        return np.zeros((len(self.integrator.state), 1))
+
     def states_at(self, times: np.ndarray) -> np.ndarray:
         """Return the states (k, variables) at internal times (k,) of the last step, in the working precision."""
         ta = self.integrator
@@ -54,10 +60,16 @@ class WideSteps(Called):
 class WideDriver(Driver):
     """Makes the steps of one run in numbers wider than doubles."""
 
+    def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
+        return WideSteps(copy.deepcopy(self.compiled.integrator))
+
+    def _take(self, pars: Sequence[Any]) -> None:
+        self.stepper.integrator.pars[:] = [self.number(number) for number in pars]
+
     @property
     def stepper(self) -> WideSteps:
         """The steps of the run."""
-        return self.place.stepper
+        return cast(WideSteps, self.place.stepper)
 
     def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
         samples: list[np.ndarray] = []

@@ -15,6 +15,7 @@ from ..engine.loop import Tops
 from ..engine.observables import event_functions, values_of
 from ..engine.settling import slides
 from ..engine.status import Status
+from ..engine.stepper import Called
 from ..engine.tallies import EventRows, signs_of
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
@@ -186,7 +187,7 @@ def _run(
             except BaseException:  # Ctrl-C too: the others must stop
                 queue.stopped = True
                 raise
-    if any(worker.lanes.machine is None for worker in workers):
+    if any(isinstance(worker.lanes.stepper, Called) for worker in workers):
         measured.steps_by = "heyoka"
     measured.processor = sum(worker.processor for worker in workers)
     measured.steps_made = int(tops.lane["steps"].sum())

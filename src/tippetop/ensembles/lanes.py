@@ -3,14 +3,13 @@
 No lane sees another: a top's numbers depend on its own only.
 """
 
-import copy
 from collections.abc import Callable, Collection
 from typing import Protocol
 
 import numpy as np
 
 from ..awaiting import awaited
-from ..engine.compiled import compiled, is_same_step
+from ..engine.compiled import Compiled, compiled, stepper_of
 from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
@@ -64,7 +63,7 @@ class Lanes:
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.rules, self.tallies, self.fresh = (
-            rules(base, every),
+            rules(code, base, every),
             new_tallies(self.rows, lanes),
             new_tallies(self.rows, 1),
         )
@@ -74,12 +73,9 @@ class Lanes:
         self.queue = Queue(np.zeros(lanes, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64))
         self.steps_possible = 0  # steps that the lanes could have made
         self._park()
-        self.machine = code.machine
-        if self.machine is not None and not is_same_step(code, self.motion.state, self.motion.pars):
-            self.machine = None
-        self.integrator = copy.deepcopy(code.integrator) if self.machine is None else code.integrator
+        self.stepper = stepper_of(code, self.motion.state, self.motion.pars)
         watch = self.rows, self.tallies, new_log(0, n), self.samples
-        self.loop = Loop(self.motion, *watch, self.rules, self.machine)
+        self.loop = Loop(self.motion, *watch, self.rules, self.stepper)
 
     def _park(self) -> None:
         """A sound top in every lane, at its end: it takes no steps."""
@@ -92,7 +88,6 @@ class Lanes:
     def run(self, tops: Tops, take: Callable[[int], np.ndarray], observer: Observer) -> None:
         """Runs tops to their ends: `take` gives numbers of some, for so many empty lanes, and not more than all."""
         self.loop.take(tops, self.queue, self.fresh)
-        drive = self._by_heyoka if self.machine is None else self.loop.drive_lanes
         while True:
             if self.queue.waiting[0] == 0:
                 numbers = take(int((self.top < 0).sum()))
@@ -100,7 +95,7 @@ class Lanes:
                 self.queue.waiting[0] = len(numbers)
             if self.queue.waiting[0] == 0 and not (self.top >= 0).any():
                 break
-            self.steps_possible += drive(MOST_DRIVEN) * self.lanes
+            self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
             for lane in np.flatnonzero((self.top >= 0) & (self.tallies.lane["status"] == Status.SETTLED.code)).tolist():
                 if not self._stays(lane):
                     self.tallies.lane["status"][lane] = Status.RUNNING.code
@@ -110,24 +105,6 @@ class Lanes:
             if self._is_full():
                 self._look(observer)
         self._look(observer)
-
-    def _by_heyoka(self, most: int) -> int:
-        """`Loop.drive_lanes` where the machine code cannot be called: heyoka makes each step."""
-        ta, motion, loop, steps = self.integrator, self.motion, self.loop, 0
-        loop.change(True)
-        while steps < most and not self._is_full():
-            loop.begin_step()
-            ta.pars[:], ta.state[:] = motion.pars, motion.state
-            ta.step(motion.limit.tolist(), write_tc=True)
-            motion.h[:] = [step for _, step in ta.step_res]
-            motion.state[:], motion.tc[:] = ta.state, ta.tc
-            steps += 1
-            if loop.end_step():
-                inside = (self.tallies.lane["t"] - motion.start_high) - motion.start_low
-                loop.out[:] = np.polynomial.polynomial.polyval(inside, motion.tc.transpose(1, 0, 2), tensor=False)
-                if loop.change(False):
-                    break
-        return steps
 
     def _is_full(self) -> bool:
         room = len(self.samples.top)
@@ -190,8 +167,6 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
     return rows._replace(events=records)
 
 
-def rules(base: Problem, every: int) -> StopRules:
+def rules(code: Compiled, base: Problem, every: int) -> StopRules:
     """When a top ends before its time, other than by an event; and how often it is sampled."""
-    lasting = [i for i, event in enumerate(base.system.events) if event.lasting] if base.stop_when == "settled" else []
-    way = base.system.events[lasting[0]].direction if lasting else 0
-    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, every, 0)
+    return StopRules(code.lasting if base.stop_when == "settled" else -1, code.way, SETTLED_FOR, MOST_STEPS, every, 0)

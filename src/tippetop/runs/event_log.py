@@ -180,6 +180,11 @@ class EventLog:
         waiting = self.waiting if self.tallies.lane["waiting"][0] else -1
         return [row for row in (waiting, self.lasting) if row >= 0]
 
+    def note_at_start(self, event: Event) -> None:
+        """Keep that an event happened at the start."""
+        names = [kept.name for kept in event.kept if kept.what != "count"]
+        self.tallies.kept[[name in names for name, _ in self.known.kept], 0] = 0.0
+
     def kept(self) -> dict[str, Any]:
         """Return the numbers that events keep, by name: times [s], None if the event did not happen, or counts."""
         values = zip(self.known.kept, self.tallies.kept[:, 0].tolist(), strict=True)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays, with_phases
-from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.status import Status
 from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.events import Event
@@ -127,9 +127,9 @@ class Integration:
         if self.driver.ended is not None:
             return self.driver.ended
         events = self.problem.system.events
-        for event, value, record in zip(events, self.driver.at_start, self.driver.rows.events, strict=True):
+        for event, value in zip(events, self.driver.at_start, strict=True):
             if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:
-                self.driver.tallies.kept[record["first"] : record["last"]] = 0.0
+                self.log.note_at_start(event)
                 self.monitor.force = Extremes(value, 0.0, value, 0.0)
                 return Status.of_event(event.ends)
         return None
@@ -180,7 +180,7 @@ class Integration:
             **self.log.report(),
             "theta_end": theta_end,
             **({"contact_phases": self.story.report()} if self.problem.contact is not None else {}),
-            **({} if self.driver.compiled.machine or self.problem.precision != "double" else {"steps_by": "heyoka"}),
+            **({"steps_by": "heyoka"} if self.driver.is_called and self.problem.precision == "double" else {}),
             **self._outcome(),
         }
 

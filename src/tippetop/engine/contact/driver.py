@@ -12,12 +12,12 @@ from ...mechanics.contact.body import jellett_of
 from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
 from ...mechanics.operand import dot
-from ...mechanics.units import SECOND
 from ...mechanics.systems.with_contact import leg
+from ...mechanics.units import SECOND
 from ...mechanics.variables import INTEGRAL_SCALE, Variables
 from ...problem import Problem
-from ..expressions import equations_of_motion
 from ..driver import Driver, Extremes, Passages, Request, Slice, Wanted
+from ..expressions import equations_of_motion
 from ..status import Status
 from ..tallies import SIGN, event_rows, new_tallies
 from .balls import Balls
@@ -63,8 +63,7 @@ class ContactDriver:
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         self.problem, self.stop, self.balls = problem, stop, Balls(problem)
         events = problem.system.events
-        self.rows = event_rows(events, [(0, 1, 1.0, 0.0)] * len(events), ())
-        self.tallies = new_tallies(self.rows, 1)
+        self.tallies = new_tallies(event_rows(events, [(0, 1, 1.0, 0.0)] * len(events), ()), 1)
         self.variables = len(problem.variables.names)
         self.transitions = Transitions(problem, self.balls)
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
@@ -105,9 +104,9 @@ class ContactDriver:
         return self.phase.driver
 
     @property
-    def compiled(self) -> Any:
-        """What the present phase is compiled to."""
-        return self.inner.compiled
+    def is_called(self) -> bool:
+        """Whether Python calls heyoka for each step of the present phase."""
+        return self.inner.is_called
 
     @property
     def tally(self) -> Any:

@@ -55,9 +55,7 @@ class Followed:
         Set it to give up while its equations are being compiled.
     """
 
-    def __init__(
-        self, whole: Problem, name: str, ball: int, balls: Balls, q: Any, stop: threading.Event | None
-    ):
+    def __init__(self, whole: Problem, name: str, ball: int, balls: Balls, q: Any, stop: threading.Event | None):
         self.name, self.ball, self.body, self.kind = name, ball, balls[ball], kinds_of(whole.system.name)[name]
         system = leg(whole.system.name, name)
         form = next(iter(system.forms.values()))
