@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.engine.slices import STEPS_PER_SLICE
+from tippetop.engine.driver import STEPS_PER_SLICE
 from tippetop.engine.taylor import driver_of
 from tippetop.ensembles import ensemble
 from tippetop.landscape import body as bodies

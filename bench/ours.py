@@ -8,8 +8,8 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
+from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion
-from tippetop.engine.slices import Driver
 from tippetop.engine.taylor import driver_of
 from tippetop.mechanics.events import Event
 from tippetop.mechanics.operand import leaves

@@ -80,7 +80,7 @@ typedef struct {
 typedef struct {
     integer status;
     real t;
-    integer steps, step;
+    integer steps;
     real upto;
     integer tiny, waiting;
     real waits_at;
@@ -98,7 +98,6 @@ typedef struct {
     real *time;
     integer *event, *sign;
     bool *at_pole;
-    integer *turn, *step;
     real *states;
 } Log;
 
@@ -614,12 +613,13 @@ INLINED bool of_start(const Loop *l, integer e, real when, integer lane) {
 
 /* Count a turning of theta (sign +1: a minimum, -1: a maximum) once theta has come back from it by
    the noise floor; the end of a run (0) confirms the turning that waits. Return CONFIRMS if the
-   turning that waited counts, plus WAITS if this one waits now. The rule is
-   `mechanics.events.hysteresis`. */
-static integer take_turning(const Loop *l, Tally *tally, integer sign, real theta) {
+   turning that waited counts, plus WAITS if this one waits now: small wiggles between do not
+   matter, so a true turning that rounding splits into three counts once, and a decay that ends in
+   noise not at all. */
+static integer take_turning(Tally *tally, real noise_floor, integer sign, real theta) {
     real back = theta - tally->waits_at;
     bool confirmed =
-        tally->waiting != 0 && (real)tally->waiting * back >= l->thresholds.noise_floor;
+        tally->waiting != 0 && (real)tally->waiting * back >= noise_floor;
     bool further = sign == tally->waiting && (real)sign * back < 0;
     bool waits = sign != 0 && (confirmed || tally->waiting == 0 || further);
     if (confirmed) {
@@ -659,7 +659,7 @@ static real theta_at(const Loop *l, const real *tc, real x, integer lane, bool *
 }
 
 /* Keep what the event asks for of its zero at x of a step, and log it. */
-static void take_passage(const Loop *l, integer i, const real *tc, integer e, real t, real h,
+static void take_passage(const Loop *l, const real *tc, integer e, real t, real h,
                          real x, integer lane) {
     const Event *event = l->rows.events + e;
     Tally *tally = l->tallies.lane + lane;
@@ -670,10 +670,11 @@ static void take_passage(const Loop *l, integer i, const real *tc, integer e, re
     if (e == l->rules.lasting && (real)l->rules.way * sign > 0)
         tally->lasts_since = when;
     bool at_pole = false;
-    integer turn = 0;
     if (event->sense != 0 && l->sizes.axis > 0) {
         real theta = theta_at(l, tc, x * h, lane, &at_pole);
-        turn = take_turning(l, tally, at_pole ? 0 : (integer)((real)event->sense * sign), theta);
+        if (l->sizes.log == 0) /* of a logged run the caller counts them, from the states of the log */
+            take_turning(tally, l->thresholds.noise_floor,
+                         at_pole ? 0 : (integer)((real)event->sense * sign), theta);
     }
     if ((real)event->direction * sign < 0)
         return;
@@ -695,8 +696,6 @@ static void take_passage(const Loop *l, integer i, const real *tc, integer e, re
     log->event[at] = e;
     log->sign[at] = (integer)sign;
     log->at_pole[at] = at_pole;
-    log->turn[at] = turn;
-    log->step[at] = i;
     log->filled[0]++;
 }
 
@@ -720,7 +719,7 @@ static real ending(const Loop *l, const real *tc, integer e, real t, real h, int
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
    run. */
-static real take_events(const Loop *l, integer i, const real *tc, real t, real end, integer lane) {
+static real take_events(const Loop *l, const real *tc, real t, real end, integer lane) {
     integer size = l->sizes.size;
     real h = end - t, upto = 1, p[MOST], zeros[MOST];
 
@@ -740,7 +739,7 @@ static real take_events(const Loop *l, integer i, const real *tc, real t, real e
             integer count =
                 crossings(p, size, known(l, SIGN, e)[lane] > 0, monotone, &l->tables, zeros);
             for (integer k = 0; k < count && !(zeros[k] > upto); k++)
-                take_passage(l, i, tc, e, t, h, zeros[k], lane);
+                take_passage(l, tc, e, t, h, zeros[k], lane);
         }
         if (!event->ranged)
             continue;
@@ -764,7 +763,7 @@ static real take_events(const Loop *l, integer i, const real *tc, real t, real e
 }
 
 /* Count a step that was made. End a run that goes nowhere, or has settled. */
-static void count_step(const Loop *l, integer i, real t, real end, integer lane, real upto) {
+static void count_step(const Loop *l, real t, real end, integer lane, real upto) {
     const StopRules *rules = &l->rules;
     Tally *tally = l->tallies.lane + lane;
     real h = end - t;
@@ -780,12 +779,11 @@ static void count_step(const Loop *l, integer i, real t, real end, integer lane,
             tally->status = l->codes.settled;
     }
     tally->t = upto < 1 ? t + upto * h : end;
-    tally->step = i;
     tally->upto = upto;
 }
 
-/* Take in the i-th step of a slice, from `start` to `stop` (lanes,). */
-static void take_step(const Loop *l, integer i, const real *tc, const real *start,
+/* Take in a step from `start` to `stop` (lanes,). */
+static void take_step(const Loop *l, const real *tc, const real *start,
                       const real *stop) {
     if (l->sizes.lanes == 1)
         bound_functions(l, 1, tc, start, stop);
@@ -797,8 +795,8 @@ static void take_step(const Loop *l, integer i, const real *tc, const real *star
         if (!(stop[lane] > start[lane]) || l->tallies.lane[lane].status != l->codes.running)
             continue;
         bool quiet = l->scratch.quiet[lane] >= 0;
-        real upto = quiet ? 1 : take_events(l, i, tc, start[lane], stop[lane], lane);
-        count_step(l, i, start[lane], stop[lane], lane, upto);
+        real upto = quiet ? 1 : take_events(l, tc, start[lane], stop[lane], lane);
+        count_step(l, start[lane], stop[lane], lane, upto);
     }
 }
 
@@ -971,7 +969,7 @@ static bool take_motion(const Loop *l) {
         m->high[lane] = m->start_high[lane];
         m->low[lane] = m->start_low[lane];
     }
-    take_step(l, 0, m->tc, m->start_high, m->high);
+    take_step(l, m->tc, m->start_high, m->high);
 
     bool ended = false;
     const Samples *samples = &l->samples;
@@ -1040,7 +1038,8 @@ static void put_down(const Loop *l, integer lane, integer top) {
     real axis[3];
     for (int i = 0; i < 3; i++)
         axis[i] = out[l->rows.axis[i] * n + lane];
-    take_turning(l, tally, 0, atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]));
+    take_turning(tally, l->thresholds.noise_floor, 0,
+                 atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]));
     if (tally->status == l->codes.finished)
         tally->t = tops->until[top];
     tops->lane[top] = *tally;
@@ -1130,16 +1129,6 @@ integer loop_drive(const Loop *l, integer most) {
     return steps;
 }
 
-/* Follow a slice of steps that were made elsewhere: times (steps + 1, lanes), coefficients (steps,
-   variables, size, lanes). The tally of a run that ended has the step and the place in it; later
-   steps are ignored. */
-void loop_follow(const Loop *l, integer steps, const real *times, const real *tcs) {
-    integer lanes = l->sizes.lanes;
-    for (integer i = 0; i < steps; i++)
-        take_step(l, i, tcs + i * l->sizes.variables * l->sizes.size * lanes, times + i * lanes,
-                  times + (i + 1) * lanes);
-}
-
 /* --- for the binding and for tests --- */
 
 #ifndef DIGEST
@@ -1165,8 +1154,11 @@ void loop_extremes(const real *p, integer n, real least, real greatest, bool mon
     *found = extremes(p, n, least, greatest, monotone, tables);
 }
 
-integer loop_take_turning(const Loop *l, integer sign, real theta) {
-    return take_turning(l, l->tallies.lane, sign, theta);
+/* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */
+void loop_count_turnings(Tally *tally, real noise_floor, integer n, const integer *signs,
+                         const real *thetas, integer *effects) {
+    for (integer k = 0; k < n; k++)
+        effects[k] = take_turning(tally, noise_floor, signs[k], thetas[k]);
 }
 
 void loop_ranges(integer n, integer size, integer shift, const real *c, const real *factors,

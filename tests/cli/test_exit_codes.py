@@ -13,7 +13,7 @@ import pytest
 import tippetop
 from tippetop import cli
 from tippetop.cli import main
-from tippetop.engine.one_run import CompiledDriver
+from tippetop.engine.driver import Driver
 from tippetop.runs import certificate, integration
 from tippetop.sweeps import chunk
 
@@ -47,14 +47,14 @@ def asked(number: int) -> Callable[[Patch], None]:
 
     def patch_driver(patch: Patch) -> None:
         patch.setattr(integration, "STEPS_PER_SLICE", 8)
-        inner, asked = CompiledDriver.advance, []
+        inner, asked = Driver.advance, []
 
-        def advance(driver: CompiledDriver, *arguments: Any) -> Any:
+        def advance(driver: Driver, *arguments: Any) -> Any:
             if not asked:
                 asked.append(signal.raise_signal(number))
             return inner(driver, *arguments)
 
-        patch.setattr(CompiledDriver, "advance", advance)
+        patch.setattr(Driver, "advance", advance)
 
     return patch_driver
 

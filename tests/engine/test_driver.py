@@ -13,14 +13,11 @@ import pytest
 
 import tippetop
 from tippetop.engine import compiled as compiling
+from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion
-from tippetop.engine.one_run import CompiledDriver
-from tippetop.engine.slices import Driver
 from tippetop.engine.status import Status
-from tippetop.engine.stepper import UNKNOWN, Called, Loaded
-from tippetop.engine.tallies import CONFIRMS
+from tippetop.engine.stepper import Called, Loaded
 from tippetop.engine.taylor import driver_of
-from tippetop.engine.wide import SliceDriver
 from tippetop.ensembles.lanes import Lanes, new_tops
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
@@ -93,7 +90,7 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.r
     """Ends of steps, the double length of the time, and rows anywhere, however few are asked for at a time."""
     made = problem(preset, form, 0.4)
     driver = driver_of(made)
-    assert isinstance(driver, CompiledDriver), "the machine code of a step must be loaded here"
+    assert isinstance(driver.place.stepper, Loaded), "the machine code of a step must be loaded here"
     theirs = heyokas(driver)
     *_, output, _ = theirs.propagate_until(driver.end, c_output=True)
     ends, n = np.concatenate([output.tcs[1:, :, 0], theirs.state[None, :]]), driver.variables
@@ -118,17 +115,14 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.r
         np.testing.assert_allclose(states, expected, rtol=4e-15, atol=4e-15)
 
 
-def by_calls(code: Any) -> Any:
-    """An integrator whose steps Python calls."""
-    called = Called(copy.deepcopy(code.integrator))
-    return code._replace(machine=called, rounding=UNKNOWN, places=threading.local())
-
-
 @pytest.mark.parametrize(("preset", "form"), cases())
-def test_called_steps_have_the_bits_of_loaded_ones(preset: str, form: str) -> None:
+def test_called_steps_have_the_bits_of_loaded_ones(preset: str, form: str, request: pytest.FixtureRequest) -> None:
     made = build.load(preset, [f"form={form}"], 0.4)
     loaded = driver_of(made)
-    called = CompiledDriver(made, by_calls(loaded.compiled))
+    request.getfixturevalue("unlike")
+    called = driver_of(made)
+    assert called.is_called
+    assert not loaded.is_called
     asked = np.linspace(0.0, loaded.end, 97)
     rows, others = Rows(asked), Rows(asked)
     one, other = loaded.advance(rows, ENDLESS), called.advance(others, ENDLESS)
@@ -212,10 +206,13 @@ def unloadable(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.fixture
-def unlike(monkeypatch: pytest.MonkeyPatch) -> None:
+def unlike(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A process in which the loaded code makes other steps than heyoka."""
-    monkeypatch.setattr("tippetop.engine.taylor._checked", lambda _, code: code._replace(machine=None))
-    monkeypatch.setattr("tippetop.engine.compiled.is_same_step", lambda *_: False)
+    with monkeypatch.context() as patch:
+        patch.setattr(compiling, "is_same_step", lambda *_: False)
+        compiling.compiled.cache_clear()  # and with it the places of earlier runs
+        yield
+    compiling.compiled.cache_clear()
 
 
 def compared(mine: Solution, other: Solution) -> None:
@@ -254,10 +251,10 @@ def test_without_machine_code_a_run_is_the_same(
     preset: str, sets: list[str], until: float, request: pytest.FixtureRequest
 ) -> None:
     made = build.load(preset, sets, until)
-    assert isinstance(driver_of(made), CompiledDriver)
+    assert isinstance(driver_of(made).place.stepper, Loaded)
     usual = solve(made)
     request.getfixturevalue("unlike")
-    assert isinstance(driver_of(made), SliceDriver)
+    assert isinstance(driver_of(made).place.stepper, Called)
     compared(usual, solve(made))
 
 
@@ -267,7 +264,7 @@ def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: py
     varied = {"initial.omega3": np.array([120.0, 155.0, 158.0])}
     usual, many = solve(made), tippetop.ensemble("inverting", varied, until=0.5, threads=1)
     request.getfixturevalue("unloadable")
-    assert isinstance(driver_of(made), SliceDriver)
+    assert isinstance(driver_of(made).place.stepper, Called)
     compared(usual, solve(made))
     again = tippetop.ensemble("inverting", varied, until=0.5, threads=1)
     assert all(same_bits(many[name].values, again[name].values) for name in many)
@@ -337,7 +334,7 @@ def test_rows_at_steps_are_each_there_once(
     made = dataclasses.replace(made, output="steps")
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 100)
     integration, memory = Integration(made), Memory()
-    of_body = integration.driver.motion.pars if way == "usual" else integration.driver.integrator.pars  # type: ignore
+    of_body = integration.driver.motion.pars
 
     def spoil(_: Integration) -> None:
         of_body[3] = np.nan
@@ -370,17 +367,6 @@ def test_slices_of_any_length_are_one_run() -> None:
         assert driver.extremes() == whole.extremes()
         assert driver.tally["steps"] == whole.tally["steps"]
         assert len(rows.rows[0]) == 333
-
-
-@pytest.mark.parametrize("preset", ["inverting", "cohen", "rolling"])
-def test_the_log_marks_the_turnings_that_count(preset: str) -> None:
-    driver = driver_of(build.load(preset, ["form=vector"], 4.0))
-    driver.advance(Rows(np.zeros(0)), ENDLESS)
-    log = driver.log
-    turning = [event.sense != 0 for event in driver.problem.system.events]
-    turns = log.turn[: log.filled[0]]
-    assert np.all(turns[~np.array(turning)[log.event[: len(turns)]]] == 0)
-    assert np.sum(turns & CONFIRMS > 0) == driver.tally["turnings"] > 10
 
 
 def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:

@@ -8,6 +8,7 @@ are closer than 1e-5 of a step, which both may take for none.
 """
 
 import dataclasses
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -16,14 +17,13 @@ import numpy as np
 import pytest
 
 from tippetop.engine.compiled import compiled
+from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion
-from tippetop.engine.one_run import CompiledDriver
 from tippetop.engine.opt_level import opt_level
-from tippetop.engine.slices import Driver, signs_of
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import reset
+from tippetop.engine.tallies import reset, signs_of
 from tippetop.engine.taylor import driver_of
-from tippetop.mechanics.events import ON_ZERO_FOR
+from tippetop.mechanics.events import ON_ZERO_FOR, Event
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.variables import Variables
 from tippetop.problem import Problem
@@ -77,7 +77,6 @@ def oracle(system: Any, form: str, law: Any, tolerance: float, orientation: bool
 def compare(made: Problem) -> int:
     """Compares the zeros that both find; how many there were to compare."""
     driver = driver_of(made)
-    assert isinstance(driver, CompiledDriver)
     theirs, seen = oracle(made.system, made.form.name, type(made.friction), made.tolerance, made.orientation)
     theirs.time, theirs.state[:] = 0.0, driver.state
     theirs.pars[:] = [float(leaf) for leaf in leaves(made.internal_body)][: len(theirs.pars)]
@@ -102,8 +101,8 @@ def compare(made: Problem) -> int:
         other = [(t, sign) for number, t, sign in seen if number == e and event.direction * sign >= 0 and t > since]
         times, signs = (np.array([pair[i] for pair in other], float) for i in (0, 1))
         order = np.argsort(times)
-        a = found(driver, output, e, passages.times[mine], passages.signs[mine])
-        b = found(driver, output, e, times[order], signs[order])
+        a = found(driver, made.system.events, output, e, passages.times[mine], passages.signs[mine])
+        b = found(driver, made.system.events, output, e, times[order], signs[order])
         compared += matched(a, b, driver.end, f"{event.name} of {made.tables}")
     return compared
 
@@ -117,7 +116,7 @@ class Nothing:
         return np.zeros(0)
 
 
-def found(driver: Driver, output: Any, e: int, times: np.ndarray, signs: np.ndarray) -> Found:
+def found(driver: Driver, events: Sequence[Event], output: Any, e: int, times: np.ndarray, signs: np.ndarray) -> Found:
     """How well zeros are known: by the polynomial of the event function in the step of each."""
     record = driver.rows.events[e]
     step = np.clip(np.searchsorted(output.times, times, side="right") - 1, 0, len(output.times) - 2)
@@ -128,7 +127,7 @@ def found(driver: Driver, output: Any, e: int, times: np.ndarray, signs: np.ndar
         p = p.deriv() / length if record["shift"] else p + record["offset"]
         slope = abs(p.deriv()((times[i] - output.times[at]) / length))
         size = np.abs(p.coef).sum() + abs(record["offset"])
-        if driver.problem.system.events[e].lasting:  # sliding: the square of a difference of numbers of order one
+        if events[e].lasting:  # sliding: the square of a difference of numbers of order one
             size += np.sqrt(size * record["scale"])
         known[i] = ROUNDING * size / slope * length if slope > 0 else np.inf
     return Found(times, signs, known, h)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tippetop.engine.compiled import _integral_of
-from tippetop.engine.one_run import PLACES, CompiledDriver
+from tippetop.engine.driver import PLACES, Driver
 from tippetop.engine.taylor import driver_of
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
@@ -15,17 +15,15 @@ from tippetop.runs.sinks import Nowhere
 from tippetop.scenario import build, reading
 
 
-def made(until: float, *sets: str) -> CompiledDriver:
-    driver = driver_of(build.load("inverting", list(sets), until))
-    assert isinstance(driver, CompiledDriver)
-    return driver
+def made(until: float, *sets: str) -> Driver:
+    return driver_of(build.load("inverting", list(sets), until))
 
 
 def test_drivers_that_live_share_nothing() -> None:
     """More of them than places are kept."""
     drivers = [made(0.1, f"initial.theta=0.{i + 1}") for i in range(PLACES + 2)]
     for i, one in enumerate(drivers):
-        np.testing.assert_array_equal(one.state[: one.variables], one.problem.start())
+        np.testing.assert_array_equal(one.state[: one.variables], one.first[0])
         for other in drivers[:i]:
             assert not np.shares_memory(one.motion.state, other.motion.state)
             assert not np.shares_memory(one.log.states, other.log.states)

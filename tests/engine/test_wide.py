@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tippetop.engine.slices import Driver, Slice
+from tippetop.engine.driver import Driver, Slice
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
-from tippetop.engine.wide import SliceDriver
+from tippetop.engine.wide import WideDriver
 from tippetop.problem import Problem
 from tippetop.runs.run import solve
 from tippetop.scenario import build
@@ -63,8 +63,8 @@ def test_zeros_of_80_bits_and_quadruple_precision_agree_to_1e17(runs: dict[str, 
 @pytest.mark.parametrize(("precision", "bound"), [("longdouble", 1e-18), ("quad", 1e-30)])
 def test_a_refined_zero_is_one(precision: str, bound: float, runs: dict[str, Any]) -> None:
     """theta' and the normal force vanish in the state of their zero to the rounding of the working precision."""
-    driver, piece = runs[precision]
-    problem = driver.problem
+    _, piece = runs[precision]
+    problem = load(precision)
     body = problem.internal_body
     worst = 0.0
     for e, state in zip(piece.passages.events, piece.passages.states, strict=True):
@@ -81,7 +81,7 @@ def test_the_highest_orders_are_followed() -> None:
     tight, usual = done(load("quad", "run.tolerance=2e-39", until=0.05)), done(load("quad", until=0.05))
     order = tight[0].compiled.integrator.order
     assert order > usual[0].compiled.integrator.order > 32
-    assert isinstance(tight[0], SliceDriver)
+    assert isinstance(tight[0], WideDriver)
     np.testing.assert_array_equal(tight[1].passages.events, usual[1].passages.events)
     assert len(usual[1].passages.events) > 0
     difference = np.abs((tight[1].passages.times - usual[1].passages.times).astype(float))

@@ -5,22 +5,28 @@ import pytest
 from examples import turning_times
 
 import tippetop
-from tippetop.engine.loop import Loop, new_motion
-from tippetop.engine.slices import RULES
+from tippetop.engine.loop import count_turnings
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import CONFIRMS, WAITS, event_rows, new_log, new_samples, new_tallies
+from tippetop.engine.tallies import Tallies, event_rows, new_tallies
 from tippetop.mechanics.events import NOISE_FLOOR
-from tippetop.runs.events import Confirmation
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
 
+def count(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> tuple[list[int], Tallies]:
+    """Return the turnings that are confirmed when they come in several pieces, and the tallies of the run."""
+    tallies, found, waiting = new_tallies(event_rows([], [], []), 1), [], -1
+    for rows in np.array_split(np.arange(len(theta) + 1), pieces):
+        ways, angles = np.array([*sign, 0])[rows], np.array([*theta, end])[rows]
+        for row, confirms, waits in zip(rows, *count_turnings(tallies, ways, angles), strict=True):
+            found += [waiting] * bool(confirms)
+            waiting = int(row) if waits else waiting
+    return found, tallies
+
+
 def confirmed(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> list[int]:
-    """Rows that are found significant when the turnings come in several pieces."""
-    waiting, found = Confirmation(), []
-    for rows in np.array_split(np.arange(len(theta)), pieces):
-        found += waiting.take(rows, np.array(theta)[rows], np.array(sign)[rows])
-    return [row for row, _ in found + waiting.reached(end)]
+    """Return the turnings that are confirmed."""
+    return count(theta, sign, end, pieces)[0]
 
 
 @pytest.mark.parametrize("pieces", [1, 2, 4])
@@ -64,34 +70,16 @@ def zigzag(path: list[float], way: int) -> list[int]:
     return kept
 
 
-def test_lanes_and_single_runs_confirm_the_same_turnings(rng: np.random.Generator) -> None:
-    """One by one, in pieces, and by the compiled observer of lanes: swings of all sizes around the floor."""
+def test_the_band_is_that_of_the_turnings_that_count(rng: np.random.Generator) -> None:
+    """In swings of all sizes around the floor."""
     for _ in range(50):
         swings = NOISE_FLOOR * 10.0 ** rng.uniform(-1, 3, 30)
         sign = np.where(np.arange(30) % 2, 1, -1)
         theta = 1.0 + np.cumsum(-sign * swings)
-        nothing = event_rows([], [], [])
-        tallies = new_tallies(nothing, 1)
-        loop = Loop(new_motion(1, 0, 1, 1), nothing, tallies, new_log(0, 0), new_samples(0, 0), RULES)
-        turns = [loop.take_turning(way, angle) for way, angle in zip(sign.tolist(), theta.tolist(), strict=True)]
-        end = float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR)
-        turns.append(loop.take_turning(0, end))
-        rows = confirmed(theta.tolist(), sign.tolist(), end)
-        assert rows == confirmed(theta.tolist(), sign.tolist(), end, 7)
-        waits = [-1, *(row for row, turn in enumerate(turns) if turn & WAITS)]
-        before = np.searchsorted(waits, np.flatnonzero(np.array(turns) & CONFIRMS)) - 1
-        assert [waits[at] for at in before] == rows
+        rows, tallies = count(theta.tolist(), sign.tolist(), float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR))
         tally = tallies.lane[0]
         assert int(tally["turnings"]) == len(rows)
         assert (float(tally["theta_min"]), float(tally["theta_max"])) == (theta[rows].min(), theta[rows].max())
-
-
-def test_turnings_all_above_the_floor_are_confirmed_one_after_the_other(rng: np.random.Generator) -> None:
-    """The short cut for them gives what the rule gives."""
-    sign = np.where(np.arange(40) % 2, 1, -1)
-    theta = 1.0 - sign * rng.uniform(0.1, 0.3, 40)
-    singly = confirmed(theta.tolist(), sign.tolist(), 1.0, 40)
-    assert confirmed(theta.tolist(), sign.tolist(), 1.0) == singly == list(range(40))
 
 
 def test_settling_does_not_need_to_be_logged() -> None:

@@ -20,6 +20,7 @@ from stores import PRELUDE, TURNING, Disk, acknowledged, assert_same, ended, sho
 
 from tippetop import errors
 from tippetop.cli import outcome
+from tippetop.engine.compiled import compiled
 from tippetop.engine.status import Status
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
@@ -273,11 +274,15 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
 
 
 @pytest.mark.parametrize("way", ["longdouble", "no machine code", "liftoff", "euler"])
-def test_other_runs_that_change_hands_keep_every_bit_too(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_runs_that_change_hands_keep_every_bit_too(
+    way: str, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
     """Wider numbers; heyoka's own loop; an end in the midst of a step; a form with an integral of an event."""
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 5)
     if way == "no machine code":
-        monkeypatch.setattr("tippetop.engine.taylor.is_same_step", lambda *_: False)
+        monkeypatch.setattr("tippetop.engine.compiled.is_same_step", lambda *_: False)
+        compiled.cache_clear()  # and with it the places of earlier runs
+        request.addfinalizer(compiled.cache_clear)
     sets = {
         "longdouble": ["run.precision=longdouble"],
         "liftoff": ["initial.theta=2.0", "initial.theta_dot=20.0"],

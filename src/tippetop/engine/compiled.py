@@ -31,6 +31,8 @@ class Compiled(NamedTuple):
         heyoka's, to be copied: state, parameters and time are zero. It detects no events.
     rows
         Where the event functions stand among the variables.
+    lasting, way
+        The number of the event that must last, -1 if there is none; the sign of its function beyond its zero.
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
     rounding
@@ -43,6 +45,8 @@ class Compiled(NamedTuple):
 
     integrator: Any
     rows: EventRows
+    lasting: int
+    way: int
     machine: Loaded | None
     rounding: int
     agrees: list[bool]
@@ -114,7 +118,9 @@ def compiled(
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
     rounding = rounding_of(machine.dense, len(equations), integrator.order) if machine and not lanes else UNKNOWN
-    return Compiled(integrator, event_rows(system.events, sources, axis), machine, rounding, [], threading.local())
+    rows = event_rows(system.events, sources, axis)
+    lasting, way = next(((e, event.direction) for e, event in enumerate(system.events) if event.lasting), (-1, 0))
+    return Compiled(integrator, rows, lasting, way, machine, rounding, [], threading.local())
 
 
 def _source(

@@ -20,7 +20,7 @@ from ..errors import BuildError
 from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
 from .status import Status
 from .stepper import UNKNOWN, Called, Stepper
-from .tallies import EventRows, PassageLog, Samples, StopRules, Tallies, new_samples
+from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 
 
 MOST_COEFFICIENTS = 64
@@ -209,8 +209,7 @@ def library() -> ctypes.CDLL:
         "begin": (flag, [array]),
         "begin_step": (None, [array]),
         "end_step": (flag, [array]),
-        "take_turning": (whole, [array, whole, ctypes.c_double]),
-        "follow": (None, [array, whole, array, array]),
+        "count_turnings": (None, [array, ctypes.c_double, whole, array, array, array]),
     }
     for name, (result, arguments) in signatures.items():
         function = getattr(loaded, f"loop_{name}")
@@ -306,14 +305,6 @@ class Loop:
             steps += 1
         return steps
 
-    def take_turning(self, sign: int, theta: float) -> int:
-        """Count a turning of theta in the first lane: sign +1 for a minimum, -1 for a maximum, 0 for the end of a run.
-
-        Returns CONFIRMS if the turning that waited counts, plus WAITS if this one waits from now on. For forms whose
-        axis the loop does not read, and for the end of a run.
-        """
-        return self.library.loop_take_turning(self.place, sign, theta)
-
 
 def _dense(stepper: Called, motion: Motion, out: np.ndarray) -> Any:
     """Return the dense output of a stepper as a function of C, for the arrays that the loop gives it."""
@@ -324,13 +315,26 @@ def _dense(stepper: Called, motion: Motion, out: np.ndarray) -> Any:
     return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(dense)
 
 
-def follow(
-    times: np.ndarray, tcs: np.ndarray, rows: EventRows, rules: StopRules, tallies: Tallies, log: PassageLog
-) -> None:
-    """Take in steps that were made elsewhere: times (n + 1, lanes), coefficients tcs (n, variables, order + 1, lanes).
+def count_turnings(tallies: Tallies, signs: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Count turnings of theta that are more than rounding in the tally of the first lane.
 
-    The tally of a run that ended has the step and the place in it where it ended. Later steps are ignored.
+    An extreme counts once theta has come back from it by `NOISE_FLOOR`: until then it waits.
+
+    Parameters
+    ----------
+    tallies
+        Of a run whose loop has a log, and therefore leaves the count to its caller.
+    signs, theta
+        (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end of a run, which end
+        a swing; [rad].
+
+    Returns
+    -------
+    confirmed, waits
+        (k,) whether the turning that waited counts; whether this one waits from now on.
     """
-    variables, size, lanes = tcs.shape[1:]
-    loop = Loop(new_motion(variables, 0, size, lanes), rows, tallies, log, new_samples(0, 0), rules)
-    loop.library.loop_follow(loop.place, len(tcs), times.ctypes.data, tcs.ctypes.data)
+    signs, theta = np.ascontiguousarray(signs, np.int64), np.ascontiguousarray(theta, float)
+    effects = np.empty(len(signs), np.int64)
+    arrays = (array.ctypes.data for array in (signs, theta, effects))
+    library().loop_count_turnings(tallies.lane.ctypes.data, float(NOISE_FLOOR), len(signs), *arrays)
+    return effects & CONFIRMS > 0, effects & WAITS > 0

@@ -1,11 +1,12 @@
 """What is kept of every run while its steps pass, and where the event functions stand in the Taylor coefficients."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..mechanics.events import ON_ZERO as ON_ZERO_BELOW
 from ..mechanics.events import Event
 from .status import Status
 
@@ -45,8 +46,7 @@ _LANE: dict[str, Any] = {
     "status": Status.RUNNING.code,
     "t": 0.0,  # internal time reached
     "steps": 0,
-    "step": -1,  # of a slice of steps, the last one made
-    "upto": 1.0,  # how far of it
+    "upto": 1.0,  # how far of the last step
     "tiny": 0,  # steps in a row that led nowhere
     "waiting": 0,  # sign of the turning that waits to be confirmed; 0: none
     "waits_at": 0.0,  # its theta
@@ -109,6 +109,22 @@ def mark_bounded(records: np.ndarray) -> None:
     records["bounded"][leaders[leaders >= 0]] = True
 
 
+def looked_for(rows: EventRows, events: Sequence[Event], logged: Collection[str], *, stops: bool) -> np.ndarray:
+    """Return the records of events as a run looks for them: turnings, which are many, only if they are logged; without
+    ends, unless it `stops`."""
+    records = rows.events.copy()
+    records["watched"] = [not event.sense or event.name in logged for event in events]
+    if not stops:
+        records["ends"] = 0
+    mark_bounded(records)
+    return records
+
+
+def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the signs of event functions at a start, and which of them are on their zero."""
+    return np.where(functions > 0, 1.0, -1.0), np.abs(functions) < ON_ZERO_BELOW
+
+
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
     """Tallies of so many lanes."""
     n = len(rows.events)
@@ -141,16 +157,14 @@ class PassageLog(NamedTuple):
     event: np.ndarray  # (n,) its number
     sign: np.ndarray  # (n,) of the crossing, +1 rising
     at_pole: np.ndarray  # (n,) whether the axis passes a pole there
-    turn: np.ndarray  # (n,) CONFIRMS, WAITS, or their sum: the effect on the turning that waits to be counted
-    step: np.ndarray  # (n,) of a slice of steps
     states: np.ndarray  # (n, variables)
 
 
 def new_log(length: int, variables: int) -> PassageLog:
     """A log with room for so many passages."""
-    event, sign, turn, step = np.zeros((4, length), np.int64)
+    event, sign = np.zeros((2, length), np.int64)
     at_pole, states = np.zeros(length, np.bool_), np.zeros((length, variables))
-    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, turn, step, states)
+    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, states)
 
 
 class Samples(NamedTuple):

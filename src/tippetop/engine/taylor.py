@@ -1,20 +1,24 @@
-"""A problem becomes what integrates it: the compiled step where there is one, heyoka's own loop elsewhere."""
+"""A problem becomes a driver, which integrates it."""
 
 import hashlib
 import threading
 import weakref
+from typing import Any
 
 import heyoka as hy
 import numpy as np
 
 from ..awaiting import awaited
 from ..mechanics.operand import leaves
+from ..mechanics.system import Form, System
+from ..mechanics.units import SECOND
 from ..problem import Problem
-from .compiled import MOST_COMPILED, Compiled, compiled, is_same_step
-from .one_run import CompiledDriver
+from .compiled import MOST_COMPILED, compiled
+from .driver import Driver
+from .observables import event_functions
 from .opt_level import DEFAULT, opt_level
-from .slices import Driver
-from .wide import SliceDriver
+from .tallies import looked_for
+from .wide import WideDriver
 
 
 LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of compilation pay
@@ -27,12 +31,12 @@ def silence() -> None:
 
 
 def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
-    """What integrates a problem, at its start. Raises Interrupted if `stop` is set while it is compiled.
+    """Return the driver of a problem, at its start. Raises Interrupted if `stop` is set while it is compiled.
 
     Parameters
     ----------
     problem
-        What is integrated.
+        The run.
     stop
         Set it to give up.
 
@@ -43,49 +47,65 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     if problem.contact is not None:
         from .contact.driver import ContactDriver  # a twentieth of a start, which other runs do without
 
-        return ContactDriver(problem, lambda leg: driver_of(leg, stop))  # type: ignore[return-value]
-    key = _key(problem)
-    if key in _known:
-        return _driver(problem, key)
-
-    driver = awaited(lambda: _driver(problem, key), "the equations are being compiled", stop)
-    if len(_known) >= MOST_COMPILED:  # some may have gone since
-        _known.clear()
-    _known.add(key)
-    return driver
+        return ContactDriver(problem, stop)  # type: ignore[return-value]
+    functions = event_functions(problem.alone)[0]
+    return new_driver(problem, problem.system, problem.form, problem.internal_body, problem.start(), functions, stop)
 
 
-def _driver(problem: Problem, key: tuple) -> Driver:
-    code = _checked(problem, compiled(*key))
-    return (CompiledDriver if code.machine is not None else SliceDriver)(problem, code)
+def new_driver(
+    problem: Problem,
+    system: System,
+    form: Form,
+    body: Any,
+    start: np.ndarray,
+    functions: np.ndarray,
+    stop: threading.Event | None = None,
+) -> Driver:
+    """Return a driver of some equations with the options of a problem.
 
+    Parameters
+    ----------
+    problem
+        The run: its precision, its end, its events.
+    system, form
+        The equations: those of the problem, or of a phase of its contact.
+    body
+        As they take it, in internal units.
+    start, functions
+        The state at the start, (variables,), and the event functions there.
+    stop
+        Set it to give up while the equations are being compiled.
 
-_known: set[tuple] = set()  # what this process has compiled: a thread to wait for it takes 0.1 ms
-
-
-def _key(problem: Problem) -> tuple:
-    """What its integrator is compiled for."""
-    compact = problem.precision != "double" and float(problem.internal_time(problem.until)) < LONG
-    return (
-        problem.system,
-        problem.form.name,
-        problem.friction.__class__,
+    Returns
+    -------
+    Driver
+    """
+    end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
+    compact = problem.precision != "double" and float(end) < LONG
+    law = type(body.friction)
+    key: tuple[Any, ...] = (
+        system,
+        form.name,
+        law,
         problem.precision,
         problem.tolerance,
         0,
         compact,
         problem.orientation,
     )
+    if key in _known:
+        code = compiled(*key)
+    else:
+        code = awaited(lambda: compiled(*key), "the equations are being compiled", stop)
+        if len(_known) >= MOST_COMPILED:  # some may have gone since
+            _known.clear()
+        _known.add(key)
+    records = looked_for(code.rows, system.events, problem.events, stops=problem.on_liftoff != "continue")
+    kind = Driver if problem.precision == "double" else WideDriver
+    return kind(code, records, leaves(body), start, functions, end)
 
 
-def _checked(problem: Problem, code: Compiled) -> Compiled:
-    """Without the machine code if it does not make the step that heyoka makes."""
-    if code.machine is None or code.agrees == [True]:
-        return code
-    state = np.zeros(len(code.integrator.state))
-    state[: len(problem.variables.names)] = problem.start()
-    pars = np.array([float(leaf) for leaf in leaves(problem.internal_body)][: len(code.integrator.pars)])
-    return code if is_same_step(code, state, pars) else code._replace(machine=None)
+_known: set[tuple] = set()  # what this process has compiled: a thread to wait for it takes 0.1 ms
 
 
 def fingerprint(driver: Driver) -> str:

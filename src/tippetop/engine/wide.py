@@ -1,181 +1,168 @@
-"""One run in any precision: heyoka makes the steps, a slice at a time, and the observer follows their coefficients.
+"""One run in numbers wider than doubles: heyoka makes each step, and the loop follows its rounded coefficients.
 
-Events are found in doubles, from the same polynomials as those of a compiled step, and their times then refined in the
+Events are found in doubles, from the same polynomials as those of a run in doubles, and their times then refined in the
 working precision.
 """
 
 import copy
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, cast
 
 import heyoka as hy
 import numpy as np
 
-from ..mechanics.operand import leaves
-from ..problem import Problem
-from .code_cache import without_heyokas_cache
-from .compiled import Compiled
-from .loop import follow
-from .slices import STATUSES, Driver, Passages, Request, Slice, new_room
+from .driver import NO_ROWS, Driver, Passages, Request
+from .loop import Motion
 from .status import Status
-from .tallies import new_log
+from .stepper import Called, Stepper
 
 
 REFINEMENTS = 3  # of a zero: each squares its error, from 1e-16
 NEAR = 1e-6  # of a step: a zero that moves further is rounding's, and stays where it was
+LARGEST = 1e300  # of a coefficient: just before sliding stops, a step of 1e-13 has larger ones of high order
 
 
-class SliceDriver(Driver):
-    """Drives a run by heyoka's own loop."""
+class WideSteps(Called):
+    """Steps whose state and time are those of heyoka's integrator; the loop gets them rounded to doubles."""
 
-    def __init__(self, problem: Problem, compiled: Compiled):
-        super().__init__(problem, compiled, new_room(compiled))
-        self.integrator = copy.deepcopy(compiled.integrator)
-        pars = leaves(problem.internal_body)[: len(self.integrator.pars)]  # it has none beyond the last that it reads
-        self.integrator.pars[:] = [problem.number(leaf) for leaf in pars]
-        self.integrator.state[: self.variables] = problem.start()
-        self.reached: Any = problem.number(0)
+    end: Any = None  # internal time of the end of the run
 
-    def advance(self, request: Request, most: int) -> Slice:
-        """Makes at most so many steps."""
-        integrator = self.integrator
-        before, state = int(self.tally["steps"]), self.state.copy()
-        with without_heyokas_cache():  # its dense output is compiled for each number of steps
-            outcome, *_, output, _ = integrator.propagate_until(self.end, max_steps=most, c_output=True)
-        if output is None:  # not one step was possible
-            broken = outcome == hy.taylor_outcome.err_nf_state
-            none, no_states = np.zeros(0, int), np.zeros((0, len(state)), state.dtype)
-            passages = Passages(np.zeros(0, state.dtype), none, none, none > 0, no_states)
-            return self._slice(
-                0, self.reached, state[None, :], no_states, passages, Status.NON_FINITE if broken else Status.FINISHED
-            )
-        times, coefficients = output.times, output.tcs
-        ends = np.concatenate([coefficients[1:, :, 0], self._end(output, outcome)])
-        steps = len(times) - 1
-        while steps and not np.all(np.isfinite(ends[steps - 1].astype(float))):  # never let a bad state in
-            steps -= 1
-        self.log = new_log(steps * len(self.rows.events) * coefficients.shape[2], 0)  # there cannot be more zeros
-        follow(
-            times[: steps + 1].astype(float)[:, None],
-            np.ascontiguousarray(_doubles(coefficients[:steps])[..., None]),
-            self.rows, self.rules, self.tallies, self.log,
-        )  # fmt: skip
-        reached, last = times[steps], ends[steps - 1 : steps] if steps else state[None, :]
-        passages = self._passages(output, coefficients)
-        if self.tally["upto"] < 1.0:
-            reached, last = passages.times[-1], passages.states[-1:]
-        ended, self.reached = self._status(outcome), reached
-        self._rows(output, request, float(reached), ended is not None, ends)
-        counts = np.arange(before + 1, 1 + int(self.tally["steps"]))
-        sampled = ends[: len(counts)][(counts % self.rules.every == 0) | (counts <= self.rules.first)]
-        return self._slice(len(counts), reached, last, sampled, passages, ended)
+    def step(self, motion: Motion) -> None:
+        """Make a step, at most to the end of the run."""
+        ta, number = self.integrator, self.integrator.state.dtype.type
+        self.before = ta.state.copy(), ta.dtime
+        high, low = ta.dtime
+        rounded = float(high)
+        motion.high[0] = motion.start_high[0] = rounded
+        motion.low[0] = motion.start_low[0] = float((high - number(rounded)) + low)
+        outcome, h = ta.step((self.end - high) - low, write_tc=True)
+        motion.h[0] = np.nan if outcome == hy.taylor_outcome.err_nf_state else float(h)
+        is_last = outcome == hy.taylor_outcome.time_limit  # which the loop sees from a step of the allowed length
+        motion.limit[0] = motion.h[0] if is_last else np.inf
+        with np.errstate(over="ignore"):
+            motion.state[:, 0] = ta.state.astype(float)
+            motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
 
-    def _slice(
-        self, steps: int, time: Any, last: Any, samples: Any, passages: Passages, status: Status | None
-    ) -> Slice:
-        n = self.variables
-        passages = passages._replace(states=passages.states[:, :n])
-        return Slice(steps, time, last[:, :n].copy(), samples[:, :n].copy(), passages, status)
+    def undo(self) -> None:
+        """Return to the start of the last step."""
+        self.integrator.state[:], self.integrator.dtime = self.before
 
-    def _end(self, output: Any, outcome: Any) -> np.ndarray:
-        """The state at the end of the last step, (1, variables)."""
-        broken = outcome == hy.taylor_outcome.err_nf_state
-        return (np.array(output(output.times[-1])) if broken else self.integrator.state.copy())[None, :]
+    def state_at(self, inside: np.ndarray) -> np.ndarray:
+        """Return nothing of use: the driver makes the states of the log, in the working precision."""
+        return np.zeros((len(self.integrator.state), 1))
 
-    def _status(self, outcome: Any) -> Status | None:
-        """How the run ended: by what the observer found before the integrator came to its end."""
-        status = STATUSES[int(self.tally["status"])]
-        if status is not Status.RUNNING:
-            return status
-        known = {hy.taylor_outcome.time_limit: Status.FINISHED, hy.taylor_outcome.err_nf_state: Status.NON_FINITE}
-        return known.get(outcome)
+    def states_at(self, times: np.ndarray) -> np.ndarray:
+        """Return the states (k, variables) at internal times (k,) of the last step, in the working precision."""
+        ta = self.integrator
+        return np.array([ta.update_d_output(time).copy() for time in times]).reshape(len(times), len(ta.state))
 
-    def _passages(self, output: Any, coefficients: np.ndarray) -> Passages:
-        """What the log holds, in the working precision."""
-        log, number = self.log, self.problem.number
-        order = np.argsort(log.time[: log.filled[0]], kind="stable")
-        events, step = log.event[order], log.step[order]
-        if not len(order):
-            none = np.zeros(0, int)
-            return Passages(np.zeros(0, number), none, none, none > 0, np.zeros((0, coefficients.shape[1]), number))
-        start = output.times[step]
-        record = self.rows.events[events]
-        inside = log.time[order].astype(number) - start
-        refined = start + _refined(coefficients[step], record, inside, np.diff(output.times)[step])
-        states = np.array(output(refined), copy=True)
-        return Passages(refined, events, log.sign[order], log.at_pole[order], states)
 
-    def _rows(self, output: Any, request: Request, reached: float, ended: bool, ends: np.ndarray) -> None:
-        """Gives the request its rows up to the time reached, and those at it if the run has ended."""
-        if request.steps:
-            times = output.times[1:].astype(float)
-            count = int(np.searchsorted(times, reached, side="right" if self.tally["upto"] == 1.0 else "left"))
-            request.take(times[:count], ends[:count, : self.variables].copy())
-            return
+class WideDriver(Driver):
+    """Makes the steps of one run in numbers wider than doubles."""
+
+    def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
+        return WideSteps(copy.deepcopy(self.compiled.integrator))
+
+    def _take(self, pars: Sequence[Any]) -> None:
+        self.stepper.integrator.pars[:] = [self.number(number) for number in pars]
+
+    @property
+    def stepper(self) -> WideSteps:
+        """The steps of the run."""
+        return cast(WideSteps, self.place.stepper)
+
+    def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
+        samples: list[np.ndarray] = []
+        passages = [self._passages(0)]
+        ends: list[tuple[float, np.ndarray]] = []
+        ta, ended = self.stepper.integrator, False
+        self.loop.fill(NO_ROWS)
+        for _ in range(most):
+            if ended:
+                break
+            seen, taken = int(self.log.filled[0]), int(self.samples.filled[0])
+            self.loop.drive(1)
+            ended = self.tally["status"] != Status.RUNNING.code
+            if self.tally["status"] == Status.NON_FINITE.code:
+                self.stepper.undo()
+                break
+            passages.append(self._passages(seen))
+            if self.samples.filled[0] > taken:
+                samples.append(ta.state.copy())
+            if not request.steps:
+                self._rows(request, float(self.reached(passages[-1])), ended)
+            elif self.tally["upto"] == 1.0:
+                ends.append((float(ta.time), ta.state[: self.variables].copy()))
+        if ends:
+            request.take(np.array([time for time, _ in ends]), np.array([state for _, state in ends]))
+        sampled = np.array(samples).reshape(len(samples), len(ta.state))
+        return sampled, Passages(*(np.concatenate(columns) for columns in zip(*passages, strict=True)))
+
+    def _passages(self, first: int) -> Passages:
+        """Return what the log holds of the last step, from number `first` on, in the working precision."""
+        log, ta = self.log, self.stepper.integrator
+        some = first + np.argsort(log.time[first : log.filled[0]], kind="stable")
+        times, states = np.zeros(0, self.number), np.zeros((0, len(ta.state)), self.number)
+        if len(some):
+            start = self.stepper.before[1][0]
+            inside = log.time[some].astype(self.number) - start
+            times = start + _refined(ta.tc, self.rows.events[log.event[some]], inside, ta.time - start)
+            states = self.stepper.states_at(times)
+        return Passages(times, log.event[some], log.sign[some], log.at_pole[some], states)
+
+    def _rows(self, request: Request, reached: float, ended: bool) -> None:
+        """Give the request its rows up to the time reached, and those at it if the run has ended."""
         while True:
             self.wanted.ask(request)
             left = self.wanted.left
             count = int(np.searchsorted(left, reached, side="right" if ended else "left"))
             if count:
-                self._give(request, left[:count], output)
+                states = self.stepper.states_at(left[:count].astype(self.number))
+                request.take(left[:count], states[:, : self.variables])
             self.wanted.made += count
             if count < len(left) or not count:
                 return
 
-    def _give(self, request: Request, times: np.ndarray, output: Callable) -> None:
-        states = np.array(output(times.astype(self.problem.number)), copy=True)[:, : self.variables]
-        request.take(times.astype(float), states)
+    def reached(self, passages: Passages) -> Any:
+        """Return the internal time where a slice with these passages has ended."""
+        return passages.times[-1] if self.tally["upto"] < 1.0 else self.stepper.integrator.time
 
     @property
     def clock(self) -> tuple[Any, Any]:
         """Internal time, in double length."""
-        return self.integrator.dtime
+        return self.stepper.integrator.dtime
 
     @property
     def state(self) -> np.ndarray:
         """All that is integrated."""
-        return self.integrator.state
+        return self.stepper.integrator.state
 
     def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Puts state and time in place."""
-        self.integrator.state[:] = state
-        self.integrator.dtime = clock
-        self.reached = clock[0]
+        """Put state and time in place."""
+        ta = self.stepper.integrator
+        ta.state[:], ta.dtime = state, clock
+
+    def end_at(self, end: Any) -> None:
+        """Put the end of the run at an internal time."""
+        super().end_at(end)
+        self.stepper.end = end
 
 
-def _refined(coefficients: np.ndarray, events: np.ndarray, inside: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Zeros (k,) of event functions in the time since the start of their steps, by Newton's rule in the precision of
-    the coefficients, (k, variables, order + 1)."""
-    k, size = np.arange(len(inside)), coefficients.shape[2]
-    number = coefficients.dtype.type
-    whole = coefficients[k, events["row"]]
-    powers = np.arange(1, size).astype(number)
-    function = np.where((events["shift"] == 1)[:, None], _shifted(whole, powers), whole)
+def _refined(tc: np.ndarray, events: np.ndarray, inside: np.ndarray, length: Any) -> np.ndarray:
+    """Return zeros (k,) of event functions in the time since the start of a step, by Newton's rule in the precision of
+    its coefficients tc, (variables, order + 1)."""
+    number, size = tc.dtype.type, tc.shape[1]
+    whole = tc[events["row"]]
+    rate = np.concatenate([whole[:, 1:] * np.arange(1, size).astype(number), 0 * whole[:, :1]], axis=1)
+    function = np.where((events["shift"] == 1)[:, None], rate, whole)
     function[:, 0] = function[:, 0] + events["offset"].astype(number)
     x = inside
     for _ in range(REFINEMENTS):
-        value, slope = function[:, -1] * number(0), function[:, -1] * number(0)
+        value, slope = 0 * function[:, 0], 0 * function[:, 0]
         for j in range(size - 1, -1, -1):
             slope = slope * x + value
             value = value * x + function[:, j]
         steep = np.abs(slope) > 0
-        change = np.where(steep, value / np.where(steep, slope, slope + number(1)), value * number(0))
-        small = np.abs(change).astype(float) <= NEAR * length.astype(float)
-        x = np.where(small, x - change, x)
+        change = np.where(steep, value / np.where(steep, slope, slope + number(1)), 0 * value)
+        x = np.where(np.abs(change).astype(float) <= NEAR * float(length), x - change, x)
     return x
-
-
-def _shifted(whole: np.ndarray, powers: np.ndarray) -> np.ndarray:
-    """Coefficients of the rate of a variable, from those of the variable, (k, order + 1)."""
-    rate = whole[:, 1:] * powers
-    return np.concatenate([rate, whole[:, :1] * powers.dtype.type(0)], axis=1)
-
-
-LARGEST = 1e300  # of a coefficient: just before sliding stops, a step of 1e-13 has larger ones of high order
-
-
-def _doubles(coefficients: np.ndarray) -> np.ndarray:
-    """Taylor coefficients as doubles; what exceeds them counts for nothing within its step."""
-    with np.errstate(over="ignore"):
-        rounded = coefficients.astype(float)
-    return np.clip(rounded, -LARGEST, LARGEST, out=rounded)

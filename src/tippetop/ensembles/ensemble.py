@@ -12,12 +12,11 @@ import numpy as np
 
 from ..engine.invariants import invariants, sizes
 from ..engine.loop import Tops
-from ..engine.observables import values_of
+from ..engine.observables import event_functions, values_of
 from ..engine.settling import slides
-from ..engine.slices import event_functions, signs_of
 from ..engine.status import Status
 from ..engine.stepper import Called
-from ..engine.tallies import EventRows
+from ..engine.tallies import EventRows, signs_of
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from ..awaiting import awaited
-from ..engine.compiled import compiled, stepper_of
+from ..engine.compiled import Compiled, compiled, stepper_of
 from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
@@ -63,7 +63,7 @@ class Lanes:
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.rules, self.tallies, self.fresh = (
-            rules(base, every),
+            rules(code, base, every),
             new_tallies(self.rows, lanes),
             new_tallies(self.rows, 1),
         )
@@ -167,8 +167,6 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
     return rows._replace(events=records)
 
 
-def rules(base: Problem, every: int) -> StopRules:
+def rules(code: Compiled, base: Problem, every: int) -> StopRules:
     """When a top ends before its time, other than by an event; and how often it is sampled."""
-    lasting = [i for i, event in enumerate(base.system.events) if event.lasting] if base.stop_when == "settled" else []
-    way = base.system.events[lasting[0]].direction if lasting else 0
-    return StopRules(lasting[0] if lasting else -1, way, SETTLED_FOR, MOST_STEPS, every, 0)
+    return StopRules(code.lasting if base.stop_when == "settled" else -1, code.way, SETTLED_FOR, MOST_STEPS, every, 0)

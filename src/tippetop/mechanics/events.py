@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .operand import formula
-
 
 NUMBERED = ("turning", "liftoff", "equator", "inverted", "settled")
 """The kinds of events that have fixed numbers in stores: their places here. Every store lists them all."""
@@ -113,29 +111,3 @@ def kinds(events: Sequence[Event]) -> tuple[str, ...]:
     The numbered kinds come first, whether these events have them or not; then new ones in their order.
     """
     return (*NUMBERED, *(event.name for event in events if event.name not in NUMBERED))
-
-
-@formula
-def hysteresis(waiting, waits_at, sign, theta):
-    """One step of the rule that tells which turnings of theta are more than rounding; floats or scalars in numba.
-
-    An extreme counts once theta has come back from it by the noise floor, whatever small wiggles lie between.
-    So a true turning that rounding splits into three counts once, and a decay that ends in noise not at all.
-
-    Parameters
-    ----------
-    waiting, waits_at
-        The turning that waits to be confirmed: its sign, 0 if none waits, and its theta [rad].
-    sign, theta
-        The turning that comes: +1 for a minimum, -1 for a maximum of theta; 0 for the end of the run; and theta [rad].
-
-    Returns
-    -------
-    confirmed, waits
-        Whether the turning that waited counts; and whether the one that comes waits now. A turning that was confirmed
-        no longer waits.
-    """
-    confirmed = waiting != 0 and waiting * (theta - waits_at) >= NOISE_FLOOR
-    further = sign == waiting and sign * (theta - waits_at) < 0
-    waits = sign != 0 and (confirmed or waiting == 0 or further)
-    return confirmed, waits

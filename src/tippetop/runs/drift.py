@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ..engine.driver import Extremes
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import Observables
-from ..engine.slices import Extremes
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 

@@ -1,4 +1,4 @@
-"""The event log as a table: one row per event, and which turnings are more than rounding."""
+"""The event log as a table: one row per event."""
 
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column, column
-from ..mechanics.events import NOISE_FLOOR, NUMBERED, hysteresis
+from ..mechanics.events import NUMBERED
 from ..mechanics.units import RADIAN, SECOND
 
 
@@ -50,51 +50,6 @@ class EventTable:
         if significant:
             keep &= self.significant
         return EventTable(self.kinds, *(values[keep] for values in self.columns().values()))
-
-
-class Confirmation:
-    """Tells which turnings of theta are more than rounding, as they come, by the rule `hysteresis`.
-
-    A turning waits, by its row in the log, until a later one confirms it.
-    """
-
-    def __init__(self) -> None:
-        self.row, self.theta, self.sign = -1, 0.0, 0  # the turning that waits; sign 0: none
-
-    def take(self, rows: np.ndarray, theta: np.ndarray, sign: np.ndarray) -> list[tuple[int, float]]:
-        """Takes turnings in order (sign +1 minima, -1 maxima); gives (row, theta) of those that are now confirmed.
-
-        A sign of 0 is a passage through a pole: it ends a swing, and is no turning itself.
-        """
-        if self._all_count(theta, sign):  # nearly always; one by one takes 0.5 us a turning
-            waiting = [(self.row, self.theta)] if self.sign else []
-            confirmed = waiting + list(zip(rows[:-1].tolist(), theta[:-1].tolist(), strict=True))
-            self.row, self.theta, self.sign = int(rows[-1]), float(theta[-1]), int(sign[-1])
-            return confirmed
-        marks = []
-        for row, angle, way in zip(rows.tolist(), theta.tolist(), sign.tolist(), strict=True):
-            marks += self._next(row, angle, way)
-        return marks
-
-    def reached(self, theta: float) -> list[tuple[int, float]]:
-        """(row, theta) of the waiting turning if the end of the run, at theta, confirms it; then none waits."""
-        return self._next(-1, theta, 0)
-
-    def _all_count(self, theta: np.ndarray, sign: np.ndarray) -> bool:
-        """Whether each turning confirms the one before: minima and maxima in turn, all swings above the floor."""
-        if not len(theta) or not sign.all():
-            return False
-        every, ways = (np.append(self.theta, theta), np.append(self.sign, sign)) if self.sign else (theta, sign)
-        return bool((ways[1:] == -ways[:-1]).all() and (ways[1:] * (every[1:] - every[:-1]) <= -NOISE_FLOOR).all())
-
-    def _next(self, row: int, theta: float, sign: int) -> list[tuple[int, float]]:
-        before = (self.row, self.theta)
-        confirmed, waits = hysteresis(self.sign, self.theta, sign, theta)
-        if waits:
-            self.row, self.theta, self.sign = row, theta, sign
-        elif confirmed:
-            self.row, self.sign = -1, 0
-        return [before] if confirmed else []
 
 
 def event_columns(table: EventTable) -> dict[str, Column]:

@@ -128,7 +128,7 @@ def _unfinished(target: Path, integration: Integration, ending: dict[str, Any]) 
         **recording.here(),
         "begun_with": ending["begun_with"],
         "rows": integration.filled,
-        "events": integration.log.tally.rows,
+        "events": integration.log.rows,
         **integration.story.rows(),
         **dict.fromkeys(sensitivities.NAMES, 0),
         "keyframes": done // integration.problem.keyframe_steps if integration.problem.output == "keyframes" else 0,

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays, with_phases
-from ..engine.slices import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.status import Status
 from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.events import Event
@@ -62,7 +62,7 @@ class Integration:
         self.last = self.first  # last good state
         self.monitor = Monitor(problem, self.view)
         self.monitor.begin(self.first)
-        self.log = EventLog(problem, self.view, self.first)
+        self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
         self.story = Story()
         self.filled, self.t_end, self.fresh = 0, 0.0, True
         self.status: Status | None = None
@@ -129,7 +129,7 @@ class Integration:
         events = self.problem.system.events
         for event, value in zip(events, self.driver.at_start, strict=True):
             if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:
-                self.log.tally.kept |= {kept.name: 0.0 for kept in event.kept if kept.what != "count"}
+                self.log.note_at_start(event)
                 self.monitor.force = Extremes(value, 0.0, value, 0.0)
                 return Status.of_event(event.ends)
         return None
@@ -180,7 +180,7 @@ class Integration:
             **self.log.report(),
             "theta_end": theta_end,
             **({"contact_phases": self.story.report()} if self.problem.contact is not None else {}),
-            **({} if self.driver.compiled.machine or self.problem.precision != "double" else {"steps_by": "heyoka"}),
+            **({"steps_by": "heyoka"} if self.driver.is_called and self.problem.precision == "double" else {}),
             **self._outcome(),
         }
 
@@ -189,7 +189,7 @@ class Integration:
         system = self.problem.system
         if self.driver.sentence or not (system.inverts and system.classes):
             return {}
-        if self.log.tally.kept.get("lifted_at") is not None and self.problem.on_liftoff != "fly":
+        if self.log.kept().get("lifted_at") is not None and self.problem.on_liftoff != "fly":
             return {"outcome": "lifted-off"}
         values = self.view.evaluate(self.last)
         theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
@@ -201,7 +201,7 @@ class Integration:
     def reason(self) -> str:
         """The sentence that the user reads about the end."""
         t, status = self.t_end, self.status
-        lifted = self.log.tally.kept.get("lifted_at") if self._may_lift_off() else None
+        lifted = self.log.kept().get("lifted_at") if self._may_lift_off() else None
         beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
         if status is None:
             return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..columns import Column
+from ..engine.driver import Driver
 from ..engine.observables import Observables
-from ..engine.slices import Driver
 from ..engine.taylor import fingerprint
 from ..mechanics.units import SECOND
 from ..problem import Problem

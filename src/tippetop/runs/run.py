@@ -76,7 +76,7 @@ def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], di
     integration.run(Nowhere())
     assert integration.status is not None
     settled = integration.log.settled_since(integration.last) is not None
-    kept = integration.log.tally.kept
+    kept = integration.log.kept()
     return integration.status, integration.last[0], integration.report(), kept, settled
 
 

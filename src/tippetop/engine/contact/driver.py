@@ -3,6 +3,7 @@
 To whoever asks it is a driver like any other; its states are rows (`mechanics.contact.phases.row.Row`).
 """
 
+import threading
 from typing import Any
 
 import numpy as np
@@ -11,19 +12,20 @@ from ...mechanics.contact.body import jellett_of
 from ...mechanics.contact.phases.row import PHASES
 from ...mechanics.doubledouble import parts_of, sum_of
 from ...mechanics.operand import dot
+from ...mechanics.systems.with_contact import leg
 from ...mechanics.units import SECOND
-from ...mechanics.variables import INTEGRAL_SCALE
+from ...mechanics.variables import INTEGRAL_SCALE, Variables
 from ...problem import Problem
+from ..driver import Driver, Extremes, Passages, Request, Slice, Wanted
 from ..expressions import equations_of_motion
-from ..slices import Driver, Extremes, Request, Slice, Wanted
 from ..status import Status
-from ..tallies import SIGN
+from ..tallies import SIGN, event_rows, new_tallies
 from .balls import Balls
 from .between import fill_between
 from .expected import expect
 from .gathered import NOBODY, Gathered
 from .impacts import Moment, moment_of
-from .legs import Followed, new_leg
+from .legs import Followed
 from .tables import Tables
 from .transitions import Change, Transitions
 
@@ -44,8 +46,8 @@ class ContactDriver:
     ----------
     problem
         The run.
-    make
-        make(leg) -> the ordinary driver of a phase.
+    stop
+        Set it to give up while equations are being compiled.
 
     Attributes
     ----------
@@ -58,8 +60,10 @@ class ContactDriver:
     """
 
     @QUIET
-    def __init__(self, problem: Problem, make: Any):
-        self.problem, self.make, self.balls = problem, make, Balls(problem)
+    def __init__(self, problem: Problem, stop: threading.Event | None = None):
+        self.problem, self.stop, self.balls = problem, stop, Balls(problem)
+        events = problem.system.events
+        self.tallies = new_tallies(event_rows(events, [(0, 1, 1.0, 0.0)] * len(events), ()), 1)
         self.variables = len(problem.variables.names)
         self.transitions = Transitions(problem, self.balls)
         self.end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
@@ -100,9 +104,9 @@ class ContactDriver:
         return self.phase.driver
 
     @property
-    def compiled(self) -> Any:
-        """What the present phase is compiled to."""
-        return self.inner.compiled
+    def is_called(self) -> bool:
+        """Whether Python calls heyoka for each step of the present phase."""
+        return self.inner.is_called
 
     @property
     def tally(self) -> Any:
@@ -127,8 +131,8 @@ class ContactDriver:
         """The equations of every phase that the run may have, by name."""
         lines = []
         for name in (*self.transitions.names, *self.transitions.standing):
-            system = new_leg(self.problem, name, self.balls[0], np.zeros(1)).system
-            variables = type(self.problem.variables)(next(iter(system.forms.values())), self.problem.orientation)
+            system = leg(self.problem.system.name, name)
+            variables = Variables(next(iter(system.forms.values())), self.problem.orientation)
             friction = type(self.balls[0].friction)
             lines += equations_of_motion(system, variables, friction).rates
         return lines
@@ -176,7 +180,7 @@ class ContactDriver:
     def _followed(self, name: str, ball: int, q: Any) -> Followed:
         """The phase of a kind, on a ball; q is a state that it may have."""
         if (name, ball) not in self.phases:
-            self.phases[name, ball] = Followed(self.problem, name, ball, self.balls, q, self.make)
+            self.phases[name, ball] = Followed(self.problem, name, ball, self.balls, q, self.stop)
             self.phases[name, ball].driver.wanted = self.wanted
         return self.phases[name, ball]
 
@@ -229,7 +233,25 @@ class ContactDriver:
             self.tables.end(float(when), str(status.value))
         last = self.present() if status is None else self.rows(state)
         output.give()
-        return Slice(steps, when, last, output.sampled(), output.passages(), status, self.tables.take())
+        passages = output.passages()
+        self._count(passages)
+        return Slice(steps, when, last, output.sampled(), passages, status, self.tables.take())
+
+    def _count(self, passages: Passages) -> None:
+        """Put what the events of the run keep of passages into its tallies."""
+        number, kept = 0, self.tallies.kept[:, 0]
+        for e, event in enumerate(self.problem.system.events):
+            mine = passages.events == e
+            times = passages.times.astype(float)
+            if event.lasting and mine.any():
+                self.tallies.lane["lasts_since"] = times[mine][-1]
+            for of_event in event.kept:
+                meant = times[mine & (passages.signs == of_event.direction) if of_event.direction else mine]
+                if of_event.what == "count":
+                    kept[number] += len(meant)
+                elif len(meant) and (of_event.what == "last" or np.isnan(kept[number])):
+                    kept[number] = meant[-1 if of_event.what == "last" else 0]
+                number += 1
 
     def _ending(self, piece: Slice) -> str | None:
         """The event that ended the present phase; None if none did."""
@@ -316,6 +338,7 @@ class ContactDriver:
             "waits": self.waits is not None,
             "landing": None if self.landing is None else parts_of(self.landing),
             "under_way": self.tables.under_way,
+            "counted": [list(self.tallies.lane[0].item()), self.tallies.kept[:, 0].tolist()],
         }
 
     @QUIET
@@ -336,3 +359,4 @@ class ContactDriver:
         self.changes, self.short, self.began = kept["changes"]
         self.tables = Tables(self.problem)
         self.tables.under_way = kept["under_way"]
+        self.tallies.lane[0], self.tallies.kept[:, 0] = tuple(kept["counted"][0]), kept["counted"][1]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...problem import Problem
-from ..slices import Passages, Request
+from ..driver import Passages, Request
 from .balls import Balls
 from .legs import Followed
 from .rows import rows_of

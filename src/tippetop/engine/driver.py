@@ -1,0 +1,315 @@
+"""One run, driven by the compiled loop slice by slice."""
+
+import weakref
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from .compiled import Compiled, stepper_of
+from .loop import Loop, Rows, new_motion
+from .status import Status
+from .stepper import Called, Stepper
+from .tallies import (
+    LEAST,
+    MOST,
+    T_LEAST,
+    T_MOST,
+    EventRows,
+    PassageLog,
+    Samples,
+    StopRules,
+    Tallies,
+    new_log,
+    new_samples,
+    new_tallies,
+    reset,
+    signs_of,
+)
+
+
+STEPS_PER_SLICE = 8192  # about 20 ms of work
+PASSAGES = 4096  # in a slice, at most: one every other step
+EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the steps
+FIRST = 256  # steps of a run that are all looked at: a short run has no more
+ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
+STATUSES = {status.code: status for status in Status}
+PLACES = 4  # that a thread keeps of an integrator, 1 MB each of which a short run fills a part
+
+
+class Extremes(NamedTuple):
+    """Smallest and largest value of a quantity and when, in internal units."""
+
+    least: float = np.inf
+    t_least: float = np.nan
+    most: float = -np.inf
+    t_most: float = np.nan
+
+
+class Passages(NamedTuple):
+    """Zeros of event functions, ascending in time."""
+
+    times: np.ndarray  # (k,) internal, in the working precision
+    events: np.ndarray  # (k,) numbers of the events of the system
+    signs: np.ndarray  # (k,) of the crossings, +1 rising
+    at_pole: np.ndarray  # (k,) whether the axis passes a pole there
+    states: np.ndarray  # (k, variables) internal
+
+
+@dataclass
+class Slice:
+    """Accepted steps, one after another."""
+
+    steps: int
+    time: Any  # reached, internal, in the working precision
+    last: np.ndarray  # (1, variables) the last good state
+    samples: np.ndarray  # (k, variables) states on the way
+    passages: Passages
+    status: Status | None  # None: to be continued
+    tables: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # new rows of further tables, SI
+
+
+class Request(Protocol):
+    """The rows that are wanted of a run."""
+
+    steps: bool  # at the ends of steps, rather than at given times
+
+    def wanted(self) -> np.ndarray:
+        """Return the internal times of the rows that are wanted next, (k,) doubles; of steps, room for so many. None
+        are left where k = 0."""
+
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Take rows: internal times (k,), states (k, variables)."""
+
+
+class Wanted:
+    """Internal times of the rows that are wanted of a run, of which the first `made` exist: one for all phases of a
+    contact."""
+
+    def __init__(self) -> None:
+        self.times, self.made = np.zeros(0), 0
+
+    def ask(self, request: Request) -> None:
+        """Ask for more times where none are left; for room, where rows are at the ends of steps."""
+        if request.steps or self.made == len(self.times):
+            self.times, self.made = request.wanted(), 0
+
+    @property
+    def left(self) -> np.ndarray:
+        """The times whose rows are still to be made."""
+        return self.times[self.made :]
+
+
+RULES = StopRules(-1, 0, np.inf, ENDLESS, EVERY, FIRST)
+"""Of a single run: only an event ends it before its time."""
+NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(1, np.int64), False)
+
+
+class Place:
+    """The arrays of a run, and the loop that is bound to their addresses: to bind them takes as long as 50 steps, so
+    that a run takes those of one that is gone.
+
+    Parameters
+    ----------
+    compiled
+        The integrator.
+    stepper
+        Its steps, in this place alone.
+    """
+
+    def __init__(self, compiled: Compiled, stepper: Stepper):
+        self.taken_by: Any = None  # a weak reference to a driver
+        n, size, rows = len(compiled.integrator.state), compiled.integrator.order + 1, compiled.rows
+        self.rows: EventRows = rows._replace(events=rows.events.copy())
+        self.tallies: Tallies = new_tallies(rows, 1)
+        self.log: PassageLog = new_log(PASSAGES + len(rows.events) * size, n)
+        self.samples: Samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
+        self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
+        self.stepper, rules = stepper, RULES._replace(lasting=compiled.lasting, way=compiled.way)
+        self.loop = Loop(self.motion, self.rows, self.tallies, self.log, self.samples, rules, stepper)
+
+
+def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Stepper]) -> Place:
+    """Return a place that no other driver of this thread has while this one exists."""
+    places: list[Place] = compiled.places.__dict__.setdefault("places", [])
+    place = next((place for place in places if place.taken_by() is None), None)
+    if place is None:
+        place = Place(compiled, stepper())
+        if len(places) < PLACES:
+            places.append(place)
+    place.taken_by = weakref.ref(driver)
+    return place
+
+
+class Driver:
+    """Makes the steps of one run in doubles, and knows what the observer found in them.
+
+    Parameters
+    ----------
+    compiled
+        The integrator.
+    records
+        The events of the integrator as this run looks for them: see `tallies.looked_for`.
+    body
+        The parameters of the integrator, perhaps with others behind.
+    start
+        The state at the start, (variables,), internal.
+    functions
+        The event functions there, (events,).
+    end
+        Internal time of the end.
+    """
+
+    ended: Status | None = None  # how the run ends before its first step
+    sentence = ""  # why the contact ended the run, where it did
+
+    def __init__(
+        self,
+        compiled: Compiled,
+        records: np.ndarray,
+        body: Sequence[Any],
+        start: np.ndarray,
+        functions: np.ndarray,
+        end: Any,
+    ):
+        self.compiled, self.at_start, self.end = compiled, functions, end
+        whole, pars = np.zeros(len(compiled.integrator.state), start.dtype), body[: len(compiled.integrator.pars)]
+        whole[: len(start)] = start  # the others are integrals of event functions
+        self.place = place = place_for(self, compiled, lambda: self._stepper(whole, pars))
+        self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
+        self.motion, self.loop = place.motion, place.loop
+        self.variables, self.number = len(start), start.dtype.type
+        self.rows.events[:] = records
+        ranged = np.flatnonzero(records["extremes"])
+        self.ranged = int(ranged[0]) if len(ranged) else -1
+        self.tallies.functions[:] = 0.0
+        reset(self.tallies, self.rows, 0, *signs_of(functions))
+        self.wanted, self.filling = Wanted(), NO_ROWS
+        self.first = start[None, :].copy()
+        self._take(pars)
+        self.put(whole, (self.number(0), self.number(0)))
+        self.end_at(end)
+
+    def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
+        """Return new steps of the integrator, in a place of its own."""
+        return stepper_of(self.compiled, state, np.array(pars, float))
+
+    def _take(self, pars: Sequence[Any]) -> None:
+        """Take the parameters of the integrator."""
+        self.motion.pars[:, 0] = [float(number) for number in pars]
+
+    # --- steps ----------------------------------------------------------------------------------------------------
+
+    def advance(self, request: Request, most: int) -> Slice:
+        """Make at most so many steps; rows go to the request as they come."""
+        self.log.filled[0] = self.samples.filled[0] = 0
+        before = int(self.tally["steps"])
+        samples, passages = self._drive(request, most)
+        status, last = STATUSES[int(self.tally["status"])], self.state[None, :]
+        if self.tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
+            last = passages.states[-1:]
+        n, steps = self.variables, int(self.tally["steps"]) - before
+        passages = passages._replace(states=passages.states[:, :n])
+        ended = None if status is Status.RUNNING else status
+        return Slice(steps, self.reached(passages), last[:, :n].copy(), samples[:, :n], passages, ended)
+
+    def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
+        """Make the steps of a slice. Return samples and passages."""
+        wanted, loop, steps = self.wanted, self.loop, 0
+        while True:
+            wanted.ask(request)
+            left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
+            if not len(wanted.times):
+                loop.fill(NO_ROWS)
+                loop.drive(left)
+                break
+            rows = self._filling(wanted.times, request.steps)
+            first = wanted.made
+            rows.filled[0] = first
+            loop.fill(rows)
+            steps += loop.drive(left)
+            wanted.made = int(rows.filled[0])
+            if wanted.made > first:
+                request.take(rows.times[first : wanted.made], rows.states[:, first : wanted.made].T)
+            if wanted.made == first or wanted.made < len(rows.times):
+                break
+        log, count = self.log, int(self.log.filled[0])
+        order = np.argsort(log.time[:count], kind="stable")
+        columns = log.time, log.event, log.sign, log.at_pole, log.states
+        return self.samples.states[: int(self.samples.filled[0])].copy(), Passages(*(c[order] for c in columns))
+
+    def _filling(self, times: np.ndarray, steps: bool) -> Rows:
+        """Rows at these times: the same ones as long as these times are wanted."""
+        if self.filling.times is not times:
+            states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
+            self.filling = Rows(times, states, filled, steps, self.compiled.rounding)
+        return self.filling
+
+    def reached(self, passages: Passages) -> Any:
+        """Return the internal time where a slice with these passages has ended."""
+        return float(self.tally["t"])
+
+    # --- where the run is -----------------------------------------------------------------------------------------
+
+    @property
+    def tally(self) -> Any:
+        """What the observer knows of the run."""
+        return self.tallies.lane[0]
+
+    @property
+    def clock(self) -> tuple[Any, Any]:
+        """Internal time, in double length."""
+        return float(self.motion.high[0]), float(self.motion.low[0])
+
+    @property
+    def state(self) -> np.ndarray:
+        """All that is integrated, (all variables,), in the working precision."""
+        return self.motion.state[:, 0]
+
+    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+        """Put state and time in place."""
+        self.motion.state[:, 0] = state
+        self.motion.high[0], self.motion.low[0] = clock
+
+    def end_at(self, end: Any) -> None:
+        """Put the end of the run at an internal time."""
+        self.end = end
+        self.motion.end[0] = float(end)
+
+    def present(self) -> np.ndarray:
+        """Return the present state, (1, variables), internal."""
+        return self.state[None, : self.variables].copy()
+
+    @property
+    def is_called(self) -> bool:
+        """Whether Python calls heyoka for each step."""
+        return isinstance(self.place.stepper, Called)
+
+    def equations(self) -> list[tuple]:
+        """Return the equations of motion: pairs of a variable and its rate."""
+        return list(self.compiled.integrator.sys)
+
+    def extremes(self) -> Extremes:
+        """Return those of the normal force so far, internal units; empty where none is known."""
+        if self.ranged < 0:
+            return Extremes()
+        known, scale = self.tallies.functions[:, self.ranged, 0].tolist(), float(self.rows.events["scale"][self.ranged])
+        return Extremes(known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST])
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return what a run needs to continue bit by bit."""
+        return {
+            "state": self.state.copy(),
+            "time": list(self.clock),
+            "tally": list(self.tallies.lane[0].item()),
+            "functions": self.tallies.functions[:, :, 0].tolist(),
+            "kept": self.tallies.kept[:, 0].tolist(),
+        }
+
+    def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
+        """Continue from a snapshot, of which state and time come in the working precision."""
+        self.put(state, clock)
+        self.tallies.lane[0] = tuple(kept["tally"])
+        self.tallies.functions[:, :, 0] = kept["functions"]
+        self.tallies.kept[:, 0] = kept["kept"]
