@@ -105,8 +105,11 @@ class WideDriver(Driver):
         times, states = np.zeros(0, self.number), np.zeros((0, len(ta.state)), self.number)
         if len(some):
             start = self.stepper.before[1][0]
-            inside = log.time[some].astype(self.number) - start
-            times = start + _refined(ta.tc, self.rows.events[log.event[some]], inside, ta.time - start)
+            length, near = ta.time - start, log.time[some].astype(self.number) - start
+            functions = (_function(ta.tc, event) for event in self.rows.events[log.event[some]])
+            times = start + np.array(
+                [_refined(f, x, length) for f, x in zip(functions, near, strict=True)], self.number
+            )
             states = self.stepper.states_at(times)
         return Passages(times, log.event[some], log.sign[some], log.at_pole[some], states)
 
@@ -148,21 +151,25 @@ class WideDriver(Driver):
         self.stepper.end = end
 
 
-def _refined(tc: np.ndarray, events: np.ndarray, inside: np.ndarray, length: Any) -> np.ndarray:
-    """Return zeros (k,) of event functions in the time since the start of a step, by Newton's rule in the precision of
-    its coefficients tc, (variables, order + 1)."""
-    number, size = tc.dtype.type, tc.shape[1]
-    whole = tc[events["row"]]
-    rate = np.concatenate([whole[:, 1:] * np.arange(1, size).astype(number), 0 * whole[:, :1]], axis=1)
-    function = np.where((events["shift"] == 1)[:, None], rate, whole)
-    function[:, 0] = function[:, 0] + events["offset"].astype(number)
-    x = inside
+def _function(tc: np.ndarray, event: np.void) -> np.ndarray:
+    """Return the coefficients of an event function in a step, from those of all variables, (variables, order + 1)."""
+    whole = tc[event["row"]]
+    if event["shift"] == 1:  # the rate of the variable
+        return whole[1:] * np.arange(1, len(whole)).astype(whole.dtype)
+    function = whole.copy()
+    function[0] = function[0] + function.dtype.type(event["offset"])
+    return function
+
+
+def _refined(function: np.ndarray, x: Any, length: Any) -> Any:
+    """Return the zero of a polynomial near x, by Newton's rule in the precision of its coefficients."""
+    descending = list(function[::-1])
     for _ in range(REFINEMENTS):
-        value, slope = 0 * function[:, 0], 0 * function[:, 0]
-        for j in range(size - 1, -1, -1):
+        value = slope = 0 * x
+        for coefficient in descending:
             slope = slope * x + value
-            value = value * x + function[:, j]
-        steep = np.abs(slope) > 0
-        change = np.where(steep, value / np.where(steep, slope, slope + number(1)), 0 * value)
-        x = np.where(np.abs(change).astype(float) <= NEAR * float(length), x - change, x)
+            value = value * x + coefficient
+        if slope == 0 or not abs(value / slope) <= NEAR * length:
+            break
+        x = x - value / slope
     return x
