@@ -1,7 +1,7 @@
 """How a motion is written: forms, their integrals and quantities, phases of the contact and their exits."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from .events import Event
@@ -44,7 +44,7 @@ class Integral:
         As a column; the name is unique in its form.
     rate
         rate(q, carried, b), its time derivative: of the state that moves, q, and the record of all integrals of the
-        form, `carried`.
+        form, `carried`; None in a form that is not integrated.
     start
         start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value of the same name in
         the record of angles, 0 where it has none.
@@ -53,7 +53,7 @@ class Integral:
     name: str
     unit: Unit
     long_name: str
-    rate: Callable
+    rate: Any
     start: Callable | None = None
 
 
@@ -96,11 +96,12 @@ class Form:
     units
         The record (a NamedTuple) of the state that moves, q, filled with the unit of each variable.
     rates
-        rates(q, b) -> the same record: the time derivatives.
+        rates(q, b) -> the same record: the time derivatives; None: a form of rows, which is not integrated.
     scalars
         scalars(q, b) -> what the quantities and events are written in.
     of_angles, to_angles
-        of_angles(angles, sin_theta, cos_theta, b) -> q, and back: to_angles(q, carried, b) -> the record of angles.
+        of_angles(angles, sin_theta, cos_theta, b) -> q, and back: to_angles(q, carried, b) -> the record of angles;
+        None in a phase that a run enters and leaves through the common state.
     vectors
         vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the angles.
     integrals
@@ -115,10 +116,10 @@ class Form:
 
     name: str
     units: Any
-    rates: Callable
+    rates: Any
     scalars: Callable
-    of_angles: Callable
-    to_angles: Callable
+    of_angles: Any = None
+    to_angles: Any = None
     vectors: Callable | None = None
     integrals: tuple[Integral, ...] = ()
     orientation: Orientation | None = None
@@ -127,19 +128,79 @@ class Form:
     not_normalised: tuple[str, ...] = ()
 
 
+def unchanged(x: Any, b: Any) -> Any:
+    """Return a state as it is."""
+    return x
+
+
+@dataclass
+class Next:
+    """What follows the end of a phase, or how a run begins.
+
+    Parameters
+    ----------
+    phase
+        Its name.
+    x
+        The common state in which it begins. If it has a field `carried`, that is the record of the integrals of the
+        run; otherwise integrals continue.
+    delay
+        Time that passes in the jump.
+    series
+        The motion in this time: at(t) -> the state of the phase that follows and the record of integrals, of arrays.
+        None: it is too short for rows and events.
+    logged
+        Names of events that happen here, whose functions have no zero here or none at all.
+    logged_after
+        The part of `delay` that passes before them.
+    zeros
+        The multiplicity of the roots that event functions of the next phase have here, by name.
+    sides
+        The signs of event functions of the next phase, by name. Without, an event with an exit begins on the side from
+        which it can happen.
+    lasts
+        Time after which the phase ends by the exit `CLOCK`, where that is known; None: it is not.
+    cause
+        Why the phase begins, as the table of phases has it; empty: the same phase goes on in other words.
+    rows
+        Rows for further tables of the run: records in internal units, by table.
+    ends, message
+        The status with which the run ends, and why; empty: it goes on.
+    """
+
+    phase: str
+    x: Any
+    cause: str = ""
+    delay: Any = 0
+    series: Any = None
+    logged: tuple[str, ...] = ()
+    logged_after: Any = 0
+    zeros: Mapping[str, int] = field(default_factory=dict)
+    sides: Mapping[str, int] = field(default_factory=dict)
+    lasts: Any = None
+    rows: Mapping[str, tuple] = field(default_factory=dict)
+    ends: str = ""
+    message: str = ""
+
+
+CLOCK = "clock"
+"""The event by which a phase ends that lasts a time known at its beginning."""
+
+
 @dataclass(frozen=True)
 class Exit:
-    """How a phase ends in another one.
+    """How a phase ends.
 
     Parameters
     ----------
     event
-        The name of an event of the phase.
+        The name of an event of the phase, or `CLOCK`.
     to
         The names of the phases that may follow.
     jump
-        jump(q, carried, b) -> name of the phase that follows, its state: from the first form of the one to the first
-        form of the other, in internal units. Integrals of the same name continue from the values that they have.
+        jump(x, world) -> Next, of numbers: `x` is the common state where the phase ended; `world` has `body`, `system`,
+        `rules` (of the contact), `phases` and the present `phase` by record, `left` (time to the end of the run), and
+        `rates(phase, q, carried)` of the integrals of the run.
     """
 
     event: str
@@ -154,19 +215,41 @@ class Phase:
     Parameters
     ----------
     forms
-        The ways to write the state, by name; the first is the default, and the one in which jumps are written.
+        The ways to write the state, by name; the first is the default, and the one that a jump enters.
     quantities
         What can be read of a state, as columns.
     events
         What is looked for.
     exits
-        Which events end the phase, and in which phases; none: only the end of the run does, or an event that stops it.
+        Which events end the phase, and how; none: only the end of the run does, or an event that stops it.
+    enter, leave
+        enter(x, b) -> q, the state of the first form, of the common state x; and back: leave(q, b) -> x.
+    reaction
+        reaction(q, b) -> what the plane does to the body, for columns; None: nothing.
+    parameters
+        parameters(body) -> b, what the formulas of this phase take.
+    label, ball
+        What tables and figures call it, and the number of the ball in contact, or last in contact.
+    axis_stays
+        Whether theta is constant: its turnings are rounding.
     """
 
     forms: dict[str, Form]
-    quantities: Sequence[Quantity]
-    events: Sequence[Event]
+    quantities: Sequence[Quantity] = ()
+    events: Sequence[Event] = ()
     exits: tuple[Exit, ...] = ()
+    enter: Callable = unchanged
+    leave: Callable = unchanged
+    reaction: Any = None
+    parameters: Callable = lambda body: body
+    label: str = ""
+    ball: int = 0
+    axis_stays: bool = False
 
     def __post_init__(self) -> None:
         freeze(self, "forms")
+
+    @property
+    def form(self) -> Form:
+        """The first form."""
+        return next(iter(self.forms.values()))

@@ -24,6 +24,7 @@ __all__ = [
     "Integral",
     "Landscape",
     "Momentum",
+    "Opening",
     "Orientation",
     "Outlook",
     "Parameter",
@@ -74,6 +75,15 @@ class Outlook(NamedTuple):
     regime: str = ""  # what is stable, a sentence
     fate: str = ""  # where the motion ends
     thresholds: Mapping[str, Any] = {}  # name -> theory.thresholds.Threshold
+
+
+class Opening(NamedTuple):
+    """What is known of a body whose contact may open."""
+
+    planar: bool = False  # whether it moves in a plane
+    sphere: bool = False  # whether its ball has a radius: there may be a stem, and a contact disc
+    routh: Callable | None = None  # Routh's function of the gliding body, if it has one
+    outlook: Callable | None = None  # outlook(b, start, rules) -> Outlook
 
 
 def _same(value: Any) -> Any:
@@ -145,6 +155,12 @@ class System:
     contact: tuple[str, bool] | None = None  # kind of friction, whether there is a stem; None: one phase
     on_request: tuple[Quantity, ...] = ()  # quantities that are columns only where a run names them
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
+    opening: Opening | None = None  # of a body whose contact may open, see contact.opening.opened
+    common: Phase | None = None  # forms, columns and events of the rows of all phases; None: those of the first phase
+    row: Callable | None = None  # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
+    begin: Callable | None = None  # begin(x, world) -> Next, how a run begins; None: in the first phase
+    assembled: Callable | None = None  # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # further tables: units or words by column
 
     def __post_init__(self) -> None:
         freeze(self, "parameters", "initial", "normalised_to", "phases", "long_names", "vectors")
@@ -246,22 +262,22 @@ class System:
 
     @property
     def phase(self) -> Phase:
-        """The first phase, the only one of most systems."""
-        return next(iter(self.phases.values()))
+        """The common phase, or else the first, the only one of most systems."""
+        return self.common or next(iter(self.phases.values()))
 
     @property
     def forms(self) -> dict[str, Form]:
-        """The forms of the first phase."""
+        """The forms of its rows."""
         return self.phase.forms
 
     @property
     def quantities(self) -> Sequence[Quantity]:
-        """The quantities of the first phase."""
+        """The quantities of its rows."""
         return self.phase.quantities
 
     @property
     def events(self) -> Sequence[Event]:
-        """The events of the first phase."""
+        """The events that every phase has."""
         return self.phase.events
 
     def replace(self, **changes: Any) -> "System":
@@ -272,9 +288,12 @@ class System:
         known = {"forms", "quantities", "events", "exits", *(field.name for field in dataclasses.fields(self))}
         if unknown := [name for name in changes if name not in known]:
             raise TypeError(f"a System has no field `{unknown[0]}`.{suggestion(unknown[0], sorted(known))}")
-        name, phase = next(iter(self.phases.items()))
         of_phase = {key: changes.pop(key) for key in ("forms", "quantities", "events", "exits") if key in changes}
-        changes.setdefault("phases", {**self.phases, name: dataclasses.replace(phase, **of_phase)})
+        phase = dataclasses.replace(self.phase, **of_phase)
+        if self.common:
+            changes.setdefault("common", phase)
+        else:
+            changes.setdefault("phases", {**self.phases, next(iter(self.phases)): phase})
         return dataclasses.replace(self, **changes)
 
     def with_requested(self, columns: Collection[str]) -> "System":

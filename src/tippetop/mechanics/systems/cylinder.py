@@ -16,7 +16,7 @@ from ..contact.orientation import planar
 from ..events import Event
 from ..friction import LAWS, Law, slip_coefficient
 from ..operand import Operand, formula, select
-from ..system import Alternative, Form, Parameter, Quantity, of_one_phase
+from ..system import Alternative, Form, Opening, Parameter, Quantity, of_one_phase
 from ..units import (
     INERTIA,
     JOULE,
@@ -316,5 +316,6 @@ GLIDING_CYLINDER = of_one_phase(
     events=(TURNING, LIFTOFF, gliding.EQUATOR, SETTLED),
     laws=ChainMap({"modified": MODIFIED}, LAWS),  # it sees what is added to LAWS later
     outlook=outlook.gliding_cylinder,
+    opening=Opening(planar=True),
     **COMMON,
 )

@@ -17,7 +17,7 @@ from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
 from ..friction import LAWS, slip_coefficient
 from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
-from ..system import Form, Quantity, of_one_phase
+from ..system import Form, Opening, Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from . import heavy_top, outlook
 
@@ -166,5 +166,6 @@ GLIDING_HEAVY_TOP = of_one_phase(
     long_names=gliding.LONG_NAMES,
     laws=LAWS,
     outlook=outlook.gliding_heavy_top,
+    opening=Opening(),
     **heavy_top.COMMON,
 )

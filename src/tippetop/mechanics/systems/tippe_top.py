@@ -10,7 +10,7 @@ from ..contact.gliding import rates
 from ..friction import LAWS
 from ..operand import Operand, formula, sqrt
 from ..potential import PotentialCoefficients
-from ..system import Landscape, Momentum, Parameter, Quantity, of_one_phase
+from ..system import Landscape, Momentum, Opening, Parameter, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -185,6 +185,7 @@ TIPPE_TOP = of_one_phase(
     momenta=("routh", "jellett"),
     landscape=LANDSCAPE,
     outlook=outlook.tippe_top,
+    opening=Opening(sphere=True, routh=routh, outlook=outlook.tippe_top_with_contact),
     borders=outlook.tippe_top_borders,
     inverts=True,
     classes=("tumbling", "upright", "inverted"),
