@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tippetop.engine import taylor
-from tippetop.engine.compiled import compiled
+from tippetop.engine.compiled import compiled_from
 from tippetop.engine.opt_level import OPT_LEVEL
 from tippetop.engine.stepper import FUSED, SEPARATE, UNKNOWN, Loaded, load, rounding_of
 from tippetop.runs.run import solve
@@ -69,10 +69,10 @@ def test_it_is_known_how_code_rounds(kind: int) -> None:
 def level(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """As tests are compiled; as users have it."""
     monkeypatch.setenv(OPT_LEVEL, request.param)
-    for forget in (compiled.cache_clear, taylor._known.clear):
+    for forget in (compiled_from.cache_clear, taylor._known.clear):
         forget()
     yield
-    for forget in (compiled.cache_clear, taylor._known.clear):
+    for forget in (compiled_from.cache_clear, taylor._known.clear):
         forget()
 
 

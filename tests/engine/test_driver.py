@@ -200,9 +200,9 @@ def unloadable(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
     with monkeypatch.context() as patch:
         patch.setattr(compiling, "load", refuse)
-        compiling.compiled.cache_clear()
+        compiling.compiled_from.cache_clear()
         yield
-    compiling.compiled.cache_clear()
+    compiling.compiled_from.cache_clear()
 
 
 @pytest.fixture
@@ -210,9 +210,9 @@ def unlike(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A process in which the loaded code makes other steps than heyoka."""
     with monkeypatch.context() as patch:
         patch.setattr(compiling, "is_same_step", lambda *_: False)
-        compiling.compiled.cache_clear()  # and with it the places of earlier runs
+        compiling.compiled_from.cache_clear()  # and with it the places of earlier runs
         yield
-    compiling.compiled.cache_clear()
+    compiling.compiled_from.cache_clear()
 
 
 def compared(mine: Solution, other: Solution) -> None:

@@ -51,7 +51,7 @@ def test_equations_so_long_that_llvm_would_take_a_minute_are_compiled_at_once(
 
     monkeypatch.setenv(OPT_LEVEL, "3")
     monkeypatch.setattr(compiled.hy, "taylor_adaptive", made)
-    compiled.compiled.cache_clear()
+    compiled.compiled_from.cache_clear()
     with pytest.raises(Reached):
         driver_of(build.load(preset))
     assert levels == [level]

@@ -20,7 +20,7 @@ from stores import PRELUDE, TURNING, Disk, acknowledged, assert_same, ended, sho
 
 from tippetop import errors
 from tippetop.cli import outcome
-from tippetop.engine.compiled import compiled
+from tippetop.engine.compiled import compiled_from
 from tippetop.engine.status import Status
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
@@ -281,8 +281,8 @@ def test_other_runs_that_change_hands_keep_every_bit_too(
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 5)
     if way == "no machine code":
         monkeypatch.setattr("tippetop.engine.compiled.is_same_step", lambda *_: False)
-        compiled.cache_clear()  # and with it the places of earlier runs
-        request.addfinalizer(compiled.cache_clear)
+        compiled_from.cache_clear()  # and with it the places of earlier runs
+        request.addfinalizer(compiled_from.cache_clear)
     sets = {
         "longdouble": ["run.precision=longdouble"],
         "liftoff": ["initial.theta=2.0", "initial.theta_dot=20.0"],

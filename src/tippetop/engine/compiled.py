@@ -1,22 +1,20 @@
-"""A system becomes an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
+"""Formulas become an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
 
 import copy
-import math
 import threading
 from collections.abc import Callable
 from functools import lru_cache, partial
+from itertools import count, repeat
 from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
 
-from ..mechanics.events import Event
-from ..mechanics.moment import moment
 from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .code_cache import compiled_once
-from .expressions import equations_of_motion
+from .expressions import Formulas, formulas_of
 from .opt_level import opt_level
 from .stepper import UNKNOWN, Called, Loaded, Stepper, call, load, rounding_of
 from .tallies import EventRows, event_rows
@@ -57,7 +55,6 @@ HUGE = 100_000  # terms of the right-hand side from which LLVM would take a minu
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
 
-@lru_cache(maxsize=MOST_COMPILED)
 def compiled(
     system: System,
     form_name: str,
@@ -68,12 +65,20 @@ def compiled(
     compact: bool,
     orientation: bool,
 ) -> Compiled:
-    """The integrator of a system in a form with a friction law: compiled once, then loaded from disk.
+    """Return `compiled_from` the formulas of a system in a form, with the type of the record of a friction law."""
+    return compiled_from(formulas_of(system, form_name, friction), precision, tolerance, lanes, compact, orientation)
+
+
+@lru_cache(maxsize=MOST_COMPILED)
+def compiled_from(
+    formulas: Formulas, precision: str, tolerance: float, lanes: int, compact: bool, orientation: bool
+) -> Compiled:
+    """Return an integrator: compiled once, then loaded from disk.
 
     Parameters
     ----------
-    system, form_name, friction
-        What moves: friction is the type of the record of the law.
+    formulas
+        The equations of motion and the event functions.
     precision, tolerance
         Of the integrator.
     lanes
@@ -92,15 +97,17 @@ def compiled(
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is neither, its integral is
     integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
     """
-    form, number = system.forms[form_name], PRECISIONS[precision]
-    variables = Variables(form, orientation)
-    q, carried, body, equations = equations_of_motion(system, variables, friction)
-    state = moment(system, form, q, carried, body)
+    number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
+    symbols = hy.make_vars(*variables.names)
+    q, carried = variables.split(symbols)
+    body = formulas.body(hy.par[i] for i in count())
+    rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
+    equations = list(zip(symbols, rates, strict=True))
     sources = []
-    for event in system.events:
-        function = hy.expression(0.0) + event.formula(state, body)
-        source = _source(function, equations, partial(_at_zero, event, system, variables, friction))
-        if not source and event.extremes and (integral := _integral_of(event, system, variables, friction)):
+    for e, (event, formula) in enumerate(zip(formulas.events, formulas.functions(q, carried, body), strict=True)):
+        function = hy.expression(0.0) + formula
+        source = _source(function, equations, partial(_at_zero, e, formulas, variables))
+        if not source and event.extremes and (integral := _integral_of(e, formulas, variables)):
             source = integral, 1, INTEGRAL_SCALE, 0.0
         sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
         if not source:
@@ -118,8 +125,8 @@ def compiled(
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
     rounding = rounding_of(machine.dense, len(equations), integrator.order) if machine and not lanes else UNKNOWN
-    rows = event_rows(system.events, sources, axis)
-    lasting, way = next(((e, event.direction) for e, event in enumerate(system.events) if event.lasting), (-1, 0))
+    rows = event_rows(formulas.events, sources, axis)
+    lasting, way = next(((e, event.direction) for e, event in enumerate(formulas.events) if event.lasting), (-1, 0))
     return Compiled(integrator, rows, lasting, way, machine, rounding, [], threading.local())
 
 
@@ -138,36 +145,31 @@ def _source(
     return None
 
 
-def _at_zero(event: Event, system: System, variables: Variables, friction: Any, index: int) -> float:
+def _at_zero(e: int, formulas: Formulas, variables: Variables, index: int) -> float:
     """An event function that depends on one variable, where this is zero: heyoka would take 70 ms to compile it."""
-    body = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
     state = np.ones(len(variables.names))
     state[index] = 0.0
     with np.errstate(all="ignore"):  # the others mean nothing
-        q, carried = variables.split(list(state))
-        return float(event.formula(moment(system, variables.form, q, carried, body), body))
+        return float(formulas.functions(*variables.split(list(state)), formulas.body(repeat(1.0)))[e])
 
 
 STATES = 3  # at which a rate is compared
 ALIKE = 1e-11  # relative: formulas of one quantity differ by rounding, others do not agree in so many digits
 
 
-def _integral_of(event: Event, system: System, variables: Variables, friction: Any) -> int:
+def _integral_of(e: int, formulas: Formulas, variables: Variables) -> int:
     """Index of the integral whose rate is an event function, if it is written in other words: their values agree for
     random bodies in random states. 0 if there is none. So the normal force, which is dear, is not integrated twice."""
+    if formulas.sample is None:
+        return 0
     random = np.random.default_rng(len(variables.names))
     alike = np.ones(len(variables.integrals), bool)
     for _ in range(STATES):
         numbers = iter(random.uniform(0.5, 1.0, 100).tolist())
-        body = system.body_of(
-            {name: next(numbers) for name in system.parameters}, friction(*(0.1,) * len(friction._fields))
-        )
-        angles = system.angles._make([next(numbers) for _ in system.angles])
-        theta = getattr(angles, "theta", 0.7)
         with np.errstate(all="ignore"):
-            q = variables.form.of_angles(angles, math.sin(theta), math.cos(theta), body)
+            q, body = formulas.sample(numbers)
             carried = variables.carried(*(next(numbers) for _ in variables.integrals))
-            wanted = float(event.formula(moment(system, variables.form, q, carried, body), body))
+            wanted = float(formulas.functions(q, carried, body)[e])
             rates = np.array([float(integral.rate(q, carried, body)) for integral in variables.integrals])
         alike &= np.abs(rates - wanted) <= ALIKE * abs(wanted)
     return variables.moving + int(np.argmax(alike)) if alike.any() else 0

@@ -1,10 +1,14 @@
 """A system as heyoka expressions: for the integrator, and for functions over arrays that are compiled like it."""
 
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import heyoka as hy
 
+from ..mechanics.events import Event
 from ..mechanics.moment import moment
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
@@ -54,6 +58,55 @@ def equations_of_motion(
     body = symbolic_body(system, variables.form, friction, by_parameters=by_parameters)
     rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
     return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class Formulas:
+    """The formulas that an integrator is compiled from.
+
+    Parameters
+    ----------
+    form
+        The equations of motion.
+    events
+        What is looked for.
+    functions
+        functions(q, carried, b) -> the event functions, in the order of the events.
+    body
+        body(values) -> the body, of an iterator over its leaves; what is 0 or 1 by construction is a number.
+    sample
+        sample(numbers) -> a state q and a body, of an iterator over numbers of order one; None: not known.
+    """
+
+    form: Form
+    events: tuple[Event, ...]
+    functions: Callable
+    body: Callable
+    sample: Callable | None = None
+
+
+@lru_cache(maxsize=64)
+def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
+    """Return the formulas of a system in a form, with the type of the record of a friction law."""
+    form = system.forms[form_name]
+
+    def functions(q: Any, carried: Any, b: Any) -> list:
+        state = moment(system, form, q, carried, b)
+        return [event.formula(state, b) for event in system.events]
+
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+
+    def body(values: Iterator) -> Any:
+        return refill(template, values)._replace(**system.folds(form))
+
+    def sample(numbers: Iterator[float]) -> tuple[Any, Any]:
+        given = {name: next(numbers) for name in system.parameters}
+        b = system.body_of(given, friction(*(0.1,) * len(friction._fields)))
+        angles = system.angles._make([next(numbers) for _ in system.angles])
+        theta = getattr(angles, "theta", 0.7)
+        return form.of_angles(angles, math.sin(theta), math.cos(theta), b), b
+
+    return Formulas(form, tuple(system.events), functions, body, sample)
 
 
 def component(variable: str) -> str:

@@ -259,9 +259,7 @@ def row_of_planar_angles(e, s, z, b):
 def planar_angles_of_row(q, carried, b):
     """The angles of a row of a motion in a plane."""
     v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
-    return PlanarAngles(
-        carried.theta, planar_theta_dot(q, b), v.x, v.z, gap, carried.x, carried.work, carried.impulse
-    )
+    return PlanarAngles(carried.theta, planar_theta_dot(q, b), v.x, v.z, gap, carried.x, carried.work, carried.impulse)
 
 
 @formula
