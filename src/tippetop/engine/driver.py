@@ -116,13 +116,14 @@ class Place:
         The integrator.
     stepper
         Its steps, in this place alone.
+    rows, tallies
+        The events, and tallies for them.
     """
 
-    def __init__(self, compiled: Compiled, stepper: Stepper):
+    def __init__(self, compiled: Compiled, stepper: Stepper, rows: EventRows, tallies: Tallies):
         self.taken_by: Any = None  # a weak reference to a driver
-        n, size, rows = len(compiled.integrator.state), compiled.integrator.order + 1, compiled.rows
-        self.rows: EventRows = rows._replace(events=rows.events.copy())
-        self.tallies: Tallies = new_tallies(rows, 1)
+        n, size = len(compiled.integrator.state), compiled.integrator.order + 1
+        self.rows, self.tallies = rows._replace(events=rows.events.copy()), tallies
         self.log: PassageLog = new_log(PASSAGES + len(rows.events) * size, n)
         self.samples: Samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
         self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
@@ -135,7 +136,7 @@ def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Steppe
     places: list[Place] = compiled.places.__dict__.setdefault("places", [])
     place = next((place for place in places if place.taken_by() is None), None)
     if place is None:
-        place = Place(compiled, stepper())
+        place = Place(compiled, stepper(), compiled.rows, new_tallies(compiled.rows, 1))
         if len(places) < PLACES:
             places.append(place)
     place.taken_by = weakref.ref(driver)
@@ -149,8 +150,8 @@ class Driver:
     ----------
     compiled
         The integrator.
-    records
-        The events of the integrator as this run looks for them: see `tallies.looked_for`.
+    rows
+        The events as this run looks for them: see `tallies.looked_for`.
     body
         The parameters of the integrator, perhaps with others behind.
     start
@@ -159,6 +160,8 @@ class Driver:
         The event functions there, (events,).
     end
         Internal time of the end.
+    tallies
+        Those of a run of which this is one phase; None: the run has no other.
     """
 
     ended: Status | None = None  # how the run ends before its first step
@@ -167,24 +170,27 @@ class Driver:
     def __init__(
         self,
         compiled: Compiled,
-        records: np.ndarray,
+        rows: EventRows,
         body: Sequence[Any],
         start: np.ndarray,
         functions: np.ndarray,
         end: Any,
+        tallies: Tallies | None = None,
     ):
         self.compiled, self.at_start, self.end = compiled, functions, end
         whole, pars = np.zeros(len(compiled.integrator.state), start.dtype), body[: len(compiled.integrator.pars)]
         whole[: len(start)] = start  # the others are integrals of event functions
-        self.place = place = place_for(self, compiled, lambda: self._stepper(whole, pars))
+        if tallies is not None:
+            self.place = place = Place(compiled, self._stepper(whole, pars), rows, tallies)
+        else:
+            self.place = place = place_for(self, compiled, lambda: self._stepper(whole, pars))
         self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
         self.motion, self.loop = place.motion, place.loop
         self.variables, self.number = len(start), start.dtype.type
-        self.rows.events[:] = records
-        ranged = np.flatnonzero(records["extremes"])
-        self.ranged = int(ranged[0]) if len(ranged) else -1
-        self.tallies.functions[:] = 0.0
-        reset(self.tallies, self.rows, 0, *signs_of(functions))
+        self.rows.events[:] = rows.events
+        if tallies is None:
+            self.tallies.functions[:] = 0.0
+            reset(self.tallies, self.rows, 0, *signs_of(functions))
         self.wanted, self.filling = Wanted(), NO_ROWS
         self.first = start[None, :].copy()
         self._take(pars)
@@ -292,10 +298,7 @@ class Driver:
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""
-        if self.ranged < 0:
-            return Extremes()
-        known, scale = self.tallies.functions[:, self.ranged, 0].tolist(), float(self.rows.events["scale"][self.ranged])
-        return Extremes(known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST])
+        return extremes_of(self.rows.events, self.tallies)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit."""
@@ -313,3 +316,12 @@ class Driver:
         self.tallies.lane[0] = tuple(kept["tally"])
         self.tallies.functions[:, :, 0] = kept["functions"]
         self.tallies.kept[:, 0] = kept["kept"]
+
+
+def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
+    """Return the extremes of the first event function whose extremes are kept; empty where there is none."""
+    ranged = np.flatnonzero(records["extremes"])
+    if not len(ranged):
+        return Extremes()
+    known, scale = tallies.functions[:, ranged[0], 0].tolist(), float(records["scale"][ranged[0]])
+    return Extremes(known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST])

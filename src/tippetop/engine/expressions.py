@@ -49,13 +49,21 @@ def symbolic_body(system: System, form: Form, friction: Any, *, by_parameters: b
     return refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
 
 
+def in_symbols(system: System, variables: Variables, friction: Any, *, by_parameters: bool = False) -> tuple:
+    """Return the variables as symbols, and the records that formulas take: the state, the integrals, the body."""
+    symbols = hy.make_vars(*variables.names)
+    return (
+        symbols,
+        *variables.split(symbols),
+        symbolic_body(system, variables.form, friction, by_parameters=by_parameters),
+    )
+
+
 def equations_of_motion(
     system: System, variables: Variables, friction: Any, *, by_parameters: bool = False
 ) -> Equations:
     """The equations of motion of a system as heyoka expressions, in internal units; see `symbolic_body`."""
-    symbols = hy.make_vars(*variables.names)
-    q, carried = variables.split(symbols)
-    body = symbolic_body(system, variables.form, friction, by_parameters=by_parameters)
+    symbols, q, carried, body = in_symbols(system, variables, friction, by_parameters=by_parameters)
     rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
     return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
@@ -164,9 +172,8 @@ def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
 def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
     """`orientation_of` as a compiled function; apart from the other observables, so that their bits stay."""
     form = system.forms[form_name]
-    q, carried, body, rates = equations_of_motion(system, Variables(form), friction)
+    symbols, q, carried, body = in_symbols(system, Variables(form), friction)
     outputs = [hy.expression(0.0) + value for value in orientation_of(form, q, carried, body)]
-    symbols = [variable for variable, _ in rates]
     return compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())
 
 
@@ -180,9 +187,8 @@ def compile_observables(
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
     form = system.forms[form_name]
-    q, carried, body, rates = equations_of_motion(system, Variables(form, orientation), friction)
+    symbols, q, carried, body = in_symbols(system, Variables(form, orientation), friction)
     values = observed(system, form, q, carried, body)
     polar = near_poles(form, q, body) if system.undefined_at_poles else []
     outputs = [hy.expression(0.0) + value for value in (*values.values(), *polar)]
-    symbols = [variable for variable, _ in rates]
     return tuple(values), compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())

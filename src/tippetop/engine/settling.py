@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.contact.body import Touch
-from ..mechanics.contact.phases.row import BALLS, PHASES
+from ..mechanics.contact.state import BALLS, PHASES
 from ..mechanics.friction import takes_nothing
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System

@@ -109,15 +109,15 @@ def mark_bounded(records: np.ndarray) -> None:
     records["bounded"][leaders[leaders >= 0]] = True
 
 
-def looked_for(rows: EventRows, events: Sequence[Event], logged: Collection[str], *, stops: bool) -> np.ndarray:
-    """Return the records of events as a run looks for them: turnings, which are many, only if they are logged; without
+def looked_for(rows: EventRows, events: Sequence[Event], logged: Collection[str], *, stops: bool) -> EventRows:
+    """Return the events as a run looks for them: turnings, which are many, only if they are logged; without
     ends, unless it `stops`."""
     records = rows.events.copy()
     records["watched"] = [not event.sense or event.name in logged for event in events]
     if not stops:
         records["ends"] = 0
     mark_bounded(records)
-    return records
+    return rows._replace(events=records)
 
 
 def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -13,8 +13,9 @@ from ..mechanics.operand import leaves
 from ..mechanics.system import Form, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from .compiled import MOST_COMPILED, compiled
+from .compiled import MOST_COMPILED, Compiled, compiled_from
 from .driver import Driver
+from .expressions import Formulas, formulas_of
 from .observables import event_functions
 from .opt_level import DEFAULT, opt_level
 from .tallies import looked_for
@@ -45,9 +46,9 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     Driver
     """
     if problem.contact is not None:
-        from .contact.driver import ContactDriver  # a twentieth of a start, which other runs do without
+        from .hybrid import HybridDriver  # a twentieth of a start, which other runs do without
 
-        return ContactDriver(problem, stop)  # type: ignore[return-value]
+        return HybridDriver(problem, stop)  # type: ignore[return-value]
     functions = event_functions(problem.alone)[0]
     return new_driver(problem, problem.system, problem.form, problem.internal_body, problem.start(), functions, stop)
 
@@ -80,29 +81,32 @@ def new_driver(
     -------
     Driver
     """
-    end = problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
-    compact = problem.precision != "double" and float(end) < LONG
-    law = type(body.friction)
-    key: tuple[Any, ...] = (
-        system,
-        form.name,
-        law,
-        problem.precision,
-        problem.tolerance,
-        0,
-        compact,
-        problem.orientation,
-    )
+    code = code_for(problem, formulas_of(system, form.name, type(body.friction)), stop)
+    rows = looked_for(code.rows, system.events, problem.events, stops=problem.on_liftoff != "continue")
+    return kind_of_driver(problem)(code, rows, leaves(body), start, functions, internal_end(problem))
+
+
+def kind_of_driver(problem: Problem) -> type[Driver]:
+    """Return the class of the drivers of a run."""
+    return Driver if problem.precision == "double" else WideDriver
+
+
+def internal_end(problem: Problem) -> Any:
+    """Return the internal time of the end of a run, in its precision."""
+    return problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
+
+
+def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None = None) -> Compiled:
+    """Return the integrator of formulas with the options of a run. Raises Interrupted if `stop` is set meanwhile."""
+    compact = problem.precision != "double" and float(internal_end(problem)) < LONG
+    key: tuple[Any, ...] = (formulas, problem.precision, problem.tolerance, 0, compact, problem.orientation)
     if key in _known:
-        code = compiled(*key)
-    else:
-        code = awaited(lambda: compiled(*key), "the equations are being compiled", stop)
-        if len(_known) >= MOST_COMPILED:  # some may have gone since
-            _known.clear()
-        _known.add(key)
-    records = looked_for(code.rows, system.events, problem.events, stops=problem.on_liftoff != "continue")
-    kind = Driver if problem.precision == "double" else WideDriver
-    return kind(code, records, leaves(body), start, functions, end)
+        return compiled_from(*key)
+    code = awaited(lambda: compiled_from(*key), "the equations are being compiled", stop)
+    if len(_known) >= MOST_COMPILED:  # some may have gone since
+        _known.clear()
+    _known.add(key)
+    return code
 
 
 _known: set[tuple] = set()  # what this process has compiled: a thread to wait for it takes 0.1 ms

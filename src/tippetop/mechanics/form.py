@@ -208,7 +208,7 @@ class Exit:
     jump: Callable
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Phase:
     """What stays the same between two changes of the contact: slip, roll, flight, both balls at once.
 

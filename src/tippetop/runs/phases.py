@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column, column
-from ..engine.contact.tables import FLAGS, IMPACT_COLUMNS, PHASE_COLUMNS, as_table
+from ..engine.phase_tables import as_table
+from ..mechanics.contact.opening import TABLES
 from ..mechanics.units import JOULE, METRE_PER_SECOND, NEWTON_SECOND, SECOND
 
 
 PER_CHUNK = 4096  # rows
 DIMENSIONS = {"phases": "interval", "impacts": "impact"}
+FLAGS = {name: words for kinds in TABLES.values() for name, words in kinds.items() if isinstance(words, tuple)}
 MEASURED: dict[str, Any] = {
     "start": (SECOND, "when the phase began"),
     "end": (SECOND, "when it ended"),
@@ -94,8 +96,7 @@ def columns(name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
 
 def empty() -> dict[str, dict[str, Column]]:
     """The tables without rows, by name."""
-    names = {"phases": PHASE_COLUMNS, "impacts": IMPACT_COLUMNS}
-    return {name: columns(name, as_table(of, [])) for name, of in names.items()}
+    return {name: columns(name, as_table(name, kinds, [])) for name, kinds in TABLES.items()}
 
 
 def joined(parts: dict[str, list[dict[str, np.ndarray]]]) -> dict[str, dict[str, Column]]:

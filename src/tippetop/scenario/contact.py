@@ -4,13 +4,13 @@ import math
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.contact.phases.drilling import LEAST_PATCH
+from ..mechanics.contact.opening import ABOVE, kind_of, opened
 from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
+from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import painleve_bound
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
-from ..mechanics.systems import laws_of
-from ..mechanics.systems.with_contact import ABOVE, BODIES, DRILLED, STEMMED, kind_of, with_contact
+from ..mechanics.systems import laws_of, that_open
 from ..problem import Problem
 
 
@@ -21,16 +21,18 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     name = friction.get("law") if isinstance(friction, dict) else None
     law = {**LAWS, **system.laws}.get(name) if isinstance(name, str) else None
     law = law and law.given(friction)
-    kind = kind_of(law) if law is not None else "smooth"  # an unknown law is refused later
+    law = law or LAWS["none"]  # an unknown law is refused later
+    bodies, opening = that_open(), system.opening
+    spheres = [name for name, one in bodies.items() if one.opening and one.opening.sphere]
     asked = [f"`{name}`" for name in ("contact", "stem") if name in tables]
     if isinstance(run, dict) and run.get("on_liftoff") == "fly":
         asked.append('`run.on_liftoff = "fly"`')
-    if kind == "drilling":
+    if law.regions:
         asked.append(f'`friction.law = "{name}"`')
-    if not (asked or (kind == "dry" and system.name in BODIES)):
+    if not (asked or (law.set_valued and opening)):
         initial = tables.get("initial")
         above = [name for name in ABOVE if isinstance(initial, dict) and name in initial]
-        if above and system.name in BODIES:
+        if above and opening:
             raise InputError(
                 [
                     f"`initial.{above[0]}` must stand with a contact that may open: give [contact], [stem], Coulomb's "
@@ -38,18 +40,19 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
                 ]
             )
         return system
-    if "stem" in tables and system.name != STEMMED:
-        raise InputError([f"`stem` must be of a {STEMMED}, but the system is {system.name}."])
+    if "stem" in tables and not (opening and opening.sphere):
+        raise InputError([f"`stem` must be of a {' or '.join(spheres)}, but the system is {system.name}."])
     what = asked[0] if asked else f'`friction.law = "{name}"` without eps'
-    if system.name not in BODIES:
-        raise InputError([f"{what} must be of a {' or '.join(BODIES)}, but the system is {system.name}."])
-    if BODIES[system.name] is not system:
+    if opening is None:
+        raise InputError([f"{what} must be of a {' or '.join(bodies)}, but the system is {system.name}."])
+    if bodies[system.name] is not system:
         raise InputError([f"{what} must stand without events and columns of one's own, but some are given."])
-    if not kind:
+    if not any(kind_of(law)):
         raise InputError([f'`friction.law` must not be "{name}" where the contact may open, by {what}.'])
-    if kind == "drilling" and name not in laws_of(system):
-        raise InputError([f'`friction.law = "{name}"` must be of a {DRILLED}, but the system is {system.name}.'])
-    return with_contact(system.name, kind, "stem" in tables)
+    if law.regions and name not in laws_of(system):
+        must = " or ".join(spheres)
+        raise InputError([f'`friction.law = "{name}"` must be of a {must}, but the system is {system.name}.'])
+    return opened(system, law, 2 if "stem" in tables else 1)
 
 
 def rules_of(scenario: Any, system: System) -> ContactLaw | None:

@@ -82,9 +82,11 @@ def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, s
     return {kind: names for kind, names in digests.items() if names}
 
 
-def is_users(formula: Callable) -> bool:
+def is_users(formula: Callable | None) -> bool:
     """Return whether a formula is not one of this package."""
-    return not str(getattr(formula, "__module__", "")).startswith(f"{__name__.partition('.')[0]}.")
+    return formula is not None and not str(getattr(formula, "__module__", "")).startswith(
+        f"{__name__.partition('.')[0]}."
+    )
 
 
 def _digest(record: Event | Quantity, system: System, form: Form, friction: Any) -> str:

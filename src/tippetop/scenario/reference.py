@@ -9,13 +9,13 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from annotated_types import Ge, Gt, Lt
 from pydantic_core import PydanticUndefined
 
+from ..mechanics.contact.opening import ABOVE, opened
 from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.events import Event
-from ..mechanics.friction import Law
+from ..mechanics.friction import LAWS, Law
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws
-from ..mechanics.systems.with_contact import ABOVE, BODIES, with_contact
+from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws, that_open
 from ..problem import ORIENTATION, PSI, UNTIL
 from .schema import ContactTable, RunTable, Table
 
@@ -138,7 +138,7 @@ def scenario() -> list[Section]:
                 ("[parameters]", "the body; its keys are those of its system"),
                 ("[friction]", f"law, and its numbers; of {', '.join(s.name for s in gliding)}"),
                 ("[initial]", 'the start; `from = "RUN.zarr"` instead: the end of another run'),
-                ("[contact]", f"a contact that may open; of {', '.join(BODIES)}"),
+                ("[contact]", f"a contact that may open; of {', '.join(that_open())}"),
                 ("[stem]", "the ball at the end of a stem; of tippe-top"),
                 ("[run]", "how long, how accurately, and what is kept"),
             ],
@@ -191,7 +191,7 @@ def friction() -> list[Section]:
     laws = systems_of_laws()
     for name, (law, _) in list(laws.items()):
         if law.without is not None:
-            laws[f"{name} (without {', '.join(law.optional)})"] = (law.without, list(BODIES))
+            laws[f"{name} (without {', '.join(law.optional)})"] = (law.without, list(that_open()))
     return [
         Section(name, f"{_meaning(law)} Of {', '.join(of) or 'no system'}.", KEYS, _numbers(law.parameters))
         for name, (law, of) in laws.items()
@@ -212,10 +212,9 @@ def systems() -> list[Section]:
 
 def _with_contact() -> list[System]:
     return [
-        with_contact(name, "smooth", stem)
-        for name in BODIES
-        for stem in (False, True)
-        if not stem or name == "tippe-top"
+        opened(system, LAWS["none"], balls)
+        for system in that_open().values()
+        for balls in ((1, 2) if system.opening and system.opening.sphere else (1,))
     ]
 
 
@@ -248,7 +247,7 @@ def columns() -> list[Section]:
         Section(f"Columns of {system.name}", "", ("column", "unit", "what it is"), _columns(system))
         for system in SYSTEMS.values()
     ]
-    new = {row for name in BODIES for row in _columns(SYSTEMS[name])}
+    new = {row for system in that_open().values() for row in _columns(system)}
     rows = [row for system in _with_contact() for row in _columns(system) if row not in new]
     text = "Beside the others, or instead."
     return [

@@ -111,7 +111,7 @@ def _model(system: System, laws: tuple[str, ...]) -> type[BaseModel]:
     fields["initial"] = (initial, initial())
     if system.contact is not None:
         fields["contact"] = (ContactTable | None, None)
-        if system.contact[1]:
+        if system.contact[1] > 1:
             fields["stem"] = (table_model("Stem", STEM, required=True), ...)
     if system.frictional:
         union: Any = None

@@ -9,7 +9,6 @@ from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of
-from ..mechanics.systems.with_contact import BODIES, STEMMED
 
 
 def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]) -> str:
@@ -54,9 +53,9 @@ def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) ->
     friction = tables.get("friction")
     given = friction.get("law") if isinstance(friction, dict) else None
     law = system.laws.get(given) if isinstance(given, str) else None
-    if system.name in BODIES:  # tables that a scenario may have, whether or not it has one
+    if system.opening:  # tables that a scenario may have, whether or not it has one
         keys += ["contact.restitution", *(f"contact.{key}" for key in CONTACT)]
-        keys += [f"stem.{key}" for key in STEM] if system.name == STEMMED else []
+        keys += [f"stem.{key}" for key in STEM] if system.opening.sphere else []
     return keys + ([f"friction.{key}" for key in ("law", *law.parameters)] if law else [])
 
 

@@ -9,7 +9,6 @@ from ..mechanics.contact.phases.rules import CONTACT, STEM
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, laws_of
-from ..mechanics.systems.with_contact import BODIES
 from ..problem import AUTO, KEYFRAME_STEPS, UNTIL
 from . import reading
 from .build import system_of
@@ -73,7 +72,7 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
         ("stem", tables.get("stem"), _rules(STEM)),
     ):
         lines += _table(name, given, known, {}) if given else []
-    if system.name in BODIES and not system.contact:
+    if system.opening and not system.contact:
         lines += ["", "# [contact] lets it lift off, fly and land, [stem] land on its stem: tippetop help scenario."]
     examples = {
         **{name: field.default for name, field in RunTable.model_fields.items()},

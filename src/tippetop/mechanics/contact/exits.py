@@ -315,7 +315,9 @@ class Slide(NamedTuple):
     def at(self, t: np.ndarray) -> tuple[Any, Any]:
         """Return the states and the integrals at times (n,) since its beginning."""
         state, w, beta = self.first.at(t)
-        return self.sliding(Vector(*state[:3]), Vector(*state[3:6]), w, beta, self.b), self.carried._make(state[6:])
+        q = self.sliding(Vector(*state[:3]), Vector(*state[3:6]), w, beta, self.b)
+        reference = np.broadcast_to(self.carried.jellett_reference, w.shape)  # the series rounds what stays
+        return q, self.carried._make(state[6:])._replace(jellett_reference=reference)
 
 
 def slide_from_cone(x: Moving, world: Any, phase: Any, sliding: Callable) -> Slide:

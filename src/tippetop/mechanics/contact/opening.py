@@ -172,7 +172,8 @@ def with_exits(one: Placed, placed: list[Placed], planar: bool, law: Law, balls:
             jump = partial(go_on, to=to, passed=of_ball + (border.event if side else back), side=side)
             jumps[of_ball + border.event] = (to,), jump
     exits = tuple(Exit(event, *jumps[event]) for event in (CLOCK, *(event.name for event in events)))
-    return replace(phase, events=events, exits=exits, parameters=itemgetter(ball), ball=ball)
+    forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
+    return replace(phase, forms=forms, events=events, exits=exits, parameters=itemgetter(ball), ball=ball)
 
 
 def on(ball: int, placed: list[Placed]) -> tuple[str, ...]:
@@ -244,7 +245,7 @@ def _open(system: System, law: Law, balls: int) -> System:
         borders=None,
         motion=None,
         long_form="",
-        contact=(law.record, balls),
+        contact=(law, balls),
     )
 
 

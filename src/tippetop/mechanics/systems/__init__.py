@@ -15,6 +15,7 @@ from typing import Any
 from ...errors import InputError
 from .. import friction
 from ..consistency import inconsistencies, unmet_requirements
+from ..contact.opening import kind_of, opened
 from ..system import System
 from .answers import wrong_answers
 from .cylinder import GLIDING_CYLINDER
@@ -110,11 +111,23 @@ def find(name: str) -> System | None:
 
 def laws_of(system: System) -> dict[str, friction.Law]:
     """Return the friction laws that runs of a system take, by name: one body takes those with regions."""
-    from .with_contact import DRILLED, kind_of, plain
-
     if system.contact is not None:
-        return {name: law for name, law in laws_of(plain(system)).items() if kind_of(law)}
-    return {name: law for name, law in system.laws.items() if not law.regions or system.name == DRILLED}
+        return {name: law for name, law in laws_of(SYSTEMS[system.name]).items() if any(kind_of(law))}
+    has_disc = system.opening is not None and system.opening.sphere
+    return {name: law for name, law in system.laws.items() if not law.regions or has_disc}
+
+
+def that_open() -> dict[str, System]:
+    """Return the systems whose contact may open, by name."""
+    return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
+
+
+def opened_by_name(name: str, record: type, balls: int) -> System:
+    """Return a system whose contact opens, as a pickle has it. Raises InputError if this process does not know it."""
+    system = by_name(name)
+    if (known := friction.named(record, system.laws)) is None:
+        raise InputError([f"the law of `{record.__name__}` is not known in this process: register it first."])
+    return opened(system, known[1], balls)
 
 
 def systems_of_laws() -> dict[str, tuple[friction.Law, list[str]]]:
@@ -135,10 +148,9 @@ def by_name(name: str) -> System:
 
 def _pickled(system: System) -> tuple:
     """A pickle has the names of systems, not their formulas."""
-    from .with_contact import with_contact
-
-    if system.contact is not None and with_contact(system.name, *system.contact) is system:
-        return with_contact, (system.name, *system.contact)
+    if system.contact is not None and opened(SYSTEMS[system.name], *system.contact) is system:
+        law, balls = system.contact
+        return opened_by_name, (system.name, law.record, balls)
     if SYSTEMS.get(system.name) is not system:
         raise pickle.PicklingError(
             f"a `{system.name}` that is not registered, or has events or columns of your own, cannot be pickled: its "
