@@ -107,7 +107,7 @@ def jellett_lost(sides):
     return one.N * dot(one.torque, one.arm) + two.N * dot(turn_of(two), one.arm)
 
 
-def sides_of(frictions: tuple[Callable, Callable]) -> Callable:
+def sides_of(*frictions: Callable) -> Callable:
     """Return sides(x, b) -> sphere and stem, whose N is not yet known, of what friction does to each."""
 
     @formula
@@ -134,7 +134,7 @@ def leave(q, b):
 @formula
 def enter(x, b):
     """The state of a body on both."""
-    return State(*x.u, *x.L, x.velocity.x, x.velocity.y)
+    return State._make((*x.u, *x.L, x.velocity.x, x.velocity.y))
 
 
 LEAVES = (
@@ -160,14 +160,14 @@ class Double(NamedTuple):
 
 
 @lru_cache
-def double_contact(regions: tuple[Region, ...] = (), torque: Callable | None = None) -> Double:
+def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Double:
     """Return the phase on both balls: of sphere and stem in two regions of a law with this torque, or, without, under a
     law that is smooth in the velocity."""
     if regions:
-        sides = sides_of(tuple(disc_friction(region.drag, torque) for region in regions))
+        sides = sides_of(*(disc_friction(region.drag, torque) for region in regions))
         events = (*LEAVES, *borders(regions[0]), *map(_of_stem, borders(regions[1])))
     else:
-        sides, events = sides_of((smooth_friction, smooth_friction)), LEAVES
+        sides, events = sides_of(smooth_friction, smooth_friction), LEAVES
 
     @formula
     def pair(q, b):

@@ -42,7 +42,7 @@ AT_REST = "the contact's disc comes to rest, where friction can hold it; rolling
 class Impact(NamedTuple):
     """A row of the table of impacts, internal units."""
 
-    ball: int
+    ball: Any
     v_n_before: Any  # normal velocity
     v_n_after: Any
     speed_before: Any  # tangential speed
@@ -50,7 +50,7 @@ class Impact(NamedTuple):
     impulse: Any  # normal
     friction_impulse: Any
     work: Any  # energy that the body gained
-    mode: str
+    mode: Any  # how friction ended
 
 
 # --- the balls --------------------------------------------------------------------------------------------------------
@@ -126,8 +126,8 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, **more: Any) -> Next:
     gaps = [contact.gap(x.height, x.u.z, b) for b in world.body]
     known = [zeros if k == ball else int(float(gap) <= ON_PLANE) for k, gap in enumerate(gaps)]
     lasts = min(world.landing(x, *ball) for ball in zip(gaps, world.body, known, strict=True))
-    ends = {} if lasts > 0 else {"ends": "stalled", "message": NO_WAY}
-    return Next(phase_name("flight", ball), x, lasts=lasts, **more, **ends)
+    ends = ("", "") if lasts > 0 else ("stalled", NO_WAY)
+    return Next(phase_name("flight", ball), x, lasts=lasts, ends=ends[0], message=ends[1], **more)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
@@ -167,7 +167,10 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
         sides = double_contact(tuple(law.regions[name] for name in regions), law.torque).sides
         name = phase_name("both", 0, *regions)
         after, both, p = brought_to_rest(x, sides, b)
-        mean = times(0.5, plus(contact.angular_velocity(x.u, x.L, b), contact.angular_velocity(x.u, after.L, b)))
+        mean = times(
+            0.5,
+            plus(contact.angular_velocity(x.u, x.L, b), contact.angular_velocity(x.u, after.L, b)),
+        )
         work = dot(p, times(0.5, plus(x.velocity, after.velocity))) + dot(turn_on(both), mean)
         x = gained(after, work=-work, impulse=p.z)
         if law.regions:
@@ -241,8 +244,8 @@ def both_touch(x: Moving, world: Any) -> bool:
 
 
 def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool]:
-    """Return the body after an impact of a ball, the row of the impact, whether the ball stays on the plane, and whether
-    the impact made energy. Raises ArithmeticError if the impact has no solution."""
+    """Return the body after an impact of a ball, the row of the impact, whether the ball stays on the
+    plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
     b, e_n = world.body[ball], world.rules.e_n
     closes = abs(float(point(x, b).z)) < CLOSES_AT
     plastic = closes or e_n == 0
@@ -254,7 +257,15 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
         velocity = velocity._replace(z=velocity.z - after.v.z)  # it does not rise by rounding
     v_n = float(v.z), 0.0 if plastic else float(after.v.z)
     speeds = float(size(v)), float(size(after.v))
-    hit = Impact(ball, *v_n, *speeds, float(after.p.z), float(size(after.p)), float(after.gained), impact.mode)
+    hit = Impact(
+        ball,
+        *v_n,
+        *speeds,
+        float(after.p.z),
+        float(size(after.p)),
+        float(after.gained),
+        impact.mode,
+    )
     return x._replace(L=after.L, velocity=velocity), hit, plastic, impact.makes_energy
 
 
@@ -315,7 +326,8 @@ class Slide(NamedTuple):
     def at(self, t: np.ndarray) -> tuple[Any, Any]:
         """Return the states and the integrals at times (n,) since its beginning."""
         state, w, beta = self.first.at(t)
-        return self.sliding(Vector(*state[:3]), Vector(*state[3:6]), w, beta, self.b), self.carried._make(state[6:])
+        carried = self.carried._make(state[6:])._replace(jellett_reference=self.carried.jellett_reference + 0 * w)
+        return self.sliding(Vector(*state[:3]), Vector(*state[3:6]), w, beta, self.b), carried
 
 
 def slide_from_cone(x: Moving, world: Any, phase: Any, sliding: Callable) -> Slide:
@@ -405,8 +417,11 @@ def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Ne
 
 
 def on_disc(n: Next, world: Any) -> Next:
-    """Return a phase that begins, under a law with regions. Where sliding and turning stop together the run ends, unless
-    friction cannot hold the disc: then it passes its rest and turns on, and may turn back unseen by a step."""
+    """Return a phase that begins, under a law with regions.
+
+    Where sliding and turning stop together the run ends, unless friction cannot hold the disc: then it
+    passes its rest and turns on, and may turn back unseen by a step.
+    """
     phase = world.phases[n.phase]
     staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
     if n.ends or not staying:

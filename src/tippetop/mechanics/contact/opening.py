@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import product
 from operator import itemgetter
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,11 +20,32 @@ from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import Ball, Body, Touch, touch
 from .double_contact import double_contact
-from .exits import Impact, begin, begin_slip, change_ball, go_on, land, lift_off, phase_name, stay_on, stick
+from .exits import (
+    Impact,
+    begin,
+    begin_slip,
+    change_ball,
+    go_on,
+    land,
+    lift_off,
+    phase_name,
+    stay_on,
+    stick,
+)
 from .gliding import catalogue as gliding
 from .gliding.euler import centre_velocity
 from .planar import IN_PLANE, SIGNED_SLIP, signed_slide
-from .single_contact import DIRECTED_SLIP, FLIGHT, RESTS, ROLL, SLIP, STICK, TOUCH, directed, disc_slip
+from .single_contact import (
+    DIRECTED_SLIP,
+    FLIGHT,
+    RESTS,
+    ROLL,
+    SLIP,
+    STICK,
+    TOUCH,
+    directed,
+    disc_slip,
+)
 from .state import (
     ANGLES,
     BALLS,
@@ -207,8 +229,8 @@ def opened(system: System, law: Law, balls: int) -> System:
 def _open(system: System, law: Law, balls: int) -> System:
     opening = system.opening
     assert opening is not None
-    form, angles = (PLANAR_ROW, PLANAR_ANGLES) if opening.planar else (ROW, ANGLES)
-    form, angles = (DISC_ROW, DISC_ANGLES) if law.torque else (form, angles)
+    angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
+    form = DISC_ROW if law.torque else PLANAR_ROW if opening.planar else ROW
     of_axis = (event for event in system.events if not event.lasting and event.ends != "liftoff")
     common = Phase(
         {form.name: form},
@@ -232,7 +254,7 @@ def _open(system: System, law: Law, balls: int) -> System:
         begin=begin,
         row=row,
         tables=TABLES,
-        laws=LawsLike(system, kind_of(law)),
+        laws=MappingProxyType(LawsLike(system, kind_of(law))),
         initial=system.initial | ABOVE,
         start=partial(start, type(angles)),
         angles=angles,
@@ -280,7 +302,7 @@ def seen_from_balls(b: Touch, rules: Any, internal: Callable, laws: Mapping[str,
 
 
 def has_a_value_at_rest(friction: Any) -> bool:
-    """Return whether no formula of a contact divides by zero: floats would raise where numbers of NumPy are infinite."""
+    """Return whether no formula of a contact divides by zero: there floats raise, and numbers of NumPy do not."""
     try:
         with np.errstate(all="ignore"):
             return bool(np.isfinite(slip_coefficient(0.0, 0.0, refill(friction, map(float, leaves(friction))))))

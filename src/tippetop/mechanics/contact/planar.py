@@ -58,7 +58,7 @@ def roll(s, z, theta_dot, body):
 @lru_cache
 def with_theta_dot(record: Any) -> Any:
     """Return the type of a record of scalars with one more, theta'."""
-    return namedtuple("PlanarScalars", (*record._fields, "theta_dot"))  # type: ignore[misc]
+    return namedtuple("PlanarScalars", (*record._fields, "theta_dot"))
 
 
 def in_plane(phase: Phase) -> Phase:
@@ -68,7 +68,8 @@ def in_plane(phase: Phase) -> Phase:
     @formula
     def scalars(q, b):
         s = form.scalars(q, b)
-        return with_theta_dot(type(s))._make((*s, planar_theta_dot(q, b)))
+        record: Any = type(s)
+        return with_theta_dot(record)._make((*s, planar_theta_dot(q, b)))
 
     theta = Integral("theta", *NAMED["theta"], formula(lambda q, carried, b: planar_theta_dot(q, b)))
     integrals = (theta, *(integral for integral in form.integrals if integral.name != "y"))

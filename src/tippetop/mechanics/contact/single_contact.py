@@ -28,7 +28,11 @@ from .state import LOST, Moving, Reaction
 
 
 def vector_form(
-    units: Any, rates: Callable, scalars: Callable, integrals: Mapping[str, Callable], lost: Callable | None = None
+    units: Any,
+    rates: Callable,
+    scalars: Callable,
+    integrals: Mapping[str, Callable],
+    lost: Callable | None = None,
 ) -> Form:
     """Return the form of a phase whose state has axis and momentum.
 
@@ -98,7 +102,7 @@ FLIGHT = Phase(
             {"x": lambda q, carried, b: q.rx_dot, "y": lambda q, carried, b: q.ry_dot},
         )
     },
-    enter=lambda x, b: FreeState(*x.u, *x.L, *x.velocity, x.height),
+    enter=lambda x, b: FreeState._make((*x.u, *x.L, *x.velocity, x.height)),
     leave=lambda q, b: Moving(axis(q), momentum(q), Vector(*q[6:9]), q.height),
     reaction=free_reaction,
     label="flight",
@@ -129,7 +133,7 @@ SLIP = Phase(
     {"vector": gliding.VECTOR},
     (),
     (gliding.LIFTOFF,),
-    enter=lambda x, b: gliding_vector.VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
+    enter=lambda x, b: gliding_vector.VectorState._make((*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2])),
     leave=slip_leave,
     reaction=slip_reaction,
     label="slip",
@@ -165,7 +169,13 @@ ROLL = Phase(
     (),
     (
         rolling.LIFTOFF,
-        Event("slip", "rolling needs more friction than there is: the contact slides", cone, -1, "slip"),
+        Event(
+            "slip",
+            "rolling needs more friction than there is: the contact slides",
+            cone,
+            -1,
+            "slip",
+        ),
     ),
     enter=lambda x, b: rolling_vector.VectorState(*x.u, *x.L),
     leave=roll_leave,
@@ -240,7 +250,7 @@ def directed_leave(q, b):
 
 def directed(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> DirectedState:
     """Return the state of sliding with the speed w in the direction beta."""
-    return DirectedState(*u, *L, beta, w)
+    return DirectedState._make((*u, *L, beta, w))
 
 
 @formula
@@ -375,7 +385,7 @@ def disc_leave(q, b):
 def disc_enter(x, b):
     """The state of a body that slides."""
     v = contact_velocity(x.u, x.L, x.velocity, b)
-    return DiscState(*x.u, *x.L, v.x, v.y)
+    return DiscState._make((*x.u, *x.L, v.x, v.y))
 
 
 @lru_cache

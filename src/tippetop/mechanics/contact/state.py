@@ -42,7 +42,11 @@ BALLS = ("body", "stem")
 REFERENCE = ("jellett_reference", JELLETT, "Jellett's integral when its ball first touched")
 """An integral that only jumps change: the drift of Jellett's integral is relative to it."""
 
-LOST = ("jellett_lost", JELLETT, "Jellett's integral taken by the torque of the contact since the start")
+LOST = (
+    "jellett_lost",
+    JELLETT,
+    "Jellett's integral taken by the torque of the contact since the start",
+)
 
 
 class Moving(NamedTuple):
@@ -107,7 +111,8 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
     number = PHASES.index(phase.label)
-    return Row(*x[0], *x[1], *x[2], x.height, *by.force, b.R, b.c, gap, number, phase.ball, reference, by.drilled)
+    contact_of = b.R, b.c, gap, number, phase.ball, reference, by.drilled
+    return Row._make((*x.u, *x.L, *x.velocity, x.height, *by.force, *contact_of))
 
 
 # --- scalars ----------------------------------------------------------------------------------------------------------
@@ -153,7 +158,7 @@ def row_scalars(q, b):
     """The scalars of a row."""
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
-        *kinematics(u, momentum(q), axis_rate(q, b), b),
+        **kinematics(u, momentum(q), axis_rate(q, b), b)._asdict(),
         v_u=u.x * v.x + u.y * v.y,
         v_n=u.x * v.y - u.y * v.x,
         v2=v.x * v.x + v.y * v.y,
@@ -194,7 +199,15 @@ class Angles(NamedTuple):
 
 
 ANGLES = Angles(
-    RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 3, METRE, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND
+    RADIAN,
+    *(RADIAN_PER_SECOND,) * 3,
+    *(METRE_PER_SECOND,) * 3,
+    METRE,
+    RADIAN,
+    METRE,
+    METRE,
+    JOULE,
+    NEWTON_SECOND,
 )
 DiscAngles: Any = namedtuple("DiscAngles", (*Angles._fields, LOST[0]))  # type: ignore[misc]
 DISC_ANGLES = DiscAngles._make((*ANGLES, JELLETT))
@@ -226,8 +239,9 @@ def row_of_angles(e, s, z, b):
     ex, ey = cos(e.phi), sin(e.phi)
     along_x, along_y = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
     velocity = along_x - at_rest.x, along_y - at_rest.y, e.nu_z - at_rest.z
-    rest = (none,) * 3, (b.R, b.c, none, none, none), (contact.jellett_of(L.z, b.I3 * e.omega3, b), none)
-    return Row(*u, *L, *velocity, e.gap + b.R - b.c * z, *rest[0], *rest[1], *rest[2])
+    jellett = contact.jellett_of(L.z, b.I3 * e.omega3, b)
+    height = e.gap + b.R - b.c * z
+    return Row._make((*u, *L, *velocity, height, *(none,) * 3, b.R, b.c, *(none,) * 3, jellett, none))
 
 
 @formula
@@ -238,7 +252,16 @@ def angles_of_row(q, carried, b):
     s = sqrt(c.s2)
     place_and_integrals = (carried.x, carried.y, carried.work, carried.impulse)
     return Angles(
-        theta, theta_dot, phi_dot, c.L3 / b.I3, c.v_u / s, c.v_n / s, c.rise, c.gap, phi, *place_and_integrals
+        theta,
+        theta_dot,
+        phi_dot,
+        c.L3 / b.I3,
+        c.v_u / s,
+        c.v_n / s,
+        c.rise,
+        c.gap,
+        phi,
+        *place_and_integrals,
     )
 
 
@@ -260,7 +283,14 @@ def planar_angles_of_row(q, carried, b):
     """The angles of a row of a motion in a plane."""
     v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
     return PlanarAngles(
-        carried.theta, planar_theta_dot(q, b), v.x, v.z, gap, carried.x, carried.work, carried.impulse
+        carried.theta,
+        planar_theta_dot(q, b),
+        v.x,
+        v.z,
+        gap,
+        carried.x,
+        carried.work,
+        carried.impulse,
     )
 
 
@@ -276,7 +306,10 @@ def planar_theta_dot(q, b):
 
 def carried(*names: str) -> tuple[Integral, ...]:
     """Return the integrals of rows; a phase integrates some of them, the others stay."""
-    return (*(Integral(name, *NAMED[name], rate=None) for name in names), Integral(*REFERENCE, rate=None))
+    return (
+        *(Integral(name, *NAMED[name], rate=None) for name in names),
+        Integral(*REFERENCE, rate=None),
+    )
 
 
 ROW = Form(
@@ -343,5 +376,13 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
             Quantity("jellett_taken", "", JELLETT, text, _field("jellett_taken"), is_column=False),
         )  # fmt: skip
     if stem:
-        found.append(Quantity("gap_stem", "gap of the stem", METRE, "height of the stem's ball", _field("stem_gap")))
+        found.append(
+            Quantity(
+                "gap_stem",
+                "gap of the stem",
+                METRE,
+                "height of the stem's ball",
+                _field("stem_gap"),
+            )
+        )
     return tuple(found)
