@@ -1,6 +1,8 @@
-"""Every jump of a body whose contact may open: what follows the end of a phase, as a function of the common state.
+"""Every jump of a body whose contact may open: what follows the end of a phase, as a function of
+the common state.
 
-`world` is that of `form.Exit`, of which `body` is the body seen from each ball. [contact 2, 3, 4, 6]
+`world` is that of `form.Exit`, of which `body` is the body seen from each ball. [contact 2, 3, 4,
+6]
 """
 
 from collections.abc import Callable
@@ -21,16 +23,34 @@ from .single_contact import RESTS, STOPS_AT, region_of, stays_at_rest
 from .state import LOST, Moving
 
 
-BEGINS_AT = 1e-8  # |v_A| with which sliding begins from rest outside the friction cone; its square is the error
-CLOSES_AT = 1e-8  # v_n below which an impact does not bounce: the error is its square
-ON_PLANE = 1e-12  # gap of a ball that touches
-BOTH_AT = 1e-6  # v_n of both balls below which the body is on them; the rest is an impulse: the error is its square
-PRESSES = 1e-12  # least part of the weight that a ball carries
-LEAVES_FOR = 1e-3  # internal time in which a ball that leaves cannot touch: its gap has a multiple root
-ASKED_AFTER = 3e-3  # internal time: whether friction holds a disc that passes its rest; some thousand steps
-MOST_STRIKES = 16  # of impacts at one instant
-SPAN = 0.03  # of 1/|omega|: the time over which sliding begins at the edge of the cone
-SLOW = 0.5  # of the time in which gravity swings the body: that of one that hardly turns
+BEGINS_AT = 1e-8
+"""|v_A| with which sliding begins from rest outside the friction cone; its square is the error."""
+
+CLOSES_AT = 1e-8
+"""v_n below which an impact does not bounce: the error is its square."""
+
+ON_PLANE = 1e-12
+"""Gap of a ball that touches."""
+
+BOTH_AT = 1e-6
+"""v_n of both balls below which the body is on them; impulses take it: the error is its square."""
+
+PRESSES = 1e-12
+"""Least part of the weight that a ball carries."""
+
+LEAVES_FOR = 1e-3
+"""Internal time in which a ball that leaves cannot touch: its gap has a multiple root."""
+
+ASKED_AFTER = 3e-3
+"""Internal time after which a disc that passes its rest may be held by friction after all."""
+
+MOST_STRIKES = 16
+"""Impacts at one instant."""
+
+SPAN, SLOW = 0.03, 0.5
+"""Time over which sliding begins at the edge of the cone: this part of 1/|omega|, and at most that of
+the time in which gravity swings the body."""
+
 MOST_HALVINGS = 10
 
 NO_WAY = "the contact opens and closes at once: the model has no solution"
@@ -53,11 +73,12 @@ class Impact(NamedTuple):
     mode: Any  # how friction ended
 
 
-# --- the balls --------------------------------------------------------------------------------------------------------
+# --- the balls ------------------------------------------------------------------------------------
 
 
 def phase_name(label: str, ball: int = 0, *regions: str) -> str:
-    """Return the name of a phase, by its label, the ball and the regions of the law on each ball in contact."""
+    """Return the name of a phase, by its label, the ball and the regions of the law on each ball in
+    contact."""
     return "-".join((*("stem",) * ball, label, *regions))
 
 
@@ -90,7 +111,8 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return what follows where a ball comes into contact: from here on Jellett's integral is compared with its."""
+    """Return what follows where a ball comes into contact: from here on Jellett's integral is
+    compared with its."""
     x = n.x
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), world.body[world.phases[n.phase].ball])
     lost = getattr(x.carried, LOST[0], 0)
@@ -98,7 +120,7 @@ def first_touch(n: Next, world: Any) -> Next:
     return n
 
 
-# --- what begins ------------------------------------------------------------------------------------------------------
+# --- what begins ----------------------------------------------------------------------------------
 
 
 def begin(x: Moving, world: Any) -> Next:
@@ -122,7 +144,8 @@ def begin(x: Moving, world: Any) -> Next:
 
 
 def fly(x: Moving, world: Any, ball: int, zeros: int, **more: Any) -> Next:
-    """Return free flight until the first ball lands; `zeros` of the gap of a ball and its derivatives vanish now."""
+    """Return free flight until the first ball lands; `zeros` of the gap of a ball and its
+    derivatives vanish now."""
     gaps = [contact.gap(x.height, x.u.z, b) for b in world.body]
     known = [zeros if k == ball else int(float(gap) <= ON_PLANE) for k, gap in enumerate(gaps)]
     lasts = min(world.landing(x, *ball) for ball in zip(gaps, world.body, known, strict=True))
@@ -131,8 +154,8 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, **more: Any) -> Next:
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows where a ball touches the plane and its lowest point does not rise: the body slides, rolls or
-    leaves."""
+    """Return what follows where a ball touches the plane and its lowest point does not rise: the
+    body slides, rolls or leaves."""
     b, law = world.body[ball], law_of(world)
     if not law.set_valued or size(point(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *((region_of(x, b, law.regions),) if law.regions else ()))
@@ -155,15 +178,16 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
 
 def other_touches(x: Moving, world: Any, ball: int) -> dict[str, int]:
     """Return the root of `touch` where the other ball is on the plane too, and leaves it."""
-    return {"touch": 1} if any(gap(x, b) <= ON_PLANE for b in world.body if b is not world.body[ball]) else {}
+    others = (b for k, b in enumerate(world.body) if k != ball)
+    return {"touch": 1} if any(gap(x, b) <= ON_PLANE for b in others) else {}
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
-    """Return what follows where both balls touch and neither rises: the body stays on both, if both press, or on the
-    one that does."""
+    """Return what follows where both balls touch and neither rises: the body stays on both, if both
+    press, or on the one that does."""
     law, b = law_of(world), world.body[0]
     if not law.set_valued:
-        regions = tuple(region_of(x, ball, law.regions) for ball in world.body) if law.regions else ()
+        regions = tuple(region_of(x, ball, law.regions) for ball in world.body if law.regions)
         sides = double_contact(tuple(law.regions[name] for name in regions), law.torque).sides
         name = phase_name("both", 0, *regions)
         after, both, p = brought_to_rest(x, sides, b)
@@ -185,11 +209,13 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
         flies = world.phases[n.phase].label == "flight"
         if flies or opens(n, world):
             return first_touch(n if flies else left_alone(n, 2), world)
-    return Next(phase_name("flight"), x, cause, ends="ended", message=BOTH if law.set_valued else NO_WAY)
+    message = BOTH if law.set_valued else NO_WAY
+    return Next(phase_name("flight"), x, cause, ends="ended", message=message)
 
 
 def opens(n: Next, world: Any) -> bool:
-    """Return whether the other ball, which touches too, leaves the plane in a phase that begins: by its gap''."""
+    """Return whether the other ball, which touches too, leaves the plane in a phase that begins: by
+    its gap''."""
     phase = world.phases[n.phase]
     b = world.body[phase.ball]
     x, rate = n.x, phase.form.rates(phase.enter(n.x, b), b)
@@ -198,17 +224,19 @@ def opens(n: Next, world: Any) -> bool:
 
 
 def left_alone(n: Next, zeros: int) -> Next:
-    """Return a phase on one ball where the other has just left: its gap and so many derivatives in all vanish."""
+    """Return a phase on one ball where the other has just left: its gap and so many derivatives in
+    all vanish."""
     if n.lasts is None or zeros == 3:
         n.zeros, n.lasts = {**n.zeros, "touch": zeros}, LEAVES_FOR
     return n
 
 
-# --- impacts ----------------------------------------------------------------------------------------------------------
+# --- impacts --------------------------------------------------------------------------------------
 
 
 def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows an impact of a ball, and of the other one, should that be pressed into the plane."""
+    """Return what follows an impact of a ball, and of the other one, should that be pressed into
+    the plane."""
     if both_touch(x, world):
         return rest_on_both(x, world, cause)
     if not point(x, world.body[ball]).z < 0:  # it touches without striking
@@ -218,8 +246,9 @@ def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
     while len(hits) < MOST_STRIKES:
         x, hit, plastic, makes_energy = struck(x, world, ball)
         hits.append(hit)
-        pressed = [k for k in range(len(world.body)) if k != ball and gap(x, world.body[k]) <= ON_PLANE
-                   and point(x, world.body[k]).z < -CLOSES_AT]  # fmt: skip
+        others = [k for k in range(len(world.body)) if k != ball]
+        there = [k for k in others if gap(x, world.body[k]) <= ON_PLANE]
+        pressed = [k for k in there if point(x, world.body[k]).z < -CLOSES_AT]
         if makes_energy:
             n = Next(phase_name("flight", ball), x, cause, ends="ended", message=MAKES_ENERGY)
         elif pressed:
@@ -244,8 +273,8 @@ def both_touch(x: Moving, world: Any) -> bool:
 
 
 def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool]:
-    """Return the body after an impact of a ball, the row of the impact, whether the ball stays on the
-    plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
+    """Return the body after an impact of a ball, the row of the impact, whether the ball stays on
+    the plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
     b, e_n = world.body[ball], world.rules.e_n
     closes = abs(float(point(x, b).z)) < CLOSES_AT
     plastic = closes or e_n == 0
@@ -269,12 +298,12 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
     return x._replace(L=after.L, velocity=velocity), hit, plastic, impact.makes_energy
 
 
-# --- slides that begin and end ----------------------------------------------------------------------------------------
+# --- slides that begin and end --------------------------------------------------------------------
 
 
 def first_direction(x: Moving, b: Touch) -> Vector | None:
-    """Return the direction in which a contact at rest begins to slide, whose rolling force lies outside the friction
-    cone; None if there is none."""
+    """Return the direction in which a contact at rest begins to slide, whose rolling force lies
+    outside the friction cone; None if there is none."""
 
     def law(beta: np.ndarray) -> tuple[Any, Any, Any]:
         F, P, Q = slip_motion(x.u, x.L, Vector(np.cos(beta), np.sin(beta), 0 * beta), b)
@@ -286,12 +315,17 @@ def first_direction(x: Moving, b: Touch) -> Vector | None:
 
 def later(x: Moving, q: Any, world: Any, phase: Any, time: Any) -> Any:
     """Return the integrals after a time so short that their rates in a phase stay."""
-    rates = world.rates(phase, q, x.carried)
-    return x.carried._make(value + time * rate for value, rate in zip(x.carried, rates, strict=True))
+    return moved(x.carried, world.rates(phase, q, x.carried), time)
+
+
+def moved(record: Any, rates: Any, time: Any) -> Any:
+    """Return a record after a time in which its rates stay."""
+    return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
 
 
 def run_in(x: Moving, world: Any, ball: int, n: Vector) -> tuple[Moving, Any]:
-    """Return the first of a slide along n from rest, so short that its rates stay; and the time that it takes."""
+    """Return the first of a slide along n from rest, so short that its rates stay; and the time
+    that it takes."""
     phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
     F, P, _ = slip_motion(x.u, x.L, n, b)
     speed = min(type(P)(BEGINS_AT), P * world.left)
@@ -303,16 +337,18 @@ def run_in(x: Moving, world: Any, ball: int, n: Vector) -> tuple[Moving, Any]:
 
 
 def run_out(x: Moving, world: Any, v: Vector) -> tuple[Moving, Any]:
-    """Return the last of a slide, which is so slow that its rates stay; and the time that it takes."""
+    """Return the last of a slide, which is so slow that its rates stay; and the time that it
+    takes."""
     phase, b, w = world.phase, world.body[world.phase.ball], size(v)
     _, P, _ = slip_motion(x.u, x.L, Vector(v.x / w, v.y / w, 0 * w), b)
     delay, q = -w / P, phase.enter(x, b)
-    end = q._make(value + delay * rate for value, rate in zip(q, phase.form.rates(q, b), strict=True))
-    x = phase.leave(end, b)._replace(carried=later(x, q, world, phase, delay))
+    end = phase.leave(moved(q, phase.form.rates(q, b), delay), b)
+    x = end._replace(carried=later(x, q, world, phase, delay))
     v = point(x, b)
-    p = mobility_inverse_times(x.u, times(-1, v), b)  # stops what is left: nothing but energy of this order is lost
-    velocity, L = (plus(a, more) for a, more in zip((x.velocity, x.L), jumps(x.u, p, b), strict=True))
-    return gained(x._replace(velocity=velocity, L=L), work=-(dot(p, v) / 2)), delay
+    p = mobility_inverse_times(x.u, times(-1, v), b)  # of rounding
+    pushed, turned = jumps(x.u, p, b)
+    x = x._replace(velocity=plus(x.velocity, pushed), L=plus(x.L, turned))
+    return gained(x, work=-(dot(p, v) / 2)), delay
 
 
 class Slide(NamedTuple):
@@ -326,7 +362,8 @@ class Slide(NamedTuple):
     def at(self, t: np.ndarray) -> tuple[Any, Any]:
         """Return the states and the integrals at times (n,) since its beginning."""
         state, w, beta = self.first.at(t)
-        carried = self.carried._make(state[6:])._replace(jellett_reference=self.carried.jellett_reference + 0 * w)
+        reference = self.carried.jellett_reference + 0 * w
+        carried = self.carried._make(state[6:])._replace(jellett_reference=reference)
         return self.sliding(Vector(*state[:3]), Vector(*state[3:6]), w, beta, self.b), carried
 
 
@@ -347,8 +384,8 @@ def slide_from_cone(x: Moving, world: Any, phase: Any, sliding: Callable) -> Sli
 
     F = reaction_of_rolling_vector(x.u, bias_vector(x.u, x.L, b), b)
     omega = contact.angular_velocity(x.u, x.L, b)
-    swing = np.sqrt(b.I1 / (b.m * b.g * b.R))
-    span = min(SPAN / np.sqrt(omega.x * omega.x + omega.y * omega.y + omega.z * omega.z), SLOW * swing)
+    swing = sqrt(b.I1 / (b.m * b.g * b.R))
+    span = min(SPAN / sqrt(dot(omega, omega)), SLOW * swing)
     state = np.array([*x.u, *x.L, *x.carried])
     for _ in range(MOST_HALVINGS):  # short enough for nothing else to happen to the contact
         first = first_slip(rates, turning, state, np.arctan2(-F.y, -F.x), span)
@@ -360,7 +397,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any, sliding: Callable) -> Sli
     return slide
 
 
-# --- exits of the phases ----------------------------------------------------------------------------------------------
+# --- exits of the phases --------------------------------------------------------------------------
 
 
 def lift_off(x: Moving, world: Any) -> Next:
@@ -369,7 +406,8 @@ def lift_off(x: Moving, world: Any) -> Next:
 
 
 def land(x: Moving, world: Any) -> Next:
-    """Return what follows a flight: of the balls on the plane, the one that falls fastest strikes."""
+    """Return what follows a flight: of the balls on the plane, the one that falls fastest
+    strikes."""
     gaps = [gap(x, b) for b in world.body]
     balls = [k for k in range(len(gaps)) if gaps[k] <= max(ON_PLANE, min(gaps))]
     return strike(x, world, min(balls, key=lambda k: float(point(x, world.body[k]).z)), "landing")
@@ -404,14 +442,14 @@ def begin_slip(x: Moving, world: Any, sliding: Callable) -> Next:
     phase = world.phases[name]
     slide = slide_from_cone(x, world, phase, sliding)
     delay = min(slide.first.time[-1], world.left)
-    q, carried = (record._make(values[0] for values in record) for record in slide.at(np.array([delay])))
+    q, carried = (record._make(v[0] for v in record) for record in slide.at(np.array([delay])))
     x = phase.leave(q, slide.b)._replace(carried=carried)
     return Next(name, x, "slip", delay, slide, ("slip",))
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:
-    """Return the same motion in other words, or in the same: the event function `passed` has its root here, and goes to
-    this side of it."""
+    """Return the same motion in other words, or in the same: the event function `passed` has its
+    root here, and goes to this side of it."""
     sides = {passed: side} if side else {}
     return on_disc(Next(to, x, zeros={passed: 1} if passed else {}, sides=sides), world)
 
@@ -419,8 +457,8 @@ def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Ne
 def on_disc(n: Next, world: Any) -> Next:
     """Return a phase that begins, under a law with regions.
 
-    Where sliding and turning stop together the run ends, unless friction cannot hold the disc: then it
-    passes its rest and turns on, and may turn back unseen by a step.
+    Where sliding and turning stop together the run ends, unless friction cannot hold the disc: then
+    it passes its rest and turns on, and may turn back unseen by a step.
     """
     phase = world.phases[n.phase]
     staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
@@ -428,8 +466,9 @@ def on_disc(n: Next, world: Any) -> Next:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
-    beyond = {e.name: e.direction for e in phase.events if e.name in staying and e.direction * e.formula(s, b) > 0}
-    n.sides = {**beyond, **n.sides}
+    for event in phase.events:
+        if event.name in staying and event.direction * event.formula(s, b) > 0:
+            n.sides = {event.name: event.direction, **n.sides}
     if RESTS.name in n.sides:
         if stays_at_rest(n.x, b):
             n.ends, n.message = "ended", AT_REST

@@ -1,7 +1,9 @@
-"""The common state of a body whose contact may open, and the rows in which a run of any phase is written.
+"""The common state of a body whose contact may open, and the rows in which a run of any phase is
+written.
 
-A jump from one phase to another takes and gives a `Moving`; a row adds the reaction of the plane, the ball in contact,
-or last in contact, and the phase. Columns and user-defined events are functions of the `Scalars` of a row.
+A jump from one phase to another takes and gives a `Moving`; a row adds the reaction of the plane,
+the ball in contact, or last in contact, and the phase. Columns and user-defined events are
+functions of the `Scalars` of a row.
 """
 
 from collections import namedtuple
@@ -92,9 +94,16 @@ class Row(NamedTuple):
 
 
 ROW_UNITS = Row(
-    *(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 3, METRE, *(NEWTON,) * 3, *(METRE,) * 3, ONE, ONE,
-    JELLETT, WATT,
-)  # fmt: skip
+    *(ONE,) * 3,
+    *(ANGULAR_MOMENTUM,) * 3,
+    *(METRE_PER_SECOND,) * 3,
+    METRE,
+    *(NEWTON,) * 3,
+    *(METRE,) * 3,
+    *(ONE,) * 2,
+    JELLETT,
+    WATT,
+)
 
 
 def moving(row: Row, carried: Any) -> Moving:
@@ -103,7 +112,8 @@ def moving(row: Row, carried: Any) -> Moving:
 
 
 def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -> Row:
-    """Return the row of a state of a phase, of numbers or arrays; `bodies`: the body seen from each ball."""
+    """Return the row of a state of a phase, of numbers or arrays; `bodies`: the body seen from each
+    ball."""
     b, stem = bodies[phase.ball], bodies[-1]
     x, by = phase.leave(q, b), phase.reaction(q, b)
     reference = carried.jellett_reference
@@ -115,7 +125,7 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
     return Row._make((*x.u, *x.L, *x.velocity, x.height, *by.force, *contact_of))
 
 
-# --- scalars ----------------------------------------------------------------------------------------------------------
+# --- scalars --------------------------------------------------------------------------------------
 
 
 class Scalars(NamedTuple):
@@ -149,8 +159,8 @@ class Scalars(NamedTuple):
 @formula
 def lowest_velocity(q, b):
     """Velocity of the lowest point of the ball of a row, (3,) [m/s]."""
-    velocity = Vector(q.rx_dot, q.ry_dot, q.rz_dot)
-    return contact.contact_velocity(axis(q), momentum(q), velocity, b._replace(R=q.radius, c=q.offset))
+    V, b = Vector(q.rx_dot, q.ry_dot, q.rz_dot), b._replace(R=q.radius, c=q.offset)
+    return contact.contact_velocity(axis(q), momentum(q), V, b)
 
 
 @formula
@@ -177,11 +187,12 @@ def row_scalars(q, b):
     )
 
 
-# --- angles -----------------------------------------------------------------------------------------------------------
+# --- angles ---------------------------------------------------------------------------------------
 
 
 class Angles(NamedTuple):
-    """What users give and read: as of a gliding body, and velocity and height of the lowest point."""
+    """What users give and read: as of a gliding body, and velocity and height of the lowest
+    point."""
 
     theta: Operand
     theta_dot: Operand
@@ -231,7 +242,8 @@ PLANAR_ANGLES = PlanarAngles(*(getattr(ANGLES, name) for name in PlanarAngles._f
 
 @formula
 def row_of_angles(e, s, z, b):
-    """The row of the angles, its reaction not yet known; s, z are sin(theta), cos(theta), exact at the poles."""
+    """The row of the angles, its reaction not yet known; s, z are sin(theta), cos(theta), exact at
+    the poles."""
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     none = 0 * z
     b = b._replace(R=b.R + none, c=b.c + none)
@@ -239,14 +251,15 @@ def row_of_angles(e, s, z, b):
     ex, ey = cos(e.phi), sin(e.phi)
     along_x, along_y = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
     velocity = along_x - at_rest.x, along_y - at_rest.y, e.nu_z - at_rest.z
-    jellett = contact.jellett_of(L.z, b.I3 * e.omega3, b)
-    height = e.gap + b.R - b.c * z
-    return Row._make((*u, *L, *velocity, height, *(none,) * 3, b.R, b.c, *(none,) * 3, jellett, none))
+    height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
+    zeros = (none,) * 3
+    return Row._make((*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none))
 
 
 @formula
 def angles_of_row(q, carried, b):
-    """The angles of a row; 0/0 exactly at a pole, where phi and what is taken along it are undefined."""
+    """The angles of a row; 0/0 exactly at a pole, where phi and what is taken along it are
+    undefined."""
     c = row_scalars(q, b)
     theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
     s = sqrt(c.s2)
@@ -301,7 +314,7 @@ def planar_theta_dot(q, b):
     return q.uz * u_dot.x - q.ux * u_dot.z
 
 
-# --- the forms of rows ------------------------------------------------------------------------------------------------
+# --- the forms of rows ----------------------------------------------------------------------------
 
 
 def carried(*names: str) -> tuple[Integral, ...]:
@@ -322,7 +335,11 @@ ROW = Form(
     integrals=carried("x", "y", "work", "impulse"),
     orientation=carried_along(axis, axis_rate, spin),
 )
-DISC_ROW = replace(ROW, to_angles=disc_angles_of_row, integrals=(*ROW.integrals, Integral(*LOST, rate=None)))
+DISC_ROW = replace(
+    ROW,
+    to_angles=disc_angles_of_row,
+    integrals=(*ROW.integrals, Integral(*LOST, rate=None)),
+)
 PLANAR_ROW = replace(
     ROW,
     name="angle",
@@ -333,11 +350,12 @@ PLANAR_ROW = replace(
 )
 
 
-# --- columns ----------------------------------------------------------------------------------------------------------
+# --- columns --------------------------------------------------------------------------------------
 
 
 def of_ball(function: Callable) -> Callable:
-    """Return a formula of a gliding body for the ball in contact: its R and c are those of the row."""
+    """Return a formula of a gliding body for the ball in contact: its R and c are those of the
+    row."""
     return formula(lambda s, b: function(s, b._replace(R=s.radius, c=s.offset)))
 
 
@@ -352,7 +370,8 @@ def _field(name: str) -> Any:
 
 
 def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
-    """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has one."""
+    """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has
+    one."""
     found = [
         Quantity("energy", "E", JOULE, "energy", energy),
         Quantity(
