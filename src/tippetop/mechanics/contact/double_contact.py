@@ -20,7 +20,7 @@ from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from .body import Touch, angular_velocity, arm, arm_velocity, height
 from .gliding.vector import axis, axis_rate, momentum
 from .single_contact import borders, disc_friction, force_of, patch_speed2, vector_form
-from .state import Moving, Reaction
+from .state import Moving, Reaction, gained
 
 
 class State(NamedTuple):
@@ -231,10 +231,17 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
     return Double(replace(phase, axis_stays=True), sides)
 
 
-def brought_to_rest(x: Moving, sides: Callable, b: Touch) -> tuple[Moving, Any, Vector]:
-    """Return the body without theta' and vertical velocity, the contacts with their impulses, and
-    the impulse of both: they do what the endless hops from one ball to the other would."""
-    both = loaded(sides(x, b), -(b.m * x.velocity.z), x.L.y * x.u.x - x.L.x * x.u.y)
-    p = force_on(both)
-    after = x._replace(L=plus(x.L, turn_on(both)), velocity=plus(x.velocity, times(1 / b.m, p)))
-    return after, both, p
+def brought_to_rest(x: Moving, regions: tuple, torque: Any, b: Touch) -> Moving:
+    """Return the body without theta' and vertical velocity, which impulses at both balls take, as
+    the endless hops from one to the other would."""
+    both = loaded(
+        double_contact(regions, torque).sides(x, b),
+        -(b.m * x.velocity.z),
+        x.L.y * x.u.x - x.L.x * x.u.y,
+    )
+    p, turn = force_on(both), turn_on(both)
+    L, velocity = plus(x.L, turn), plus(x.velocity, times(1 / b.m, p))
+    mean = times(0.5, plus(angular_velocity(x.u, x.L, b), angular_velocity(x.u, L, b)))
+    work = -(dot(p, times(0.5, plus(x.velocity, velocity))) + dot(turn, mean))
+    x = gained(x._replace(L=L, velocity=velocity._replace(z=0 * p.z)), work=work, impulse=p.z)
+    return gained(x, jellett_lost=jellett_lost(both)) if regions else x

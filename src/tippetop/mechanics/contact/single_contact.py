@@ -468,15 +468,16 @@ def disc_speeds(x: Moving, b: Touch) -> Disc:
     return Disc(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
 
 
-def region_of(x: Moving, b: Touch, regions: Mapping[str, Region]) -> str:
-    """Return the region of a body's sliding: the first, by rising x, whose end it has not
-    reached."""
-    s = disc_speeds(x, b)
-    return next(
-        name
-        for name, region in regions.items()
-        if not any(border.direction > 0 and border.beyond(s, b) >= 0 for border in region.borders)
-    )
+def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tuple[str, ...]:
+    """Return the regions of a body's sliding on balls; empty under a law that has none.
+
+    A region is the first, by rising x, whose end is not reached."""
+
+    def region(s: Disc, b: Touch) -> str:
+        ends = {name: (way for way in one.borders if way.direction > 0) for name, one in regions.items()}
+        return next(name for name, ways in ends.items() if all(way.beyond(s, b) < 0 for way in ways))
+
+    return tuple(region(disc_speeds(x, b), b) for b in bodies if regions)
 
 
 def stays_at_rest(x: Moving, b: Touch) -> bool:

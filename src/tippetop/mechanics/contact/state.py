@@ -125,6 +125,12 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
     return Row._make((*x.u, *x.L, *x.velocity, x.height, *by.force, *contact_of))
 
 
+def gained(x: Moving, **integrals: Any) -> Moving:
+    """Return the state with more of some integrals."""
+    more = {name: getattr(x.carried, name) + value for name, value in integrals.items()}
+    return x._replace(carried=x.carried._replace(**more))
+
+
 # --- scalars --------------------------------------------------------------------------------------
 
 
