@@ -6,8 +6,10 @@ from typing import Any, NamedTuple
 import pytest
 
 from tippetop.mechanics.consistency import inconsistencies, unmet_requirements
+from tippetop.mechanics.form import Next
 from tippetop.mechanics.system import Event, Exit, Form, Phase, System
 from tippetop.mechanics.systems import SYSTEMS, tippe_top
+from tippetop.mechanics.systems.answers import wrong_answers
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND
 
 
@@ -38,15 +40,16 @@ REST = Form(
 LANDING = Event("landing", "y = 0", lambda q, b: q.y, -1)
 
 
-def land(q: Height, carried: Any, b: Any) -> tuple[str, Any]:
+def land(x: Height, world: Any) -> Next:
     """Half the speed remains; a slow ball stays."""
-    return ("flight", Height(0.0, -q.y_dot / 2)) if q.y_dot < -0.1 else ("rest", Still(0.0))
+    if x.y_dot > -0.1:
+        return Next("rest", Height(0.0, 0.0))
+    return Next("flight", Height(0.0, -x.y_dot / 2), zeros={"landing": 1})
 
 
 FLIGHT = Phase({"height": FALL}, (), (LANDING,), (Exit("landing", ("flight", "rest"), land),))
-BALL = dataclasses.replace(
-    SYSTEMS["tippe-top"], name="ball", phases={"flight": FLIGHT, "rest": Phase({"height": REST}, (), ())}, integrals=()
-)
+ON_PLANE = Phase({"height": REST}, enter=lambda x, b: Still(x.y), leave=lambda q, b: Height(q.y, 0.0))
+BALL = dataclasses.replace(SYSTEMS["tippe-top"], name="ball", phases={"flight": FLIGHT, "rest": ON_PLANE}, integrals=())
 
 
 @pytest.mark.parametrize("system", [*SYSTEMS.values(), BALL], ids=lambda system: system.name)
@@ -67,9 +70,17 @@ def test_the_first_phase_speaks_for_a_system() -> None:
 def test_a_jump_names_the_phase_that_follows() -> None:
     (way,) = BALL.phase.exits
     for speed in (-1.0, -0.01):
-        name, state = way.jump(Height(0.0, speed), None, None)
-        assert name in way.to
-        assert isinstance(state, type(BALL.phases[name].forms["height"].units))
+        following = way.jump(Height(0.0, speed), None)
+        phase = BALL.phases[following.phase]
+        assert following.phase in way.to
+        assert isinstance(phase.enter(following.x, None), type(phase.form.units))
+
+
+def test_a_phase_must_keep_the_common_state() -> None:
+    assert wrong_answers(BALL) == []
+    lossy = dataclasses.replace(FLIGHT, leave=lambda q, b: Height(q.y, 2 * q.y_dot))
+    (fault,) = wrong_answers(dataclasses.replace(BALL, phases={"flight": lossy, "rest": ON_PLANE}))
+    assert fault.startswith("`enter` and `leave` of phase `flight` of `ball` must keep the common state, but Height(")
 
 
 @pytest.mark.parametrize(

@@ -393,7 +393,7 @@ class HybridDriver:
 
     def _series(self, n: Next, track: Track, t: np.ndarray) -> Part:
         """Return states at times since the beginning of a jump that takes time."""
-        q, carried = n.series.at(t)
+        q, carried = n.series(t)
         states = np.array([np.broadcast_to(value, t.shape) for value in q], dtype=self.number).T
         whole = np.array([np.broadcast_to(value, t.shape) for value in carried], dtype=self.number).T * INTEGRAL_SCALE
         return Part(track, whole, states)
@@ -416,7 +416,7 @@ class HybridDriver:
         k = track.events.index(event)
 
         def function(t: Any) -> float:
-            q, carried = n.series.at(np.array([t]))
+            q, carried = n.series(np.array([t]))
             q = track.record(*(value[0] if np.ndim(value) else value for value in q))
             return float(track.formulas.functions(q, carried, track.b)[k])
 

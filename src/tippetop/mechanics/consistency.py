@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from .events import Event
+from .form import CLOCK
 from .parameter import rules_faults
 from .system import Exit, Form, Landscape, Phase, Quantity, System
 from .units import Unit
@@ -44,7 +45,7 @@ def inconsistencies(system: System) -> list[str]:
         faults += _twice(f"{where}: quantity", [quantity.name for quantity in phase.quantities])
         faults += _twice(f"{where}: exit by the event", [way.event for way in phase.exits])
         for way in phase.exits:
-            if way.event not in events:
+            if way.event not in (*events, CLOCK):
                 faults.append(f"{where} must end in an event of its own, but has an exit by {way.event!r}.")
             if not way.to:
                 faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")

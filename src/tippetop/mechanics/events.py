@@ -1,8 +1,8 @@
 """What an event is: a zero of a function of the state, what it means for a run, and what is kept of it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -61,7 +61,7 @@ class Event:
     formula : callable
         formula(s, b), under `@formula`: `s` are the scalars of a state, `b` is the body, in units in which mass, length
         and time of the body are about 1. It must be regular: finite, with derivatives, wherever the run goes; and of
-        order one: its values are neither millions nor millionths.
+        order one: its values are neither millions nor millionths. None: it happens in jumps, which log it.
     direction : int
         +1: rising zeros only; -1: falling ones only; 0: all.
     ends : str, optional
@@ -84,7 +84,7 @@ class Event:
 
     name: str
     long_name: str
-    formula: Callable
+    formula: Any
     direction: int = 0
     ends: str | None = None
     sense: int = 0

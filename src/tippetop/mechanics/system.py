@@ -152,7 +152,7 @@ class System:
     borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
     long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
     inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
-    contact: tuple[str, bool] | None = None  # kind of friction, whether there is a stem; None: one phase
+    contact: Any = None  # how it was opened; None: the contact does not open
     on_request: tuple[Quantity, ...] = ()  # quantities that are columns only where a run names them
     classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
     opening: Opening | None = None  # of a body whose contact may open, see contact.opening.opened

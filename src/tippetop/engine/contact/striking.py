@@ -65,7 +65,7 @@ class Strikes:
             after = after_impact(x.u, x.L, x.velocity, a, impact.p_e, impact.p_2, impact.p_z, twist, b)
             return a.v, impact, after
 
-        def landing(x: Moving, gap: Any, b: Touch, zeros: int) -> Any:
-            return landings.of(x.u, x.L, x.velocity.z, gap, b, zeros)
+        def landing(x: Moving, b: Touch, zeros: int) -> Any:
+            return landings.of(x.u, x.L, x.velocity.z, contact.gap(x.height, x.u.z, b), b, zeros)
 
         self.struck, self.landing = of_body, landing

@@ -1,11 +1,13 @@
-"""The phases of a body on both of its balls: the axis keeps its angle, and each ball slides and carries its share.
+"""The phases of a body on both of its balls: the axis keeps its angle, and each ball slides and
+carries its share.
 
-The state is that of the first ball, the sphere; two conditions, that theta and the height stay, give the two normal
-forces, whatever each contact does per normal force. [contact 4.3]
+The state is that of the first ball, the sphere; two conditions, that theta and the height stay,
+give the two normal forces, whatever each contact does per normal force. [contact 4.3]
 """
 
 from collections import namedtuple
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -17,8 +19,8 @@ from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from .body import Touch, angular_velocity, arm, arm_velocity, height
 from .gliding.vector import axis, axis_rate, momentum
-from .single_contact import borders, disc_friction, patch_speed2, vector_form
-from .state import Moving, Reaction
+from .single_contact import borders, disc_friction, force_of, patch_speed2, vector_form
+from .state import Moving, Reaction, gained
 
 
 class State(NamedTuple):
@@ -60,7 +62,8 @@ StemDisc: Any = namedtuple("StemDisc", ("v2", "U2"))
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Operand, b: Any) -> tuple[Vector, Vector]:
-    """Return minus the horizontal force, and the torque, per normal force, of a law of the sliding velocity."""
+    """Return minus the horizontal force, and the torque, per normal force, of a law of the sliding
+    velocity."""
     none = 0 * z
     push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
     return Vector(push.x, push.y, none), Vector(none, none, none)
@@ -80,7 +83,8 @@ def turn_of(side):
 
 @formula
 def loaded(sides, total, swing):
-    """Sphere and stem with N, whose sum is `total` and whose (L' x 3hat)_z is `swing`; or the same of impulses."""
+    """Sphere and stem with N, whose sum is `total` and whose (L' x 3hat)_z is `swing`; or the same
+    of impulses."""
     one, two = sides
     N = (swing - total * one.lean) / (two.lean - one.lean)
     return one._replace(N=total - N), two._replace(N=N)
@@ -102,13 +106,15 @@ def turn_on(sides):
 
 @formula
 def jellett_lost(sides):
-    """What the contacts take of the Jellett's integral of the sphere, with both forces N, or both impulses."""
+    """What the contacts take of the Jellett's integral of the sphere, with both forces N, or both
+    impulses."""
     one, two = sides
     return one.N * dot(one.torque, one.arm) + two.N * dot(turn_of(two), one.arm)
 
 
-def sides_of(frictions: tuple[Callable, Callable]) -> Callable:
-    """Return sides(x, b) -> sphere and stem, whose N is not yet known, of what friction does to each."""
+def sides_of(*frictions: Callable) -> Callable:
+    """Return sides(x, b) -> sphere and stem, whose N is not yet known, of what friction does to
+    each."""
 
     @formula
     def sides(x, b):
@@ -134,15 +140,25 @@ def leave(q, b):
 @formula
 def enter(x, b):
     """The state of a body on both."""
-    return State(*x.u, *x.L, x.velocity.x, x.velocity.y)
+    return State._make((*x.u, *x.L, x.velocity.x, x.velocity.y))
 
 
 LEAVES = (
-    Event("sphere-leaves", "the sphere leaves the plane, the stem stays", formula(lambda s, b: s.force), -1,
-          "sphere-leaves"),
-    Event("stem-leaves", "the stem leaves the plane, the sphere stays", formula(lambda s, b: s.stem_force), -1,
-          "stem-leaves"),
-)  # fmt: skip
+    Event(
+        "sphere-leaves",
+        "the sphere leaves the plane, the stem stays",
+        force_of,
+        -1,
+        "sphere-leaves",
+    ),
+    Event(
+        "stem-leaves",
+        "the stem leaves the plane, the sphere stays",
+        formula(lambda s, b: s.stem_force),
+        -1,
+        "stem-leaves",
+    ),
+)
 
 
 def _of_stem(event: Event) -> Event:
@@ -160,14 +176,14 @@ class Double(NamedTuple):
 
 
 @lru_cache
-def double_contact(regions: tuple[Region, ...] = (), torque: Callable | None = None) -> Double:
-    """Return the phase on both balls: of sphere and stem in two regions of a law with this torque, or, without, under a
-    law that is smooth in the velocity."""
+def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Double:
+    """Return the phase on both balls: of sphere and stem in two regions of a law with this torque,
+    or, without, under a law that is smooth in the velocity."""
     if regions:
-        sides = sides_of(tuple(disc_friction(region.drag, torque) for region in regions))
+        sides = sides_of(*(disc_friction(region.drag, torque) for region in regions))
         events = (*LEAVES, *borders(regions[0]), *map(_of_stem, borders(regions[1])))
     else:
-        sides, events = sides_of((smooth_friction, smooth_friction)), LEAVES
+        sides, events = sides_of(smooth_friction, smooth_friction), LEAVES
 
     @formula
     def pair(q, b):
@@ -177,8 +193,9 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Callable | None = N
     @formula
     def scalars(q, b):
         one, two = pair(q, b)
+        v2, stem_v2 = dot(one.velocity, one.velocity), dot(two.velocity, two.velocity)
         U2 = patch_speed2(angular_velocity(axis(q), momentum(q), b), b) if regions else 0 * q.uz
-        return Scalars(q.uz, one.N, two.N, dot(one.velocity, one.velocity), dot(two.velocity, two.velocity), U2)
+        return Scalars(q.uz, one.N, two.N, v2, stem_v2, U2)
 
     @formula
     def rates(q, b):
@@ -210,14 +227,21 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Callable | None = N
         },
         lost=(lambda q, carried, b: jellett_lost(pair(q, b))) if regions else None,
     )
-    phase = Phase({"vector": form}, (), events, (), enter, leave, reaction, label="both", axis_stays=True)
-    return Double(phase, sides)
+    phase = Phase({"vector": form}, (), events, (), enter, leave, reaction, label="both")
+    return Double(replace(phase, axis_stays=True), sides)
 
 
-def brought_to_rest(x: Moving, sides: Callable, b: Touch) -> tuple[Moving, tuple[Side, Side], Vector]:
-    """Return the body without theta' and vertical velocity, the contacts with their impulses, and the impulse of both:
-    they do what the endless hops from one ball to the other would."""
-    both = loaded(sides(x, b), -(b.m * x.velocity.z), x.L.y * x.u.x - x.L.x * x.u.y)
-    p = force_on(both)
-    after = x._replace(L=plus(x.L, turn_on(both)), velocity=plus(x.velocity, times(1 / b.m, p)))
-    return after, both, p
+def brought_to_rest(x: Moving, regions: tuple, torque: Any, b: Touch) -> Moving:
+    """Return the body without theta' and vertical velocity, which impulses at both balls take, as
+    the endless hops from one to the other would."""
+    both = loaded(
+        double_contact(regions, torque).sides(x, b),
+        -(b.m * x.velocity.z),
+        x.L.y * x.u.x - x.L.x * x.u.y,
+    )
+    p, turn = force_on(both), turn_on(both)
+    L, velocity = plus(x.L, turn), plus(x.velocity, times(1 / b.m, p))
+    mean = times(0.5, plus(angular_velocity(x.u, x.L, b), angular_velocity(x.u, L, b)))
+    work = -(dot(p, times(0.5, plus(x.velocity, velocity))) + dot(turn, mean))
+    x = gained(x._replace(L=L, velocity=velocity._replace(z=0 * p.z)), work=work, impulse=p.z)
+    return gained(x, jellett_lost=jellett_lost(both)) if regions else x

@@ -1,10 +1,12 @@
-"""Systems whose contact may open and close: the phases of their body, and the exits that lead from one to another."""
+"""Systems whose contact may open and close: the phases of their body, and the exits that lead from
+one to another."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import product
 from operator import itemgetter
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,11 +21,33 @@ from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import Ball, Body, Touch, touch
 from .double_contact import double_contact
-from .exits import Impact, begin, begin_slip, change_ball, go_on, land, lift_off, phase_name, stay_on, stick
+from .exits import (
+    Impact,
+    begin,
+    begin_slip,
+    change_ball,
+    go_on,
+    land,
+    lift_off,
+    phase_name,
+    stay_on,
+    stick,
+)
 from .gliding import catalogue as gliding
 from .gliding.euler import centre_velocity
 from .planar import IN_PLANE, SIGNED_SLIP, signed_slide
-from .single_contact import DIRECTED_SLIP, FLIGHT, RESTS, ROLL, SLIP, STICK, TOUCH, directed, disc_slip
+from .single_contact import (
+    CONE,
+    DIRECTED_SLIP,
+    FLIGHT,
+    RESTS,
+    ROLL,
+    SLIP,
+    STICK,
+    TOUCH,
+    directed,
+    disc_slip,
+)
 from .state import (
     ANGLES,
     BALLS,
@@ -52,26 +76,44 @@ LONG_NAMES = {
     LOST[0]: LOST[2],
 }
 OCCURRENCES = (
-    Event("liftoff", "normal force falls to zero: the body flies", None, -1, kept=gliding.LIFTOFF.kept),
+    Event(
+        "liftoff",
+        "normal force falls to zero: the body flies",
+        None,
+        -1,
+        kept=gliding.LIFTOFF.kept,
+    ),
     replace(STICK, formula=None, direction=0, ends=None),
-    replace(ROLL.events[1], formula=None, direction=0, ends=None),
+    replace(CONE, formula=None, direction=0, ends=None),
     Event("reversal", "sliding turns back at once where it stops", None),
-    Event("impact", "a ball strikes the plane: a landing, or one ball takes over from the other", None),
+    Event(
+        "impact",
+        "a ball strikes the plane: a landing, or one ball takes over from the other",
+        None,
+    ),
 )
 """What jumps log, as events of a run."""
 
+REASONS = (
+    "start",
+    "stick",
+    "slip",
+    "liftoff",
+    "landing",
+    "other-ball",
+    "opens-at-once",
+    "other-leaves",
+)
 TABLES = {
     "phases": {
         "phase": PHASES,
         "ball": BALLS,
-        "reason": (
-            "start", "stick", "slip", "liftoff", "landing", "other-ball", "opens-at-once", "other-leaves",
-        ),
+        "reason": REASONS,
     },
     "impacts": Impact(
         BALLS, *(METRE_PER_SECOND,) * 4, *(NEWTON_SECOND,) * 2, JOULE, ("slip", "stick", "reverse")
     )._asdict(),
-}  # fmt: skip
+}
 """Units or words of the columns of further tables; the place of a word is its number in a store."""
 
 
@@ -110,7 +152,7 @@ def kind_of(law: Law) -> tuple[bool, ...]:
     return law.set_valued, bool(law.regions), law.coefficient is not None
 
 
-# --- phases and exits -------------------------------------------------------------------------------------------------
+# --- phases and exits -----------------------------------------------------------------------------
 
 
 class Placed(NamedTuple):
@@ -128,16 +170,17 @@ class Placed(NamedTuple):
 
 def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name."""
-    slip = (SIGNED_SLIP if planar else DIRECTED_SLIP) if law.set_valued else IN_PLANE["slip"] if planar else SLIP
+    of_any = IN_PLANE if planar else {phase.label: phase for phase in (SLIP, ROLL, FLIGHT)}
+    directed_slip = SIGNED_SLIP if planar else DIRECTED_SLIP
     placed = []
     for ball in range(balls):
         for name, region in law.regions.items():
             placed.append(Placed(disc_slip(region, law.torque), ball, (name,)))
-        if not law.regions:
-            placed.append(Placed(slip, ball))
         if law.set_valued:
-            placed.append(Placed(IN_PLANE["roll"] if planar else ROLL, ball))
-        placed.append(Placed(IN_PLANE["flight"] if planar else FLIGHT, ball))
+            placed += [Placed(directed_slip, ball), Placed(of_any["roll"], ball)]
+        elif not law.regions:
+            placed.append(Placed(of_any["slip"], ball))
+        placed.append(Placed(of_any["flight"], ball))
     if balls > 1 and not law.set_valued:
         for names in product(law.regions, repeat=2) if law.regions else ((),):
             regions = tuple(law.regions[name] for name in names)
@@ -148,7 +191,9 @@ def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
 def with_exits(one: Placed, placed: list[Placed], planar: bool, law: Law, balls: int) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, name = one.phase, one.ball, one.name
-    events = (*phase.events, TOUCH) if balls > 1 and phase.label in ("slip", "roll") else phase.events
+    events = phase.events
+    if balls > 1 and phase.label in ("slip", "roll"):
+        events = (*events, TOUCH)
     every = tuple(other.name for other in placed)
     flight, slip = phase_name("flight", ball), phase_name("slip", ball)
     jumps: dict[str, tuple[tuple[str, ...], Callable]] = {
@@ -168,10 +213,11 @@ def with_exits(one: Placed, placed: list[Placed], planar: bool, law: Law, balls:
             there = law.regions[border.follows].borders
             back = next(way.event for way in there if way.follows == region)
             side = border.direction if border.follows == region else 0
+            passed = of_ball + (border.event if side else back)
             to = phase_name(phase.label, ball, *regions)
-            jump = partial(go_on, to=to, passed=of_ball + (border.event if side else back), side=side)
-            jumps[of_ball + border.event] = (to,), jump
-    exits = tuple(Exit(event, *jumps[event]) for event in (CLOCK, *(event.name for event in events)))
+            jumps[of_ball + border.event] = (to,), partial(go_on, to=to, passed=passed, side=side)
+    names = (CLOCK, *(event.name for event in events))
+    exits = tuple(Exit(event, *jumps[event]) for event in names)
     forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
     return replace(phase, forms=forms, events=events, exits=exits, parameters=itemgetter(ball), ball=ball)
 
@@ -181,14 +227,15 @@ def on(ball: int, placed: list[Placed]) -> tuple[str, ...]:
     return tuple(one.name for one in placed if one.ball == ball and one.phase.label != "both")
 
 
-# --- systems ----------------------------------------------------------------------------------------------------------
+# --- systems --------------------------------------------------------------------------------------
 
 
 _opened: dict[tuple, System] = {}
 
 
 def opened(system: System, law: Law, balls: int) -> System:
-    """Return a system whose contact may open, of one that slides; the same for laws with the same record.
+    """Return a system whose contact may open, of one that slides; the same for laws with the same
+    record.
 
     Parameters
     ----------
@@ -208,8 +255,8 @@ def opened(system: System, law: Law, balls: int) -> System:
 def _open(system: System, law: Law, balls: int) -> System:
     opening = system.opening
     assert opening is not None
-    form, angles = (PLANAR_ROW, PLANAR_ANGLES) if opening.planar else (ROW, ANGLES)
-    form, angles = (DISC_ROW, DISC_ANGLES) if law.torque else (form, angles)
+    angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
+    form = DISC_ROW if law.torque else PLANAR_ROW if opening.planar else ROW
     of_axis = (event for event in system.events if not event.lasting and event.ends != "liftoff")
     common = Phase(
         {form.name: form},
@@ -218,7 +265,7 @@ def _open(system: System, law: Law, balls: int) -> System:
         leave=moving,
     )
 
-    def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[tuple[Touch, ...], Mapping[str, Phase]]:
+    def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
         bodies = seen_from_balls(b, rules, internal, system.laws)
         free = type(bodies[0].friction) is Frictionless
         return bodies, opened(system, LAWS["none"], balls).phases if free else phases
@@ -233,7 +280,7 @@ def _open(system: System, law: Law, balls: int) -> System:
         begin=begin,
         row=row,
         tables=TABLES,
-        laws=LawsLike(system, kind_of(law)),
+        laws=MappingProxyType(LawsLike(system, kind_of(law))),
         initial=system.initial | ABOVE,
         start=partial(start, type(angles)),
         angles=angles,
@@ -249,8 +296,9 @@ def _open(system: System, law: Law, balls: int) -> System:
     )
 
 
-def seen_from_balls(b: Touch, rules: Any, internal: Callable, laws: Mapping[str, Law]) -> tuple[Touch, ...]:
-    """Return a body seen from each of its balls, internal units; without friction, under the law that has none.
+def seen_from_balls(b: Touch, rules: Any, internal: Callable, laws: Any) -> tuple[Touch, ...]:
+    """Return a body seen from each of its balls, internal units; without friction, under the law
+    that has none.
 
     Parameters
     ----------
@@ -265,8 +313,10 @@ def seen_from_balls(b: Touch, rules: Any, internal: Callable, laws: Mapping[str,
     """
     known = named(type(b.friction), laws)
     assert known is not None
-    single_valued = not (known[1].set_valued or known[1].regions)
-    friction = b.friction if single_valued or not is_frictionless(b.friction) else Frictionless()
+    smooth = not (known[1].set_valued or known[1].regions)
+    friction = b.friction
+    if not smooth and is_frictionless(friction):
+        friction, smooth = Frictionless(), True
     one = 0 * b.I1 + 1
     balls = [Ball(b.c, one * b.R, 0 * one)]
     if rules.stem:
@@ -274,16 +324,18 @@ def seen_from_balls(b: Touch, rules: Any, internal: Callable, laws: Mapping[str,
         balls.append(Ball(b.c + h, r, h))
     whole = Body(b.m, b.I1, b.I3, b.g, friction, tuple(balls))
     bodies = tuple(touch(whole, i) for i in range(len(balls)))
-    plain = isinstance(one, float) and not rules.stem and (single_valued or friction is not b.friction)
+    plain = isinstance(one, float) and smooth and not rules.stem
     if plain and has_a_value_at_rest(friction):  # formulas take floats faster than numbers of NumPy
         return (refill(bodies[0], map(float, leaves(bodies[0]))),)
     return bodies
 
 
 def has_a_value_at_rest(friction: Any) -> bool:
-    """Return whether no formula of a contact divides by zero: floats would raise where numbers of NumPy are infinite."""
+    """Return whether no formula of a contact divides by zero: there floats raise, and numbers of
+    NumPy do not."""
     try:
         with np.errstate(all="ignore"):
-            return bool(np.isfinite(slip_coefficient(0.0, 0.0, refill(friction, map(float, leaves(friction))))))
+            law = refill(friction, map(float, leaves(friction)))
+            return bool(np.isfinite(slip_coefficient(0.0, 0.0, law)))
     except ArithmeticError:
         return False

@@ -1,6 +1,8 @@
-"""A cylinder under set-valued Coulomb friction: a ball whose phi', omega_3 and nu_y vanish. [contact 2.7]
+"""A cylinder under set-valued Coulomb friction: a ball whose phi', omega_3 and nu_y vanish.
+[contact 2.7]
 
-theta is not wrapped: sin(theta) may be negative; sigma is the sign of nu_x. I1 is the moment about the centre of mass.
+theta is not wrapped: sin(theta) may be negative; sigma is the sign of nu_x. I1 is the moment about
+the centre of mass.
 """
 
 from collections import namedtuple
@@ -10,12 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..form import Form, Integral, Phase
+from ..form import Form, Phase
 from ..operand import Operand, Vector, cos, formula
 from ..units import METRE_PER_SECOND, ONE, RADIAN_PER_SECOND
 from .body import Touch, height
 from .coulomb import reaction_of_rolling, slip_force
-from .integrals import NAMED, integral
+from .integrals import integral
 from .orientation import planar
 from .response import bias, contact_acceleration, mobility
 from .single_contact import FLIGHT, LIFTOFF, ROLL, SLIP, STICK
@@ -52,27 +54,30 @@ def roll(s, z, theta_dot, body):
     return moved(b, K, reaction_of_rolling(b, K), s, z, body)
 
 
-# --- phases -----------------------------------------------------------------------------------------------------------
+# --- phases ---------------------------------------------------------------------------------------
 
 
 @lru_cache
 def with_theta_dot(record: Any) -> Any:
     """Return the type of a record of scalars with one more, theta'."""
-    return namedtuple("PlanarScalars", (*record._fields, "theta_dot"))  # type: ignore[misc]
+    return namedtuple("PlanarScalars", (*record._fields, "theta_dot"))
 
 
 def in_plane(phase: Phase) -> Phase:
-    """Return a phase that integrates theta too, which is not wrapped, and whose scalars have theta'."""
+    """Return a phase that integrates theta too, which is not wrapped, and whose scalars have
+    theta'."""
     form = phase.form
 
     @formula
     def scalars(q, b):
         s = form.scalars(q, b)
-        return with_theta_dot(type(s))._make((*s, planar_theta_dot(q, b)))
+        record: Any = type(s)
+        return with_theta_dot(record)._make((*s, planar_theta_dot(q, b)))
 
-    theta = Integral("theta", *NAMED["theta"], formula(lambda q, carried, b: planar_theta_dot(q, b)))
-    integrals = (theta, *(integral for integral in form.integrals if integral.name != "y"))
-    changed = replace(form, scalars=scalars, integrals=integrals, orientation=PLANAR_ROW.orientation)
+    theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
+    integrals = (theta, *(one for one in form.integrals if one.name != "y"))
+    turn = PLANAR_ROW.orientation
+    changed = replace(form, scalars=scalars, integrals=integrals, orientation=turn)
     return replace(phase, forms={form.name: changed})
 
 

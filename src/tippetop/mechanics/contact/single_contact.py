@@ -1,4 +1,5 @@
-"""The phases of a body on one of its balls, and in flight: equations, what ends them, and their common state."""
+"""The phases of a body on one of its balls, and in flight: equations, what ends them, and their
+common state."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -17,7 +18,7 @@ from .coulomb import loaded_normal_force, slip_force_vector, slip_motion
 from .disc_at_rest import holding, holds, stopped
 from .gliding import catalogue as gliding
 from .gliding import vector as gliding_vector
-from .gliding.vector import axis, axis_rate, momentum
+from .gliding.vector import VectorState, axis, axis_rate, momentum
 from .integrals import integral
 from .orientation import carried_along
 from .response import bias_vector, contact_acceleration_vector, torque_acceleration
@@ -28,11 +29,16 @@ from .state import LOST, Moving, Reaction
 
 
 def vector_form(
-    units: Any, rates: Callable, scalars: Callable, integrals: Mapping[str, Callable], lost: Callable | None = None
+    units: Any,
+    rates: Callable,
+    scalars: Callable,
+    integrals: Mapping[str, Callable],
+    lost: Callable | None = None,
 ) -> Form:
     """Return the form of a phase whose state has axis and momentum.
 
-    `integrals` are their rates by name, `lost` is the rate at which torques take Jellett's integral.
+    `integrals` are their rates by name, `lost` is the rate at which torques take Jellett's
+    integral.
     """
     found = [integral(name, rate) for name, rate in integrals.items()]
     if lost is not None:
@@ -57,7 +63,7 @@ TOUCH = Event("touch", "the other ball touches the plane", other_gap, -1, "touch
 LIFTOFF = replace(gliding.LIFTOFF, formula=force_of)
 
 
-# --- free flight ------------------------------------------------------------------------------------------------------
+# --- free flight ----------------------------------------------------------------------------------
 
 
 class FreeState(NamedTuple):
@@ -98,14 +104,14 @@ FLIGHT = Phase(
             {"x": lambda q, carried, b: q.rx_dot, "y": lambda q, carried, b: q.ry_dot},
         )
     },
-    enter=lambda x, b: FreeState(*x.u, *x.L, *x.velocity, x.height),
+    enter=lambda x, b: FreeState._make((*x.u, *x.L, *x.velocity, x.height)),
     leave=lambda q, b: Moving(axis(q), momentum(q), Vector(*q[6:9]), q.height),
     reaction=free_reaction,
     label="flight",
 )
 
 
-# --- sliding under a law that is smooth in the velocity ---------------------------------------------------------------
+# --- sliding under a law that is smooth in the velocity -------------------------------------------
 
 
 @formula
@@ -129,14 +135,14 @@ SLIP = Phase(
     {"vector": gliding.VECTOR},
     (),
     (gliding.LIFTOFF,),
-    enter=lambda x, b: gliding_vector.VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
+    enter=lambda x, b: VectorState._make((*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2])),
     leave=slip_leave,
     reaction=slip_reaction,
     label="slip",
 )
 
 
-# --- rolling ----------------------------------------------------------------------------------------------------------
+# --- rolling --------------------------------------------------------------------------------------
 
 
 @formula
@@ -160,13 +166,17 @@ def cone(s, b):
     return (b.friction.mu * normal_force(s, b)) ** 2 - s.friction_force2
 
 
+CONE = Event(
+    "slip",
+    "rolling needs more friction than there is: the contact slides",
+    cone,
+    -1,
+    "slip",
+)
 ROLL = Phase(
     {"vector": replace(rolling.VECTOR, domains=())},
     (),
-    (
-        rolling.LIFTOFF,
-        Event("slip", "rolling needs more friction than there is: the contact slides", cone, -1, "slip"),
-    ),
+    (rolling.LIFTOFF, CONE),
     enter=lambda x, b: rolling_vector.VectorState(*x.u, *x.L),
     leave=roll_leave,
     reaction=roll_reaction,
@@ -174,16 +184,17 @@ ROLL = Phase(
 )
 
 
-# --- sliding under a set-valued law -----------------------------------------------------------------------------------
+# --- sliding under a set-valued law ---------------------------------------------------------------
 
 
 STOPS_AT = 2.0**-43
-"""|v_A| at which a sliding contact stops, internal units: 1.1e-13. What is left of it is an impulse."""
+"""|v_A| at which a sliding contact stops, internal units: 1.1e-13. What is left of it is an
+impulse."""
 
 
 class DirectedState(NamedTuple):
-    """3hat, L about the centre of mass, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits,
-    and its direction its length, where sliding stops."""
+    """3hat, L about the centre of mass, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A|
+    keeps its digits, and its direction its length, where sliding stops."""
 
     ux: Operand
     uy: Operand
@@ -240,7 +251,7 @@ def directed_leave(q, b):
 
 def directed(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> DirectedState:
     """Return the state of sliding with the speed w in the direction beta."""
-    return DirectedState(*u, *L, beta, w)
+    return DirectedState._make((*u, *L, beta, w))
 
 
 @formula
@@ -256,8 +267,13 @@ def sliding_left(s, b):
     return s.w - STOPS_AT
 
 
-STICK = Event("stick", "sliding stops, v_A = 0: the contact rolls, if the friction cone allows", sliding_left, -1,
-              "stick")  # fmt: skip
+STICK = Event(
+    "stick",
+    "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
+    sliding_left,
+    -1,
+    "stick",
+)
 DIRECTED_SLIP = Phase(
     {
         "vector": vector_form(
@@ -281,20 +297,21 @@ DIRECTED_SLIP = Phase(
 )
 
 
-# --- sliding of a disc, under a law with regions ----------------------------------------------------------------------
+# --- sliding of a disc, under a law with regions --------------------------------------------------
 
 
 STILL = 1e-9
-"""Speed of the disc's edge, internal units, below which friction on a disc that does not turn is smooth. Where such a
-disc begins to slide, or turns back, the motion differs from that under Coulomb's law itself by about so much."""
+"""Speed of the disc's edge, internal units, below which friction on a disc that does not turn is
+smooth. Where such a disc begins to slide, or turns back, the motion differs from that under
+Coulomb's law itself by about so much."""
 
 RESTS_BELOW = 1e-4
-"""Angular velocity, internal units, below which a disc comes to rest, if friction can hold it: what is left of its
-turning lasts some hundredths of internal time."""
+"""Angular velocity, internal units, below which a disc comes to rest, if friction can hold it: what
+is left of its turning lasts some hundredths of internal time."""
 
 LEAST_PATCH = STILL / RESTS_BELOW
-"""Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than STILL, where smooth
-friction lets it creep: it would never come to rest."""
+"""Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than
+STILL, where smooth friction lets it creep: it would never come to rest."""
 
 
 class DiscState(NamedTuple):
@@ -337,7 +354,8 @@ def patch_speed2(omega, b):
 
 
 def disc_friction(drag: Callable, torque: Callable) -> Callable:
-    """Return friction(omega, v, z, b) of a disc: minus the horizontal force, and the torque, per normal force."""
+    """Return friction(omega, v, z, b) of a disc: minus the horizontal force, and the torque, per
+    normal force."""
 
     def friction(omega: Vector, v: Vector, z: Operand, b: Any) -> tuple[Vector, Vector]:
         by = drag(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
@@ -353,15 +371,19 @@ def speed_beyond_rest(s, b):
     return s.v2 + s.U2 - STILL**2 - (b.friction.patch * RESTS_BELOW) ** 2
 
 
-RESTS = Event("rests", "the contact's disc neither slides nor turns", speed_beyond_rest, -1, "rests")
+RESTS = Event(
+    "rests",
+    "the contact's disc neither slides nor turns",
+    speed_beyond_rest,
+    -1,
+    "rests",
+)
 
 
 def borders(region: Region) -> list[Event]:
     """Return the events in which a region ends."""
-    return [
-        Event(border.event, "sliding against turning", border.beyond, border.direction, border.event)
-        for border in region.borders
-    ]
+    text = "sliding against turning"
+    return [Event(way.event, text, way.beyond, way.direction, way.event) for way in region.borders]
 
 
 @formula
@@ -375,7 +397,7 @@ def disc_leave(q, b):
 def disc_enter(x, b):
     """The state of a body that slides."""
     v = contact_velocity(x.u, x.L, x.velocity, b)
-    return DiscState(*x.u, *x.L, v.x, v.y)
+    return DiscState._make((*x.u, *x.L, v.x, v.y))
 
 
 @lru_cache
@@ -389,7 +411,8 @@ def disc_slip(region: Region, torque: Callable) -> Phase:
         omega = angular_velocity(u, L, b)
         push, torque = friction(omega, Vector(q.vx, q.vy, 0 * q.uz), q.uz, b)
         N = loaded_normal_force(u, bias_vector(u, L, b), push, torque, b)
-        return Loaded(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), patch_speed2(omega, b), omega)
+        force = Vector(-(N * push.x), -(N * push.y), N)
+        return Loaded(force, times(N, torque), patch_speed2(omega, b), omega)
 
     @formula
     def scalars(q, b):
@@ -445,14 +468,16 @@ def disc_speeds(x: Moving, b: Touch) -> Disc:
     return Disc(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
 
 
-def region_of(x: Moving, b: Touch, regions: Mapping[str, Region]) -> str:
-    """Return the region of a body's sliding: the first, by rising x, whose end it has not reached."""
-    s = disc_speeds(x, b)
-    return next(
-        name
-        for name, region in regions.items()
-        if not any(border.direction > 0 and border.beyond(s, b) >= 0 for border in region.borders)
-    )
+def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tuple[str, ...]:
+    """Return the regions of a body's sliding on balls; empty under a law that has none.
+
+    A region is the first, by rising x, whose end is not reached."""
+
+    def region(s: Disc, b: Touch) -> str:
+        ends = {name: (way for way in one.borders if way.direction > 0) for name, one in regions.items()}
+        return next(name for name, ways in ends.items() if all(way.beyond(s, b) < 0 for way in ways))
+
+    return tuple(region(disc_speeds(x, b), b) for b in bodies if regions)
 
 
 def stays_at_rest(x: Moving, b: Touch) -> bool:

@@ -1,7 +1,9 @@
-"""The common state of a body whose contact may open, and the rows in which a run of any phase is written.
+"""The common state of a body whose contact may open, and the rows in which a run of any phase is
+written.
 
-A jump from one phase to another takes and gives a `Moving`; a row adds the reaction of the plane, the ball in contact,
-or last in contact, and the phase. Columns and user-defined events are functions of the `Scalars` of a row.
+A jump from one phase to another takes and gives a `Moving`; a row adds the reaction of the plane,
+the ball in contact, or last in contact, and the phase. Columns and user-defined events are
+functions of the `Scalars` of a row.
 """
 
 from collections import namedtuple
@@ -42,7 +44,11 @@ BALLS = ("body", "stem")
 REFERENCE = ("jellett_reference", JELLETT, "Jellett's integral when its ball first touched")
 """An integral that only jumps change: the drift of Jellett's integral is relative to it."""
 
-LOST = ("jellett_lost", JELLETT, "Jellett's integral taken by the torque of the contact since the start")
+LOST = (
+    "jellett_lost",
+    JELLETT,
+    "Jellett's integral taken by the torque of the contact since the start",
+)
 
 
 class Moving(NamedTuple):
@@ -88,9 +94,16 @@ class Row(NamedTuple):
 
 
 ROW_UNITS = Row(
-    *(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 3, METRE, *(NEWTON,) * 3, *(METRE,) * 3, ONE, ONE,
-    JELLETT, WATT,
-)  # fmt: skip
+    *(ONE,) * 3,
+    *(ANGULAR_MOMENTUM,) * 3,
+    *(METRE_PER_SECOND,) * 3,
+    METRE,
+    *(NEWTON,) * 3,
+    *(METRE,) * 3,
+    *(ONE,) * 2,
+    JELLETT,
+    WATT,
+)
 
 
 def moving(row: Row, carried: Any) -> Moving:
@@ -99,7 +112,8 @@ def moving(row: Row, carried: Any) -> Moving:
 
 
 def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -> Row:
-    """Return the row of a state of a phase, of numbers or arrays; `bodies`: the body seen from each ball."""
+    """Return the row of a state of a phase, of numbers or arrays; `bodies`: the body seen from each
+    ball."""
     b, stem = bodies[phase.ball], bodies[-1]
     x, by = phase.leave(q, b), phase.reaction(q, b)
     reference = carried.jellett_reference
@@ -107,10 +121,17 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
     number = PHASES.index(phase.label)
-    return Row(*x[0], *x[1], *x[2], x.height, *by.force, b.R, b.c, gap, number, phase.ball, reference, by.drilled)
+    contact_of = b.R, b.c, gap, number, phase.ball, reference, by.drilled
+    return Row._make((*x.u, *x.L, *x.velocity, x.height, *by.force, *contact_of))
 
 
-# --- scalars ----------------------------------------------------------------------------------------------------------
+def gained(x: Moving, **integrals: Any) -> Moving:
+    """Return the state with more of some integrals."""
+    more = {name: getattr(x.carried, name) + value for name, value in integrals.items()}
+    return x._replace(carried=x.carried._replace(**more))
+
+
+# --- scalars --------------------------------------------------------------------------------------
 
 
 class Scalars(NamedTuple):
@@ -144,8 +165,8 @@ class Scalars(NamedTuple):
 @formula
 def lowest_velocity(q, b):
     """Velocity of the lowest point of the ball of a row, (3,) [m/s]."""
-    velocity = Vector(q.rx_dot, q.ry_dot, q.rz_dot)
-    return contact.contact_velocity(axis(q), momentum(q), velocity, b._replace(R=q.radius, c=q.offset))
+    V, b = Vector(q.rx_dot, q.ry_dot, q.rz_dot), b._replace(R=q.radius, c=q.offset)
+    return contact.contact_velocity(axis(q), momentum(q), V, b)
 
 
 @formula
@@ -153,7 +174,7 @@ def row_scalars(q, b):
     """The scalars of a row."""
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
-        *kinematics(u, momentum(q), axis_rate(q, b), b),
+        **kinematics(u, momentum(q), axis_rate(q, b), b)._asdict(),
         v_u=u.x * v.x + u.y * v.y,
         v_n=u.x * v.y - u.y * v.x,
         v2=v.x * v.x + v.y * v.y,
@@ -172,11 +193,12 @@ def row_scalars(q, b):
     )
 
 
-# --- angles -----------------------------------------------------------------------------------------------------------
+# --- angles ---------------------------------------------------------------------------------------
 
 
 class Angles(NamedTuple):
-    """What users give and read: as of a gliding body, and velocity and height of the lowest point."""
+    """What users give and read: as of a gliding body, and velocity and height of the lowest
+    point."""
 
     theta: Operand
     theta_dot: Operand
@@ -194,7 +216,15 @@ class Angles(NamedTuple):
 
 
 ANGLES = Angles(
-    RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 3, METRE, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND
+    RADIAN,
+    *(RADIAN_PER_SECOND,) * 3,
+    *(METRE_PER_SECOND,) * 3,
+    METRE,
+    RADIAN,
+    METRE,
+    METRE,
+    JOULE,
+    NEWTON_SECOND,
 )
 DiscAngles: Any = namedtuple("DiscAngles", (*Angles._fields, LOST[0]))  # type: ignore[misc]
 DISC_ANGLES = DiscAngles._make((*ANGLES, JELLETT))
@@ -218,7 +248,8 @@ PLANAR_ANGLES = PlanarAngles(*(getattr(ANGLES, name) for name in PlanarAngles._f
 
 @formula
 def row_of_angles(e, s, z, b):
-    """The row of the angles, its reaction not yet known; s, z are sin(theta), cos(theta), exact at the poles."""
+    """The row of the angles, its reaction not yet known; s, z are sin(theta), cos(theta), exact at
+    the poles."""
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     none = 0 * z
     b = b._replace(R=b.R + none, c=b.c + none)
@@ -226,19 +257,30 @@ def row_of_angles(e, s, z, b):
     ex, ey = cos(e.phi), sin(e.phi)
     along_x, along_y = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
     velocity = along_x - at_rest.x, along_y - at_rest.y, e.nu_z - at_rest.z
-    rest = (none,) * 3, (b.R, b.c, none, none, none), (contact.jellett_of(L.z, b.I3 * e.omega3, b), none)
-    return Row(*u, *L, *velocity, e.gap + b.R - b.c * z, *rest[0], *rest[1], *rest[2])
+    height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
+    zeros = (none,) * 3
+    return Row._make((*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none))
 
 
 @formula
 def angles_of_row(q, carried, b):
-    """The angles of a row; 0/0 exactly at a pole, where phi and what is taken along it are undefined."""
+    """The angles of a row; 0/0 exactly at a pole, where phi and what is taken along it are
+    undefined."""
     c = row_scalars(q, b)
     theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
     s = sqrt(c.s2)
     place_and_integrals = (carried.x, carried.y, carried.work, carried.impulse)
     return Angles(
-        theta, theta_dot, phi_dot, c.L3 / b.I3, c.v_u / s, c.v_n / s, c.rise, c.gap, phi, *place_and_integrals
+        theta,
+        theta_dot,
+        phi_dot,
+        c.L3 / b.I3,
+        c.v_u / s,
+        c.v_n / s,
+        c.rise,
+        c.gap,
+        phi,
+        *place_and_integrals,
     )
 
 
@@ -259,7 +301,16 @@ def row_of_planar_angles(e, s, z, b):
 def planar_angles_of_row(q, carried, b):
     """The angles of a row of a motion in a plane."""
     v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
-    return PlanarAngles(carried.theta, planar_theta_dot(q, b), v.x, v.z, gap, carried.x, carried.work, carried.impulse)
+    return PlanarAngles(
+        carried.theta,
+        planar_theta_dot(q, b),
+        v.x,
+        v.z,
+        gap,
+        carried.x,
+        carried.work,
+        carried.impulse,
+    )
 
 
 @formula
@@ -269,12 +320,15 @@ def planar_theta_dot(q, b):
     return q.uz * u_dot.x - q.ux * u_dot.z
 
 
-# --- the forms of rows ------------------------------------------------------------------------------------------------
+# --- the forms of rows ----------------------------------------------------------------------------
 
 
 def carried(*names: str) -> tuple[Integral, ...]:
     """Return the integrals of rows; a phase integrates some of them, the others stay."""
-    return (*(Integral(name, *NAMED[name], rate=None) for name in names), Integral(*REFERENCE, rate=None))
+    return (
+        *(Integral(name, *NAMED[name], rate=None) for name in names),
+        Integral(*REFERENCE, rate=None),
+    )
 
 
 ROW = Form(
@@ -287,7 +341,11 @@ ROW = Form(
     integrals=carried("x", "y", "work", "impulse"),
     orientation=carried_along(axis, axis_rate, spin),
 )
-DISC_ROW = replace(ROW, to_angles=disc_angles_of_row, integrals=(*ROW.integrals, Integral(*LOST, rate=None)))
+DISC_ROW = replace(
+    ROW,
+    to_angles=disc_angles_of_row,
+    integrals=(*ROW.integrals, Integral(*LOST, rate=None)),
+)
 PLANAR_ROW = replace(
     ROW,
     name="angle",
@@ -298,11 +356,12 @@ PLANAR_ROW = replace(
 )
 
 
-# --- columns ----------------------------------------------------------------------------------------------------------
+# --- columns --------------------------------------------------------------------------------------
 
 
 def of_ball(function: Callable) -> Callable:
-    """Return a formula of a gliding body for the ball in contact: its R and c are those of the row."""
+    """Return a formula of a gliding body for the ball in contact: its R and c are those of the
+    row."""
     return formula(lambda s, b: function(s, b._replace(R=s.radius, c=s.offset)))
 
 
@@ -317,7 +376,8 @@ def _field(name: str) -> Any:
 
 
 def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
-    """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has one."""
+    """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has
+    one."""
     found = [
         Quantity("energy", "E", JOULE, "energy", energy),
         Quantity(
@@ -341,5 +401,13 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
             Quantity("jellett_taken", "", JELLETT, text, _field("jellett_taken"), is_column=False),
         )  # fmt: skip
     if stem:
-        found.append(Quantity("gap_stem", "gap of the stem", METRE, "height of the stem's ball", _field("stem_gap")))
+        found.append(
+            Quantity(
+                "gap_stem",
+                "gap of the stem",
+                METRE,
+                "height of the stem's ball",
+                _field("stem_gap"),
+            )
+        )
     return tuple(found)

@@ -5,8 +5,9 @@ from collections.abc import Callable
 from typing import Any
 
 from .. import friction
+from ..operand import leaves
 from ..parameter import Parameter
-from ..system import System
+from ..system import Phase, System
 
 
 def allowed(rule: Parameter) -> float:
@@ -45,7 +46,7 @@ def wrong_answers(system: System) -> list[str]:
             f"`scales` of `{system.name}` must give a mass and a length, finite and greater than 0, but gives "
             f"{scales!r:.60}."
         ]
-    return _of_checks(system, numbers) or _of_start(system, body)
+    return _of_checks(system, numbers) or _of_start(system, body) or _of_phases(system, body)
 
 
 def _of_checks(system: System, numbers: dict[str, float]) -> list[str]:
@@ -66,6 +67,29 @@ def _of_start(system: System, body: Any) -> list[str]:
     if getattr(angles[0], "_fields", None) == system.angles._fields:
         return []
     return [f"`start` of `{system.name}` must give a record as `angles` is, but gives {angles[0]!r:.60}."]
+
+
+KEEPS = 1e-9
+"""Relative error with which a phase must keep the common state."""
+
+
+def _of_phases(system: System, body: Any) -> list[str]:
+    """Return a sentence on each phase that changes the common state: leave(enter(x)) must be x."""
+    faults = []
+    for name, phase in system.phases.items():
+        states: list[Any] = []
+
+        def enter_and_leave(phase: Phase = phase, states: list[Any] = states) -> None:
+            b, units = phase.parameters(body), phase.form.units
+            states.append(phase.leave(type(units)(*(0.5 + k / 64 for k in range(len(units)))), b))
+            states.append(phase.leave(phase.enter(states[0], b), b))
+
+        must = f"`enter` and `leave` of phase `{name}` of `{system.name}` must keep the common state, but"
+        if fault := _failure(enter_and_leave):
+            faults.append(f"{must} fail: {fault}.")
+        elif not all(math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, states), strict=True)):
+            faults.append(f"{must} {states[0]!r:.60} becomes {states[1]!r:.60}.")
+    return faults
 
 
 def _failure(call: Callable[[], Any]) -> str:

@@ -1,0 +1,267 @@
+"""Phases and jumps of a body whose contact may open, against the laws of mechanics."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tippetop.mechanics.consistency import inconsistencies
+from tippetop.mechanics.contact import exits
+from tippetop.mechanics.contact.body import Ball, Body, Touch, jellett_of, touch
+from tippetop.mechanics.contact.impact import after_impact, arrival
+from tippetop.mechanics.contact.opening import opened
+from tippetop.mechanics.contact.patch_impact import patch_struck
+from tippetop.mechanics.contact.state import ROW, Moving, energy, row
+from tippetop.mechanics.contact.struck import struck
+from tippetop.mechanics.form import CLOCK
+from tippetop.mechanics.friction import LAWS, Contensou, SetValued, Viscous, named
+from tippetop.mechanics.operand import Vector, dot, plus, times
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.variables import Variables
+
+
+BODY = Body(1.0, 0.37, 0.35, 1.0, None, (Ball(0.2, 1.0, 0.0), Ball(0.2 + 13 / 15, 1 / 3, 13 / 15)))
+COSINE = -10 / 13  # where both balls touch
+LAWS_OF = {
+    "tippe-top": (Viscous(1.3), SetValued(0.3), Contensou(0.3, 0.03, 1e-3)),
+    "gliding-heavy-top": (Viscous(1.3), SetValued(0.3)),
+    "gliding-cylinder": (Viscous(1.3), SetValued(0.3)),
+}
+CASES = [("tippe-top", law, balls) for law in LAWS_OF["tippe-top"] for balls in (1, 2)] + [
+    (name, law, 1) for name in ("gliding-heavy-top", "gliding-cylinder") for law in LAWS_OF[name]
+]
+
+
+class World(SimpleNamespace):
+    """What a driver gives to jumps."""
+
+    def __init__(self, name: str, friction: Any, balls: int, e_n: float = 0.4):
+        law = named(type(friction))[1]
+        self.system, self.left = opened(SYSTEMS[name], law, balls), np.inf
+        whole = BODY._replace(friction=friction, balls=BODY.balls[:balls])
+        self.body = tuple(touch(whole, ball) for ball in range(balls))
+        self.phases, self.rules = self.system.phases, SimpleNamespace(e_n=e_n)
+        (form,) = self.system.forms.values()
+        self.carried = Variables(form, False).carried
+        self.nothing = self.carried(*(0.0,) * len(self.carried._fields))
+
+    def rates(self, phase: Any, q: Any, carried: Any) -> list:
+        known = {integral.name: integral.rate for integral in phase.form.integrals}
+        b = phase.parameters(self.body)
+        return [known[name](q, carried, b) if name in known else 0.0 for name in carried._fields]
+
+    def landing(self, x: Moving, gap: Any, b: Touch, zeros: int) -> float:
+        return 1.0
+
+    def struck(self, x: Moving, b: Touch, e_n: float) -> tuple:
+        a = arrival(x.u, x.L, x.velocity, b)
+        if isinstance(b.friction, Contensou):
+            turn = exits.contact.angular_velocity(x.u, x.L, b).z
+            impact: Any = patch_struck((a.along, a.sideways, a.v.z), turn, a.s, x.u.z, b, e_n)
+        else:
+            impact = struck(a.along, a.sideways, a.v.z, a.K, 0.3, e_n)
+        twist = getattr(impact, "twist", 0.0)
+        return (
+            a.v,
+            impact,
+            after_impact(x.u, x.L, x.velocity, a, impact.p_e, impact.p_2, impact.p_z, twist, b),
+        )
+
+
+def state(world: World, seed: int, cosine: float | None = None, *, spin: float = 1.0) -> Moving:
+    """A random state of a body on the plane."""
+    random = np.random.default_rng(seed)
+    z, phi = random.uniform(-0.9, 0.9) if cosine is None else cosine, random.uniform(0, 6)
+    s = np.sqrt((1 - z) * (1 + z))
+    L, velocity = (Vector(*spin * random.normal(size=3)) for _ in range(2))
+    b = world.body[0]
+    u = Vector(s * np.cos(phi), s * np.sin(phi), z)
+    return Moving(u, L, velocity, b.R - b.c * z, world.nothing)
+
+
+def without_slip(x: Moving, b: Touch) -> Moving:
+    """The same, with a lowest point at rest."""
+    velocity = exits.contact.centre_velocity(x.u, x.L, Vector(0.0, 0.0, 0.0), b)
+    return x._replace(velocity=velocity)
+
+
+def on_plane(x: Moving, b: Touch) -> Moving:
+    """The same, with a lowest point that does not rise."""
+    v = x.velocity
+    return x._replace(velocity=v._replace(z=v.z - exits.point(x, b).z))
+
+
+def conserved(world: World, ball: int, x: Moving) -> np.ndarray:
+    """Energy and Jellett's integral, with what was taken of them."""
+    phase, b = world.phases[exits.phase_name("flight", ball)], world.body[ball]
+    q = row(phase, phase.enter(x, b), x.carried, world.body)
+    E = energy(ROW.scalars(q, b), b) + x.carried.work
+    lost = getattr(x.carried, "jellett_lost", 0.0)
+    return np.array([E, jellett_of(x.L.z, dot(x.L, x.u), b) + lost])
+
+
+@pytest.mark.parametrize(("name", "law", "balls"), CASES)
+def test_records_of_an_opening_contact_are_consistent(name: str, law: Any, balls: int) -> None:
+    system = opened(SYSTEMS[name], named(type(law))[1], balls)
+    assert inconsistencies(system.replace(contact=None)) == []
+    assert system is opened(SYSTEMS[name], named(type(law))[1], balls)
+    for phase in system.phases.values():
+        assert {exit.event for exit in phase.exits} == {
+            CLOCK,
+            *(event.name for event in phase.events),
+        }
+
+
+@pytest.mark.parametrize(("name", "law", "balls"), CASES)
+def test_a_phase_keeps_the_common_state(name: str, law: Any, balls: int) -> None:
+    world = World(name, law, balls)
+    for seed, phase in enumerate(world.phases.values()):
+        b = world.body[phase.ball]
+        x = phase.leave(phase.enter(state(world, seed), b), b)
+        again = phase.leave(phase.enter(x, b), b)
+        for one, other in zip(x[:4], again[:4], strict=True):
+            assert other == pytest.approx(one, abs=1e-15, rel=1e-14)
+
+
+@pytest.mark.parametrize("law", LAWS_OF["tippe-top"])
+@pytest.mark.parametrize("ball", [0, 1])
+def test_an_impact_keeps_energy_and_the_jellett_integral_of_its_ball(law: Any, ball: int) -> None:
+    world = World("tippe-top", law, 2)
+    for seed in range(5):
+        x = state(world, seed, (0.3, -0.9)[ball])
+        x = x._replace(height=world.body[ball].R - world.body[ball].c * x.u.z)
+        v_n = exits.point(x, world.body[ball]).z
+        x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - v_n - 0.5))
+        n = exits.strike(x, world, ball, "landing")
+        assert n.rows["impacts"][0].v_n_before == pytest.approx(-0.5)
+        assert n.x.carried.work > 0
+        assert conserved(world, ball, n.x) == pytest.approx(conserved(world, ball, x), abs=1e-13)
+
+
+@pytest.mark.parametrize("law", LAWS_OF["tippe-top"])
+def test_a_contact_begins_with_forces_that_its_law_allows(law: Any) -> None:
+    """Complementarity: normal force, its cone, friction against the motion; or it opens."""
+    world, found = World("tippe-top", law, 1), set()
+    for seed in range(60):
+        b, spin = world.body[0], 10.0 ** (seed % 3 - 1)
+        x = on_plane(state(world, seed, spin=spin), b)
+        if seed % 2:
+            x = without_slip(x, b)
+        n = exits.on_plane(x, world, 0, "start")
+        phase, v = world.phases[n.phase], exits.point(n.x, b)
+        found.add(phase.label)
+        F = phase.reaction(phase.enter(n.x, b), b).force
+        assert (F.z > 0) == (phase.label != "flight")
+        assert F.x * v.x + F.y * v.y <= 1e-14
+        if isinstance(law, SetValued) and F.z > 0:
+            assert exits.size(F) <= law.mu * F.z * (1 + 1e-9)
+            assert (exits.size(v) < 1e-12) == (phase.label == "roll")
+    assert found == {phase.label for phase in world.phases.values()}
+
+
+def slowing(x: Moving, b: Touch) -> Vector | None:
+    """The direction to which a slide turns before it stops: Q = 0, P < 0. [contact 2.2]"""
+
+    def law(beta: np.ndarray) -> tuple:
+        F, P, Q = exits.slip_motion(x.u, x.L, Vector(np.cos(beta), np.sin(beta), 0 * beta), b)
+        return -P, Q, F.z
+
+    found = exits.first_directions(law)
+    return Vector(np.cos(found[0]), np.sin(found[0]), 0.0) if len(found) else None
+
+
+@pytest.mark.parametrize("name", ["tippe-top", "gliding-cylinder"])
+def test_a_slide_that_stops_loses_nothing_but_its_friction(name: str) -> None:
+    world, found, planar = World(name, SetValued(0.2), 1), set(), name == "gliding-cylinder"
+    world.phase, b = world.phases["slip"], world.body[0]
+    for seed in range(20):
+        x = state(world, seed, spin=0.5)
+        if planar:
+            x = x._replace(u=Vector(np.sqrt(1 - x.u.z**2), 0.0, x.u.z), L=Vector(0.0, x.L.y, 0.0))
+        n = Vector(1.0, 0.0, 0.0) if planar else slowing(x, b)
+        if n is None or exits.slip_motion(x.u, x.L, n, b)[1] > 0:
+            continue
+        x = x._replace(velocity=exits.contact.centre_velocity(x.u, x.L, times(1e-6, n), b))
+        follows = exits.stick(x, world)
+        found |= set(follows.logged)
+        assert follows.phase in {to for exit in world.phase.exits for to in exit.to}
+        error = 1e-13 + 100 * follows.delay**2
+        assert conserved(world, 0, follows.x) == pytest.approx(conserved(world, 0, x), abs=error)
+    assert found >= ({"stick", "reversal"} if planar else {"stick"})
+
+
+def test_the_first_moments_of_a_slide_keep_energy_and_begin_along_the_force() -> None:
+    """At the edge of the cone, by the choice of mu; the slide is against the force of rolling."""
+    for seed in range(4):
+        world = World("tippe-top", SetValued(0.2), 1)
+        b = world.body[0]
+        x = without_slip(state(world, seed, spin=0.5), b)
+        F = exits.reaction_of_rolling_vector(x.u, exits.bias_vector(x.u, x.L, b), b)
+        world.body = (b._replace(friction=SetValued(exits.size(F) / F.z)),)
+        world.phase = world.phases["roll"]
+        try:
+            n = world.phase.exits[-1].jump(x, world)
+        except ArithmeticError:  # the motion does not leave the cone
+            continue
+        assert conserved(world, 0, n.x) == pytest.approx(conserved(world, 0, x), abs=1e-13)
+        q, carried = n.series.at(np.linspace(0, n.delay, 5))
+        assert (q.w[0], carried.work[0]) == pytest.approx((0, 0), abs=1e-15)
+        assert np.all(np.diff(q.w) > 0)
+        assert -(F.x * np.cos(q.beta[0]) + F.y * np.sin(q.beta[0])) == pytest.approx(exits.size(F))
+
+
+@pytest.mark.parametrize("law", [Viscous(1.3), Contensou(0.3, 0.03, 1e-3)])
+def test_a_body_comes_to_rest_on_both_balls(law: Any) -> None:
+    """Impulses take theta' and the vertical velocity; two normal forces carry the weight."""
+    world, found = World("tippe-top", law, 2), set()
+    for seed in range(8):
+        x, b, omega3 = state(world, seed, COSINE, spin=0.05), world.body[0], (3.0, 1.0)[seed % 2]
+        w = plus(Vector(0.0, 0.0, -1.0), times(COSINE, x.u))  # across 3hat, of phi' = -1
+        x = on_plane(x._replace(L=plus(x.L, plus(times(b.I1, w), times(b.I3 * omega3, x.u)))), b)
+        n = exits.rest_on_both(x, world, "start")
+        phase = world.phases[n.phase]
+        found.add(phase.label)
+        if phase.label == "slip":
+            assert n.zeros["touch"] in (1, 2)
+        if phase.label != "both":
+            continue
+        assert abs(exits.contact.axis_rate(n.x.u, n.x.L, b).z) < 1e-15
+        assert n.x.velocity.z == 0
+        assert conserved(world, 0, n.x)[0] == pytest.approx(conserved(world, 0, x)[0], abs=1e-14)
+        assert phase.reaction(phase.enter(n.x, b), b).force.z == pytest.approx(b.m * b.g)
+    assert found > {"both"}
+
+
+def test_a_flight_begins_where_the_force_vanishes_and_goes_on() -> None:
+    world = World("tippe-top", Viscous(1.3), 1)
+    x, world.phase = state(world, 1), world.phases["slip"]
+    n = exits.lift_off(x, world)
+    assert (n.phase, n.x, n.logged, n.lasts) == ("flight", x, ("liftoff",), 1.0)
+
+
+@pytest.mark.parametrize(("mu", "ends"), [(0.3, "ended"), (0.02, "")])
+def test_a_disc_at_rest_is_held_by_strong_friction(mu: float, ends: str) -> None:
+    """A body released from rest with its axis tilted."""
+    world = World("tippe-top", Contensou(mu, 0.03, 0.0), 1)
+    x = state(world, 3, spin=0.0)
+    n = exits.begin(x, world)
+    assert n.phase == "slip-inside"
+    assert n.ends == ends
+    assert n.sides["rests"] == -1
+
+
+def test_regions_follow_one_another_by_their_borders() -> None:
+    world = World("tippe-top", Contensou(0.3, 0.03, 0.0), 1)
+    x = on_plane(state(world, 2), world.body[0])
+    (way,) = (exit for exit in world.phases["slip-inside"].exits if exit.event == "faster")
+    n = way.jump(x, world)
+    assert (n.phase, n.zeros, n.cause) == ("slip-between", {"slower": 1}, "")
+    assert n.x is x
+
+
+def test_laws_without_friction_share_the_phases_of_none() -> None:
+    world = World("tippe-top", SetValued(0.0), 1)
+    bodies, phases = world.system.assembled(world.body[0], SimpleNamespace(stem=False), None)
+    assert set(phases) == {"slip", "flight"}
+    assert type(bodies[0].friction) is LAWS["none"].record
