@@ -14,12 +14,10 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
-from numba.extending import overload
-
-from .jit import intrinsic
+from numba.extending import intrinsic, overload
 
 
+STAGES: dict[Any, tuple] = {}  # of a formula, by the formula
 BLOCK = 256  # points: ten columns of it and their neighbours stay in the first cache
 
 
@@ -71,7 +69,7 @@ def get(typing, table, j, like):
 
     def generate(context, builder, signature, arguments):
         table, j, like = arguments
-        record = cgutils.get_null_value(like.type)
+        record = ir.Constant(like.type, None)
         for i, path in enumerate(_leaves(like.type)):
             leaf = builder.load(_place(context, builder, signature.args[0], table, i, j))
             record = builder.insert_value(record, leaf, path) if path else leaf
@@ -81,9 +79,9 @@ def get(typing, table, j, like):
 
 
 def in_stages(whole: Any, *stages: Any) -> None:
-    """Says that whole(*arguments) is what the last of up to three stages makes: each takes the result of the one before
-    it, and the arguments."""
-    whole.stages = stages
+    """Declare that whole(*arguments) is the result of the last of up to three stages: each takes the result of the one
+    before it, and the arguments."""
+    STAGES[whole] = stages
 
 
 def first(whole, *arguments) -> Any:
@@ -103,13 +101,13 @@ def third(whole, before, *arguments) -> Any:
 
 @overload(first, jit_options={"error_model": "numpy", "forceinline": True})
 def _(whole, *arguments):
-    stage = getattr(whole.dispatcher, "stages", (whole.dispatcher,))[0]
+    stage = STAGES.get(whole.typing_key, (whole.typing_key,))[0]
     return lambda whole, *arguments: stage(*arguments)
 
 
 def _later(number: int) -> Any:
     def chosen(whole, before, *arguments):
-        stages = getattr(whole.dispatcher, "stages", ())
+        stages = STAGES.get(whole.typing_key, ())
         if len(stages) <= number:
             return lambda whole, before, *arguments: before
         stage = stages[number]
