@@ -149,30 +149,36 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
 
 
 def minima(prepare, guess, slopes, value, ends):
-    """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
+    """Return the kernel of the minimum over q at every (x, y).
+
+    It fills F, q (float64) and status (int8), each (xs.size, ys.size).
+    """
 
     @entry
     def minima(several, xs, ys, r, F, q, status):
-        guessed = (ys, ys, 0.0)
+        steps = STEPS, AT_REST, (ys, ys, 0.0)
         for i in range(xs.size):
-            row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST, guessed)
+            out = F[i], q[i], status[i]
+            row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, *out, *steps)
 
     return minima
 
 
 def heights(prepare, guess, slopes, value, ends):
-    """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits.
+    """Return the kernel of F alone: it is flat at its minimum, and one step is enough for its digits.
 
-    Most rows start from the q of the two before them. So the last bit of F may depend on the grid that a point is in.
+    Most rows start from the q of the two before them. So the last bit of F may depend on the grid.
     """
 
     @entry
     def heights(several, xs, ys, r, F, status):
         q = np.empty((3, ys.size))
         for i in range(xs.size):
-            ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2]) if i % ROWS_BETWEEN_GUESSES >= 2 else 0.0
-            before = (q[(i - 1) % 3], q[(i - 2) % 3], ahead)
-            row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i % 3], status[i], 1, NEARLY, before)
+            follows = i % ROWS_BETWEEN_GUESSES >= 2
+            ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2]) if follows else 0.0
+            before = q[(i - 1) % 3], q[(i - 2) % 3], ahead
+            out = F[i], q[i % 3], status[i]
+            row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, *out, 1, NEARLY, before)
 
     return heights
 
@@ -211,7 +217,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
 
 
 def gradients(prepare, gradient):
-    """gradient(q, p, r) at every (x, y): fills by_x and by_y, each (xs.size, ys.size)."""
+    """Return the kernel of gradient(q, p, r) at every (x, y); fills by_x, by_y, (xs.size, ys.size)."""
 
     @entry
     def gradients(xs, ys, r, q, by_x, by_y):
@@ -223,9 +229,9 @@ def gradients(prepare, gradient):
 
 
 def potentials(prepare, slopes, value):
-    """value and, times a constant, its first and second derivative by z, q = (1 - z)/(1 + z), over zs x xs x ys.
+    """Return the kernel of the value and, times a constant, its two derivatives by z.
 
-    Fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); NaN unless -1 < z < 1.
+    It fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); q = (1 - z)/(1 + z), NaN unless -1 < z < 1.
     """
 
     @entry
@@ -245,14 +251,18 @@ def potentials(prepare, slopes, value):
 
 
 def turnings(prepare, guess, slopes, value, ends, excess, bend):
-    """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
+    """Return the kernel of the minimum, the crossings around it, and a Level at points (xs, ys, levels).
+
+    All arrays are (n,).
+    """
 
     @entry
     def turnings(several, allowance, xs, ys, levels, r, low, high, q, F, bends, status):
-        how, guessed = np.empty(1, np.int8), (ys, ys, 0.0)
+        how, steps = np.empty(1, np.int8), (STEPS, AT_REST, (ys, ys, 0.0))
         for i in range(xs.size):
             k = slice(i, i + 1)
-            row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST, guessed)
+            out = F[k], q[k], how
+            row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, *out, *steps)
             p = prepare(xs[i], ys[i], r)
             low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
             bends[i] = bend(q[i], p, r)
@@ -261,9 +271,10 @@ def turnings(prepare, guess, slopes, value, ends, excess, bend):
 
 
 def wells(prepare, slopes, value, excess, bend):
-    """`turnings` where there may be several minima: of that in whose basin `at` (n,) lies; where it is NaN, the lowest.
+    """Return the kernel of `turnings` for functions of several minima.
 
-    The minimum is then the lowest that the band holds. Fills `other` (2, n) with the crossings of a band elsewhere.
+    It takes the minimum in whose basin `at` (n,) lies, the lowest where it is NaN; then the lowest that the band
+    contains. It fills `other` (2, n) with the crossings of a band elsewhere.
     """
 
     @entry
@@ -283,15 +294,16 @@ def wells(prepare, slopes, value, excess, bend):
                 well = 0
                 while well + 1 < minima and at[i] > turns[2 * well + 1]:
                     well += 1
-            low[i], high[i], status[i], first, last = band_of(excess, turns, count, well, levels[i], allowance, p, r)
+            band = band_of(excess, turns, count, well, levels[i], allowance, p, r)
+            low[i], high[i], status[i], first, last = band
             k = _lowest(value, turns, first, last, p, r)
             q[i] = turns[2 * k]
             F[i], bends[i] = value(q[i], p, r), bend(q[i], p, r)
             for another in range(minima):
                 if another < first or another > last:
-                    a, b, how, _, _ = band_of(excess, turns, count, another, levels[i], allowance, p, r)
-                    if how != Level.BELOW:
-                        other[0, i], other[1, i] = a, b
+                    band = band_of(excess, turns, count, another, levels[i], allowance, p, r)
+                    if band[2] != Level.BELOW:
+                        other[0, i], other[1, i] = band[0], band[1]
 
     return wells
 
@@ -308,11 +320,12 @@ def _lowest(value, turns, first, last, p, r):
 
 
 def periods(prepare, excess, inertia):
-    """The period of the swing between low and high at each point; fills period (n,)."""
+    """Return the kernel of the period of the swing between low and high at each point; fills period (n,)."""
 
     @entry
     def periods(low, high, xs, ys, levels, r, b, period):
         for i in range(xs.size):
-            period[i] = swing(excess, inertia, low[i], high[i], levels[i], prepare(xs[i], ys[i], r), r, b)
+            p = prepare(xs[i], ys[i], r)
+            period[i] = swing(excess, inertia, low[i], high[i], levels[i], p, r, b)
 
     return periods

@@ -13,11 +13,11 @@ operations ahead; of a short one it has several turns in flight.
 from typing import Any
 
 from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic, overload
+from numba import extending, types
+from numba.extending import overload
 
 
-STAGES: dict[Any, tuple] = {}  # of a formula, by the formula
+intrinsic: Any = extending.intrinsic
 BLOCK = 256  # points: ten columns of it and their neighbours stay in the first cache
 
 
@@ -78,10 +78,8 @@ def get(typing, table, j, like):
     return like(table, types.intp, like), generate
 
 
-def in_stages(whole: Any, *stages: Any) -> None:
-    """Declare that whole(*arguments) is the result of the last of up to three stages: each takes the result of the one
-    before it, and the arguments."""
-    STAGES[whole] = stages
+STAGES: dict[Any, tuple] = {}
+"""The stages of a formula, up to three: each takes the result of the one before it, and the arguments."""
 
 
 def first(whole, *arguments) -> Any:

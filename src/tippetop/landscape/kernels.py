@@ -1,16 +1,15 @@
-"""The compiled kernels of the landscape, bound to its formulas. Imported only where a grid is computed."""
+"""The compiled kernels of the landscape, with its formulas; imported when a grid is computed."""
 
+from collections.abc import Callable
 from functools import cache
 
-from tippetop_kernels import grid
-from tippetop_kernels.compilation import inlined
-from tippetop_kernels.staging import in_stages
+from tippetop_kernels import grid, staging
+from tippetop_kernels.compilation import Entry, inlined
 
 from .formulas import STAGES, at_momenta, curvature, ends, excess, guess, slopes, surface_gradient, value
 
 
-for _formula, _stages in STAGES.items():
-    in_stages(_formula, *_stages)
+staging.STAGES.update(STAGES)
 PROBLEM = at_momenta, guess, slopes, value, ends
 minima = grid.minima(*PROBLEM)
 heights = grid.heights(*PROBLEM)
@@ -21,6 +20,6 @@ wells = grid.wells(at_momenta, slopes, value, excess, curvature)
 
 
 @cache
-def periods(theta_inertia):
+def periods(theta_inertia: Callable) -> Entry:
     """Return the kernel of periods for the theta_inertia(z, b) of a system."""
     return grid.periods(at_momenta, excess, inlined(theta_inertia))
