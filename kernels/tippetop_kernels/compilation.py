@@ -88,9 +88,9 @@ class Entry:
         compiled = functools.partial(numba.njit, types, error_model="numpy", nogil=True)
         if (folder := self._folder(arguments, types)) is not None:
             try:
-                with _numba_cache(folder):
+                with _checked(folder), _numba_cache(folder):
                     return compiled(cache=True)(self.function)
-            except Exception:  # the disk is full, or a file is damaged
+            except Exception:  # the disk is full, or two processes compile at the same time
                 shutil.rmtree(folder, ignore_errors=True)
         return compiled()(self.function)
 
@@ -221,6 +221,25 @@ def _process_start() -> float:
         return booted + ticks / os.sysconf("SC_CLK_TCK")
     except (OSError, AttributeError):
         return time.time()
+
+
+@contextlib.contextmanager
+def _checked(folder: Path) -> Iterator[None]:
+    """Remove the files of a folder before the block if their checksum is wrong; store it after the block."""
+    checksum = folder / "sha256"
+    whole = checksum.exists() and checksum.read_bytes() == _digest_of(folder)
+    if not whole:
+        shutil.rmtree(folder, ignore_errors=True)
+    yield
+    if not whole:
+        checksum.write_bytes(_digest_of(folder))
+
+
+def _digest_of(folder: Path) -> bytes:
+    total = hashlib.sha256()
+    for path in sorted(folder.rglob("*.nb?")):
+        total.update(path.read_bytes())
+    return total.digest()
 
 
 @contextlib.contextmanager
