@@ -91,7 +91,7 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.rotation": ("mechanics/test_rotation.py",),
     "mechanics.theory.least_energy": ("library/test_asymptotics.py",),
     "engine.contact.smooth_impact": (f"{RUNS}/test_smooth_impact.py",),
-    "mechanics.contact.phases.rules": (f"{CONTACT}/test_flight.py", "-k", "stem"),
+    "mechanics.contact.restitution": (f"{CONTACT}/test_flight.py", "-k", "stem"),
 }
 """Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge them."""
 COMPILED = (

@@ -74,9 +74,9 @@ def opening(tables: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     """The tables of a scenario with a contact that sticks, opens and closes: by an exact or a drilling law, [contact],
     [stem], or on_liftoff, one at least; in its default form. As they are where the system has no such contact."""
     from tippetop.mechanics.friction import LAWS
-    from tippetop.mechanics.systems.with_contact import BODIES
+    from tippetop.mechanics.systems import that_open
 
-    if tables["system"] not in BODIES:
+    if tables["system"] not in that_open():
         return tables
     round_body = tables["system"] == "tippe-top"
     opened = {key: value for key, value in tables.items() if key != "form"} | {"initial": dict(tables["initial"])}

@@ -48,7 +48,7 @@ def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
     assert not modules & {
         f"tippetop.{room}" for room in ("ensembles", "exchange", "figures", "library", "sweeps", "views")
     }
-    assert "tippetop.engine.contact.driver" not in modules
+    assert "tippetop.engine.hybrid" not in modules
     assert "zarr" not in imported("run", "inverting", "--until", "0.1")
 
 

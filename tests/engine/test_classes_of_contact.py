@@ -3,7 +3,7 @@
 import numpy as np
 
 from tippetop.engine.settling import CLASSES, with_phases
-from tippetop.mechanics.contact.phases.row import BALLS, PHASES
+from tippetop.mechanics.contact.state import BALLS, PHASES
 
 
 def test_the_phase_and_the_ball_say_what_a_motion_under_way_is() -> None:

@@ -36,7 +36,7 @@ QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 
 
 @lru_cache(maxsize=256)
-def formulas_of_phase(system: System, phase: Phase, body: type, friction: Any) -> Formulas:
+def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) -> Formulas:
     """Return the formulas of a phase, whose parameters are a record of type `body` with this record of a law."""
     form = phase.form
     common = () if phase.axis_stays else tuple(event for event in system.events if event.formula is not None)
@@ -70,7 +70,7 @@ class Track:
         phase = self.phase
         self.b = phase.parameters(run.body)
         self.exits = {exit.event: exit.jump for exit in phase.exits}
-        self.formulas = formulas_of_phase(problem.system, phase, type(self.b), type(self.b.friction))
+        self.formulas = formulas_of_phase(problem.system, phase, self.b.__class__, self.b.friction.__class__)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
         self.moving, self.record = variables.moving, type(phase.form.units)
@@ -113,8 +113,7 @@ class Track:
         return state
 
     def common(self, state: np.ndarray, carried: np.ndarray, record: Any) -> Any:
-        """Return the common state of the variables of the phase; numbers of doubles become Python's, which formulas take
-        faster."""
+        """Return the common state of the variables of the phase; doubles become floats, which formulas take faster."""
         numbers = state[: self.moving]
         q = self.record(*(numbers.tolist() if state.dtype == float else numbers))
         whole = carried.copy()
@@ -156,6 +155,7 @@ class HybridDriver:
 
     ended: Status | None = None
     sentence = ""
+    track: Track
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -178,7 +178,8 @@ class HybridDriver:
             self.rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
         self.tallies = new_tallies(self.rows, 1)
         self.tallies.functions[SIGN] = 0.0  # not known
-        self.row_times, self.tracks, self.tables = Wanted(), {}, PhaseTables(problem)
+        self.row_times, self.tables = Wanted(), PhaseTables(problem)
+        self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[str] = set()
         self.parts: list[Part] = []
@@ -189,9 +190,9 @@ class HybridDriver:
         start = problem.start()
         q, carried = problem.variables.split(start.tolist() if start.dtype == float else start)
         self.whole = start[problem.variables.moving :].copy()
-        x = system.common.leave(q, carried)
+        x = system.phase.leave(q, carried)
         try:
-            n = system.begin(x, self.world)
+            n = system.begin(x, self.world) if system.begin else Next(next(iter(self.phases)), x, "start")
         except ArithmeticError as error:
             n = Next(next(iter(self.phases)), x, "start", ends="stalled", message=str(error))
         self._enter(n, number(0), None)
@@ -274,7 +275,7 @@ class HybridDriver:
                 if sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
                 elif sign != known and event.sense and old is not None:  # theta has a corner, which ends a swing
-                    self._note(name, now, Part(*old[:2], old[2][None]), int(sign))
+                    self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))
             else:
                 sign, zero = by_value, abs(value) < BELOW
             if name not in track.exits:
@@ -463,7 +464,8 @@ class HybridDriver:
         none = np.zeros(0, int)
         empty = np.zeros(0, self.number), none, none, none > 0
         columns = [empty, *(passages[:-1] for passages, _ in self.log)]
-        return Passages(*map(np.concatenate, zip(*columns, strict=True)), self._joined([part for _, part in self.log]))
+        rows = self._joined([part for _, part in self.log])
+        return Passages._make((*map(np.concatenate, zip(*columns, strict=True)), rows))
 
     def _joined(self, parts: list[Part]) -> np.ndarray:
         rows = self._rows(parts)

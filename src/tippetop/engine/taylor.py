@@ -81,7 +81,7 @@ def new_driver(
     -------
     Driver
     """
-    code = code_for(problem, formulas_of(system, form.name, type(body.friction)), stop)
+    code = code_for(problem, formulas_of(system, form.name, body.friction.__class__), stop)
     rows = looked_for(code.rows, system.events, problem.events, stops=problem.on_liftoff != "continue")
     return kind_of_driver(problem)(code, rows, leaves(body), start, functions, internal_end(problem))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, suggestion
-from ..mechanics.contact.phases.rules import ContactLaw
+from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import SLIP, named
 from ..mechanics.system import Form, System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE

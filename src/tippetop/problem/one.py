@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import unknown_key
 from ..mechanics.caching import cached_property
-from ..mechanics.contact.phases.rules import CONTACT, STEM, ContactLaw, stem_faults
+from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
 from ..mechanics.friction import Law, named
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze

@@ -11,9 +11,9 @@ from ..engine.taylor import driver_of
 from ..mechanics.contact.body import angular_velocity
 from ..mechanics.contact.disc_at_rest import turning
 from ..mechanics.contact.gliding.vector import axis, momentum
-from ..mechanics.contact.phases.drilling import RESTS_BELOW
-from ..mechanics.contact.phases.row import Row
 from ..mechanics.contact.response import mobility
+from ..mechanics.contact.single_contact import RESTS_BELOW
+from ..mechanics.contact.state import Row
 from ..mechanics.disc_friction import drilling_torque, inside
 from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from ..arguments import path_of
 from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
-from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points

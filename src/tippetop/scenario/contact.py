@@ -5,7 +5,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..mechanics.contact.opening import ABOVE, kind_of, opened
-from ..mechanics.contact.phases.rules import ContactLaw, stem_faults
+from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import painleve_bound
 from ..mechanics.friction import LAWS

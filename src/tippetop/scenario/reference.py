@@ -10,7 +10,7 @@ from annotated_types import Ge, Gt, Lt
 from pydantic_core import PydanticUndefined
 
 from ..mechanics.contact.opening import ABOVE, opened
-from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.events import Event
 from ..mechanics.friction import LAWS, Law
 from ..mechanics.parameter import Parameter

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
-from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.contact.struck import RESTITUTIONS
 from ..mechanics.system import Parameter, System
 from ..problem import AUTO, UNTIL

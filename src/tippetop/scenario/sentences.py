@@ -5,7 +5,7 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from ..errors import suggestion, unknown_key
-from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError, suggestion
-from ..mechanics.contact.phases.rules import CONTACT, STEM
+from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, laws_of

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tippetop.engine.contact.impacts import follow_patch
+from tippetop.engine.contact.striking import follow_patch
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.patch_impact import PatchImpact, new_room, patch_struck
 from tippetop.mechanics.contact.response import mobility

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from touching import BOUNCE, THROWN, TURNING, reference
 
-from tippetop.mechanics.contact.phases.row import PHASES
+from tippetop.mechanics.contact.state import PHASES
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario import build
 

@@ -7,9 +7,6 @@ import pytest
 from scipy.interpolate import CubicSpline
 from test_both import STEM, Z
 from test_phases_of_runs import LEINE_GLOCKER, run
-
-from tippetop.engine.status import Status
-from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.phases.both import BOTH_KINDS, stem
 from tippetop.mechanics.contact.phases.drilling import (
     LEAST_PATCH,
@@ -18,6 +15,9 @@ from tippetop.mechanics.contact.phases.drilling import (
     patch_speed2,
     speed_beyond_rest,
 )
+
+from tippetop.engine.status import Status
+from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import Vector
 

@@ -8,9 +8,9 @@ import pytest
 from nightly import at_night
 from scipy.linalg import expm
 from scipy.optimize import brentq
+from tippetop.engine.contact.balls import Balls
 
 from tippetop.engine.contact import balls
-from tippetop.engine.contact.balls import Balls
 from tippetop.engine.contact.smooth_impact import SmoothImpacts
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.impact import after_impact, arrival

@@ -19,7 +19,7 @@ from tippetop.mechanics.contact.flight import (
 from tippetop.mechanics.contact.gliding.chart import axis_and_momentum
 from tippetop.mechanics.contact.gliding.euler import Angles
 from tippetop.mechanics.contact.landing import fall_below, first_landing, gap_below, landing_time, latest
-from tippetop.mechanics.contact.phases.rules import stem_height
+from tippetop.mechanics.contact.restitution import stem_height
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import Vector
 

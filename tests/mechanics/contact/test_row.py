@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.phases.row import Angles, Row, free_rates, row_of_angles, row_scalars
+from tippetop.mechanics.contact.state import Angles, Row, row_of_angles, row_scalars
 from tippetop.mechanics.friction import Viscous
 
 
@@ -52,10 +52,3 @@ def test_the_row_of_angles_has_their_contact_velocity_gap_and_jelletts_integral(
         assert (q.radius, q.offset) == (b.R, b.c)
         assert q.height - b.R + b.c * u[2] == pytest.approx(e.gap, abs=1e-13)
         assert q.jellett_taken == pytest.approx(-np.array([q.Lx, q.Ly, q.Lz]) @ (b.c * u - b.R * Z), abs=1e-13)
-
-
-def test_in_flight_the_centre_of_mass_falls(rng: np.random.Generator) -> None:
-    b, q = body(rng), Row._make(rng.uniform(-1, 1, len(Row._fields)))
-    rates = free_rates(q, b)
-    assert (rates.rx_dot, rates.ry_dot, rates.rz_dot, rates.height) == (0, 0, -b.g, q.rz_dot)
-    assert (rates.Lx, rates.Ly, rates.Lz) == (0, 0, 0)

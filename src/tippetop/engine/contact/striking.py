@@ -1,10 +1,11 @@
 """Impacts and landings of a run, in its numbers: compiled for doubles."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tippetop_kernels.jit import entry
+from tippetop_kernels.compilation import entry
 
 from ...mechanics.contact import body as contact
 from ...mechanics.contact.body import Touch
@@ -46,7 +47,7 @@ class Strikes:
         if not (set_valued or drills or isinstance(law, Frictionless)):
             smooth = SmoothImpacts(law, rules.restitution, problem.number)
         room = new_room(problem.number) if drills else None
-        patch = follow_patch.on(room) if room and problem.number is np.float64 else None
+        patch = partial(follow_patch, room) if room and problem.number is np.float64 else None
         landings = Landings(problem.number)
 
         def of_body(x: Moving, b: Touch, e_n: Any) -> tuple[Vector, Any, Struck]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.body import Touch, tip_inertia
-from ..contact.phases.rules import ContactLaw
+from ..contact.restitution import ContactLaw
 from ..friction import is_frictionless, is_linear, named, nowhere_vanishes
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions

@@ -3,9 +3,9 @@
 import math
 from typing import Any, NamedTuple
 
-from ...operand import formula
-from ...parameter import Parameter
-from ...units import METRE, ONE
+from ..operand import formula
+from ..parameter import Parameter
+from ..units import METRE, ONE
 
 
 LEAST_RADIUS, LONGEST = 1e-9, 1e6  # of a stem's ball, and of a stem, by the radius of the sphere: the rest is a slip
