@@ -8,6 +8,7 @@ import pytest
 
 from tippetop.engine.compiled import _integral_of
 from tippetop.engine.driver import PLACES, Driver
+from tippetop.engine.expressions import formulas_of
 from tippetop.engine.taylor import driver_of
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
@@ -64,11 +65,11 @@ def test_the_normal_force_is_integrated_once(preset: str) -> None:
 
 def test_what_is_nearly_the_normal_force_is_integrated_itself() -> None:
     problem = build.load("heavy-top")
-    variables, law = problem.variables, problem.friction.__class__
-    event = next(event for event in problem.system.events if event.extremes)
-    assert variables.names[_integral_of(event, problem.system, variables, law)] == "impulse"
-    near = replace(event, formula=lambda s, b: event.formula(s, b) * (1 + 1e-9))
-    assert _integral_of(near, problem.system, variables, law) == 0
+    variables, formulas = problem.variables, formulas_of(problem.system, problem.form.name, type(problem.friction))
+    e = next(e for e, event in enumerate(problem.system.events) if event.extremes)
+    assert variables.names[_integral_of(e, formulas, variables)] == "impulse"
+    near = replace(formulas, functions=lambda *state: [(1 + 1e-9) * f for f in formulas.functions(*state)])
+    assert _integral_of(e, near, variables) == 0
 
 
 def test_the_extremes_of_a_run_are_those_of_its_column() -> None:

@@ -262,5 +262,5 @@ def _event_functions(problems: Problems, start: Any, pars: Any) -> np.ndarray:
     moment = problems.moment(start, body)
     functions = np.empty((problems.n, len(problems.base.system.events)))
     for e, event in enumerate(problems.base.system.events):
-        functions[:, e] = np.asarray(event.formula(moment, body), float)
+        functions[:, e] = 1.0 if event.formula is None else np.asarray(event.formula(moment, body), float)
     return functions

@@ -6,8 +6,8 @@ from scipy.integrate import solve_ivp
 from test_phases_of_runs import LEINE_GLOCKER, run
 from touching import table_of
 
-from tippetop.engine.contact import standing
 from tippetop.engine.status import Status
+from tippetop.mechanics.contact import exits
 
 
 STEM = {"r": 0.005, "h": 0.013}
@@ -106,7 +106,7 @@ def test_when_rocking_is_called_standing_does_not_show(monkeypatch):
     start = {"theta": float(np.arccos(Z)) - 1e-3, "phi_dot": -20.0, "omega3": 60.0}
     ends = []
     for limit in (1e-4, 1e-6):
-        monkeypatch.setattr(standing, "BOTH_AT", limit)
+        monkeypatch.setattr(exits, "BOTH_AT", limit)
         done = run(LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.05)
         phases = table_of(done, "phases")
         assert phases["phase"][-1] == 3

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from touching import table_of
 
-from tippetop.engine.contact import beginning, driver
+from tippetop.engine import hybrid
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact import first_slip
+from tippetop.mechanics.contact import exits, first_slip
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
@@ -65,7 +65,7 @@ def test_how_a_slide_is_begun_does_not_show(monkeypatch):
     start["theta_dot"] = -17.927807956520134
     rows, times = [], []
     for span in (0.06, 0.03, 0.015):
-        monkeypatch.setattr(beginning, "SPAN", span)
+        monkeypatch.setattr(exits, "SPAN", span)
         done = run(initial=start, friction={"law": "coulomb", "mu": 0.5935203956711167})
         rows.append(done.columns()["theta"].values)
         times.append(done.events.time)
@@ -79,7 +79,7 @@ def test_rows_within_the_beginning_of_a_slide_are_those_of_the_slide(monkeypatch
     start["theta_dot"] = -17.927807956520134
     until, rows = 0.037, []
     for span in (0.06, 0.004):  # from 0.03616 s, for 0.7 ms and 0.05 ms
-        monkeypatch.setattr(beginning, "SPAN", span)
+        monkeypatch.setattr(exits, "SPAN", span)
         tables = {"run": {"until": until, "output_step": 2e-5}}
         friction = {"law": "coulomb", "mu": 0.5935203956711167}
         done = solve(
@@ -273,7 +273,7 @@ def test_where_a_slice_ends_does_not_show(monkeypatch: pytest.MonkeyPatch) -> No
         "contact": {"e_n": 0.5}, "initial": {"theta": 0.3, "omega3": 100.0, "gap": 0.001}, "run": {"until": 0.1},
     }  # fmt: skip
     whole, slices = solve(problem(tables)), []
-    monkeypatch.setattr(driver, "PER_SLICE", 1)
+    monkeypatch.setattr(hybrid, "PER_SLICE", 1)
     pieces = solve(problem(tables), slices.append)
     assert len(slices) > 3
     assert pieces.report == whole.report
