@@ -215,48 +215,41 @@ INLINED Jet jet(const real *p, integer n, real x) {
     };
 }
 
-/* The zero of a monotone p on [low, high], where it has the values `start` and `end`: Newton's rule
-   from the secant, kept between bounds. The lower end if rounding hides the zero there. */
-static real zero_of(const real *p, integer n, real low, real high, real start, real end) {
-    bool rising = end > 0;
-    if ((start > 0) == rising)
-        return low;
-    real x = low + (high - low) * (start / (start - end));
+/* A zero of p, or of its slope, which is monotone on [low, high]: Newton's rule from x, kept between
+   bounds. */
+static real root_of(const real *p, integer n, bool of_slope, bool rising, real low, real high,
+                    real x) {
     for (int i = 0; i < 60; i++) {
         Jet f = jet(p, n, x);
-        if (f.value == 0)
+        real value = of_slope ? f.slope : f.value;
+        if (value == 0)
             return x;
-        if ((f.value > 0) == rising)
+        if ((value > 0) == rising)
             high = x;
         else
             low = x;
-        real after = f.slope != 0 ? x - f.value / f.slope : 0.5 * (low + high);
-        if (!(low <= after && after <= high))
-            after = 0.5 * (low + high);
-        if (fabs(after - x) <= 1e-9) /* the next correction is its square */
-            return after;
-        x = after;
+        real before = x;
+        x = before - value / (of_slope ? 2 * f.curve : f.slope);
+        if (!(low <= x && x <= high))
+            x = 0.5 * (low + high);
+        if (fabs(x - before) <= 1e-9) /* the next correction is its square */
+            break;
     }
     return x;
+}
+
+/* The zero of a monotone p on [low, high], where it has the values `start` and `end`. The lower end
+   if rounding hides the zero there. */
+static real zero_of(const real *p, integer n, real low, real high, real start, real end) {
+    if ((start > 0) == (end > 0))
+        return low;
+    return root_of(p, n, false, end > 0, low, high, low + (high - low) * (start / (start - end)));
 }
 
 /* Where p, with at most one turn on [-1, 1], turns. -1 if it has none there, or goes less far
    beyond zero than two zeros that are as near as intervals are small. */
 static real turn_of(const real *p, integer n, real radius) {
-    real x = 0, low = -1, high = 1;
-    for (int i = 0; i < 60; i++) {
-        Jet f = jet(p, n, x);
-        if ((f.slope > 0) == (p[2] > 0))
-            high = x;
-        else
-            low = x;
-        real before = x;
-        x = before - f.slope / (2 * f.curve);
-        if (!(low <= x && x <= high))
-            x = 0.5 * (low + high);
-        if (fabs(x - before) <= 1e-9)
-            break;
-    }
+    real x = root_of(p, n, true, p[2] > 0, -1, 1, 0);
     Jet f = jet(p, n, x);
     real least = fabs(f.curve) * 0.25 / pow(4.0, DEPTH);
     bool beyond = f.value * f.curve < 0 && fabs(f.value) * radius * radius > least;
