@@ -8,8 +8,8 @@
    Stored runs continue bit by bit, so sums are written in a fixed order, and the compiler must not
    change it (-ffp-contract=off, no -ffast-math).
 
-   Loops over lanes write to arrays of their own before they write to those of the caller: the
-   compiler then knows that these do not overlap with what is read. */
+   Loops over lanes write to local arrays first: the compiler then knows that they do not overlap
+   with what is read, and uses vectors. */
 
 #include <math.h>
 #include <stdbool.h>
@@ -215,8 +215,8 @@ INLINED Jet jet(const real *p, integer n, real x) {
     };
 }
 
-/* A zero of p, or of its slope, which is monotone on [low, high]: Newton's rule from x, kept between
-   bounds. */
+/* A zero of p, or of its slope, which is monotone on [low, high]: Newton's rule from x, kept
+   between bounds. */
 static real root_of(const real *p, integer n, bool of_slope, bool rising, real low, real high,
                     real x) {
     for (int i = 0; i < 60; i++) {
@@ -259,8 +259,7 @@ static real turn_of(const real *p, integer n, real radius) {
 /* The coefficients of p(middle + radius x). */
 static void shift(const real *restrict p, integer n, real middle, real radius, const Tables *tables,
                   real *restrict shifted) {
-    if (radius == 0.5 &&
-        n <= HALVES) { /* nearly always: as a product with a matrix, three times as fast */
+    if (radius == 0.5 && n <= HALVES) { /* as a product with a matrix: three times as fast */
         for (integer k = 0; k < n; k++)
             shifted[k] = 0;
         for (integer j = 0; j < n; j++) {
@@ -953,7 +952,7 @@ bool loop_end_step(const Loop *l) {
    call puts down tops that have settled, unless their status is that of a running one again. */
 integer loop_drive(const Loop *l, integer most) {
     const Motion *m = &l->motion;
-    /* The integrator keeps vectors on the stack: lanes are a third slower where it is not aligned. */
+    /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
     _Alignas(64) volatile bool stops = loop_begin(l);
     integer steps = 0;
     for (; steps < most && !stops; steps++) {
