@@ -4,17 +4,18 @@ Wall clock: two threads take part. Where the machine has other work, the best of
 """
 
 import statistics
-import warnings
 
+import numba
 import numpy as np
 import scipy.optimize
-from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from tippetop.landscape import body as bodies
-from tippetop.landscape.kernels import kernels
+from tippetop.landscape import formulas, kernels
 from tippetop.landscape.surface import minimal_surface
 from tippetop.mechanics.systems import tippe_top
-from tippetop_kernels.jit import kernel
+from tippetop_kernels import grid
+from tippetop_kernels.minimise import NEARLY, clipped, factor
+from tippetop_kernels.staging import BLOCK
 
 from .measure import elapsed, ratio
 
@@ -23,10 +24,11 @@ FIGURE = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 235 / 625 * 8e-6, "I3": 2 / 
 GOLDEN = (np.sqrt(5) - 1) / 2
 STEPS = 42  # of a golden section: z to 2e-9, hence F to rounding where V is smooth on that scale
 
-potential = kernel(tippe_top.potential)
+compiled = numba.njit(error_model="numpy", nogil=True)
+potential = compiled(tippe_top.potential)
 
 
-@kernel
+@compiled
 def tabulate(f, zs, xs, ys, b, out):
     """V with another z at every point, rows in lanes."""
     for i in range(xs.size):
@@ -34,7 +36,7 @@ def tabulate(f, zs, xs, ys, b, out):
             out[i, j] = f(zs[j], xs[i], ys[j], b)
 
 
-@kernel
+@compiled
 def golden(f, xs, ys, b, out):
     """A golden section at every point, jitted."""
     for i in range(xs.size):
@@ -92,7 +94,7 @@ def grids(n, D, lam):
 def compete(n, repeats):
     """Nanoseconds per point of every contestant, by repetition."""
     t = bodies.top(FIGURE)
-    b, k, r = t.body, kernels(), t.coefficients
+    b, r = t.body, t.coefficients
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     box = D, D * FIGURE["R"]
     out = {}
@@ -100,20 +102,18 @@ def compete(n, repeats):
     def buffers(m):
         return np.empty((m, m)), np.empty((m, m)), np.empty((m, m), np.int8)
 
-    from tippetop_kernels.grid import on_threads
-
     xs, ys = grids(n, *box)
     F, q, status = buffers(n)
     zs = np.linspace(-0.999, 0.999, n)
 
     def alone(s):
-        k.heights(*k.problem, t.two_wells, xs[s], ys, r, F[s], status[s])
+        kernels.heights(t.two_wells, xs[s], ys, r, F[s], status[s])
 
     def full(s):
-        k.minima(*k.problem, t.two_wells, xs[s], ys, r, F[s], q[s], status[s])
+        kernels.minima(t.two_wells, xs[s], ys, r, F[s], q[s], status[s])
 
     def surface(threads, work=alone):
-        return lambda: on_threads(work, n, threads)
+        return lambda: grid.on_threads(work, n, threads)
 
     small = {"golden section, jitted": max(50, n // 5), "golden section, NumPy": max(30, n // 10), "scipy": 10}
     axes = {name: grids(m, *box) for name, m in small.items()}
@@ -146,65 +146,62 @@ def compete(n, repeats):
 
 def count_closer(t, xs, ys):
     """The share of points that one step of Halley does not bring so near that F is at rest."""
-    from tippetop_kernels import grid
-    from tippetop_kernels.minimise import NEARLY
+    return count(xs, ys, t.coefficients) / (xs.size * ys.size)
 
-    f = kernels().formulas
 
-    @kernel
-    def count(at_momenta, guess, slopes, xs, ys, r):
-        n = 0
-        for x in xs:
-            for y in ys:
-                p = at_momenta(x, y, r)
-                q = grid.clipped(guess(p, r))
-                g1, g2, g3 = slopes(q, p, r)
-                n += not abs(grid.factor(g1, g2, g3) - 1) <= NEARLY
-        return n
-
-    return count(f["at_momenta"], f["guess"], f["slopes"], xs, ys, t.coefficients) / (xs.size * ys.size)
+@compiled
+def count(xs, ys, r):
+    """How many points one step of Halley does not bring so near that F is at rest."""
+    n = 0
+    for x in xs:
+        for y in ys:
+            p = formulas.at_momenta(x, y, r)
+            g1, g2, g3 = formulas.slopes(clipped(formulas.guess(p, r)), p, r)
+            n += not abs(factor(g1, g2, g3) - 1) <= NEARLY
+    return n
 
 
 def pieces(n, repeats):
     """Where the time of a point goes [ns]: each part of a row by itself, on one block that stays in the cache."""
-    from tippetop_kernels import grid
-    from tippetop_kernels.staging import BLOCK
-
     t = bodies.top(FIGURE)
-    f, r, many = kernels().formulas, t.coefficients, n * n // BLOCK
+    f, r, many = formulas, t.coefficients, n * n // BLOCK
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     x, ys = 0.3 * D, np.linspace(0.3 * D, 0.4 * D, BLOCK) * FIGURE["R"]
-    like = f["at_momenta"](x, ys[0], r)
+    like = f.at_momenta(x, ys[0], r)
     F, q, last, status = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK, np.int8)
     points, stages = np.empty(16 * BLOCK), np.empty(grid.STAGED * BLOCK)
     loops = {
-        "terms of the point": (grid.prepared, (f["at_momenta"], x, ys, r, points)),
-        "guess": (grid.guesses, (f["guess"], like, r, q, points, stages)),
-        "one step of Halley": (grid.steps, (f["slopes"], like, r, q, last, points, stages, 1, 1e-3)),
-        "F in double-double arithmetic": (grid.values, (f["value"], like, r, q, F, points, stages)),
-        "status": (grid.judged, (f["ends"], like, x, ys, r, last, status, points, 1e-3)),
+        "terms of the point": (grid.prepared, f.at_momenta, (x, ys, r, points)),
+        "guess": (grid.guesses, f.guess, (like, r, q, points, stages)),
+        "one step of Halley": (grid.steps, f.slopes, (like, r, q, last, points, stages, 1, 1e-3)),
+        "F in double-double arithmetic": (grid.values, f.value, (like, r, q, F, points, stages)),
+        "status": (grid.judged, f.ends, (like, x, ys, r, last, status, points, 1e-3)),
     }
 
-    @kernel
-    def again(part, many, arguments):
+    out = {}
+    for name, (part, formula, arguments) in loops.items():
+        again = repeated(part, formula)
+        again(1, arguments)
+        times = (elapsed(lambda a=again, given=arguments: a(many, given)) for _ in range(repeats))
+        out[name] = statistics.median(1e9 * time / (many * BLOCK) for time in times)
+    return out
+
+
+def repeated(part, formula):
+    """A loop that calls a part of a row many times."""
+
+    @compiled
+    def again(many, arguments):
         for _ in range(many):
-            part(*arguments)
+            part(formula, *arguments)
 
-    for part, arguments in loops.values():
-        again(part, 1, arguments)
-    return {
-        name: statistics.median(
-            1e9 * elapsed(lambda p=part, a=arguments: again(p, many, a)) / (many * BLOCK) for _ in range(repeats)
-        )
-        for name, (part, arguments) in loops.items()
-    }
+    return again
 
 
 def compare(quick: bool) -> dict:
     """Nanoseconds per point of V, F and the peers, and what they are made of."""
     n, repeats = (400, 3) if quick else (2000, 9)
-    with warnings.catch_warnings(action="ignore", category=NumbaExperimentalFeatureWarning):  # formulas as arguments
-        (times, errors, looked), parts = compete(n, repeats), pieces(n, repeats)
+    (times, errors, looked), parts = compete(n, repeats), pieces(n, repeats)
     one, two = times["F, 1 thread"], times["F, 2 threads"]
     return {
         "title": "V and the minimal surface F over a grid",

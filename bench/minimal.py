@@ -88,15 +88,15 @@ class Minimal:
 
 
 def _jitted(minimal: Minimal) -> Any:
-    from tippetop_kernels.jit import kernel
+    from numba import njit
 
     form, n = minimal.problem.form, len(minimal.names)
-    rates, state, body = kernel(form.rates), type(form.units), minimal.body
+    rates, state, body = njit(error_model="numpy")(form.rates), type(form.units), minimal.body
     arguments = ", ".join(f"y[{i}]" for i in range(n))
     sets = "\n".join(f"    d[{i}] = found[{i}]" for i in range(n))
     space = {"rates": rates, "State": state, "body": body}
     exec(f"def slope(y, d):\n    found = rates(State({arguments}), body)\n{sets}", space)
-    return kernel(space["slope"])
+    return njit(error_model="numpy", nogil=True)(space["slope"])
 
 
 @cache

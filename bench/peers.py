@@ -139,17 +139,17 @@ def diffrax(minimal: Minimal) -> Callable[[float], Solver]:
 
 def _jitted(minimal: Minimal) -> tuple[Callable, Callable]:
     """f(t, y) that gives the rates, and f(t, y, d) that writes them: machine code, called from Python."""
-    from tippetop_kernels.jit import kernel
+    from numba import njit
 
     slope = minimal.jitted
 
-    @kernel
+    @njit(error_model="numpy", nogil=True)
     def given(t, y):
         d = np.empty_like(y)
         slope(y, d)
         return d
 
-    @kernel
+    @njit(error_model="numpy", nogil=True)
     def written(t, y, d):
         slope(y, d)
 

@@ -1,11 +1,9 @@
 """Fixtures that every test may use."""
 
-import contextlib
 import functools
 import os
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,41 +13,6 @@ from plans import PLAN
 
 
 os.environ.setdefault("TIPPETOP_OPT_LEVEL", "0")  # ten times faster to compile; .ci/nightly runs all with 3
-MANY = 300  # tests of a session, of which some are bound to need each kernel
-PATIENCE = 180.0  # [s] that a worker waits for the others
-
-
-def _minima() -> None:
-    from tippetop.landscape import surface
-    from tippetop.scenario import build
-
-    top = dict(build.load("inverting").parameters)
-    surface.minimal_surface(top, np.linspace(-1e-4, 1e-4, 3), np.linspace(0.0, 1e-4, 3))
-
-
-def _turnings() -> None:
-    from tippetop.landscape import turning
-    from tippetop.scenario import build
-
-    turning.turning_angles(dict(build.load("inverting").parameters), 1e-4, 1e-5, 0.1)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Kernels that many tests need are compiled once, shared out among the workers, which wait for one another and find
-    on disk what others compiled. A session of few tests compiles what it needs."""
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "")
-    if not worker or request.session.testscollected < MANY:
-        return
-    place = tmp_path_factory.getbasetemp().parent
-    for compile_some in (_minima, _turnings):  # 10 and 3 s
-        with contextlib.suppress(FileExistsError):
-            (place / f"kernels{compile_some.__name__}").mkdir()  # whoever makes it does it
-            compile_some()
-    (place / f"compiled-{worker}").touch()
-    workers, deadline = int(os.environ["PYTEST_XDIST_WORKER_COUNT"]), time.monotonic() + PATIENCE
-    while len(list(place.glob("compiled-*"))) < workers and time.monotonic() < deadline:
-        time.sleep(0.05)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -32,6 +32,8 @@ import numba
 import numpy as np
 import pytest
 
+from tippetop_kernels import compilation
+
 
 TESTS = Path(__file__).parent
 sys.path.insert(0, str(TESTS / "helpers"))
@@ -325,6 +327,7 @@ def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
     judge = [str(TESTS / word) if word.endswith(".py") else word for word in JUDGES[module]]
     compiled = any(word.endswith(COMPILED) for word in judge)
     numba.config.DISABLE_JIT = not compiled
+    compilation.code_folder = lambda: None  # the machine code of a mutant must not be stored
     resource.setrlimit(resource.RLIMIT_CPU, (LIMIT[compiled],) * 2)
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # most of the time goes to plugins that no judge needs
     with open(os.devnull, "w") as nowhere:

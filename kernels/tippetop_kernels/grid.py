@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from .jit import allocating, allocating_entry, entry, kernel
+from .compilation import entry, kernel
 from .level_crossings import Level, band_of, crossings, swing
 from .minimise import AT_REST, MOST_EXTREMES, NEARLY, Status, clipped, extremes, factor, lowest, minimise, settled
 from .staging import BLOCK, first, get, put, second, third, width
@@ -22,7 +22,7 @@ ROWS_BETWEEN_GUESSES = (
 )
 
 
-@allocating
+@kernel
 def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough, before):
     """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`.
 
@@ -148,25 +148,39 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
         status[0] = Status.LOWER_OF_TWO if count > 1 else Status.ATTAINED
 
 
-@entry
-def minima(prepare, guess, slopes, value, ends, several, xs, ys, r, F, q, status):
-    """The minimum over q at every (x, y): fills F, q (float64) and status (int8), each (xs.size, ys.size)."""
-    guessed = (ys, ys, 0.0)
-    for i in range(xs.size):
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i], status[i], STEPS, AT_REST, guessed)
+def minima(prepare, guess, slopes, value, ends):
+    """Return the kernel of the minimum over q at every (x, y).
 
-
-@allocating_entry
-def heights(prepare, guess, slopes, value, ends, several, xs, ys, r, F, status):
-    """`minima` for those who need only F: it is flat at its minimum, and one step is enough for all its digits.
-
-    Most rows start from the q of the two before them. So the last bit of F may depend on the grid that a point is in.
+    It fills F, q (float64) and status (int8), each (xs.size, ys.size).
     """
-    q = np.empty((3, ys.size))
-    for i in range(xs.size):
-        ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2]) if i % ROWS_BETWEEN_GUESSES >= 2 else 0.0
-        before = (q[(i - 1) % 3], q[(i - 2) % 3], ahead)
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, F[i], q[i % 3], status[i], 1, NEARLY, before)
+
+    @entry
+    def minima(several, xs, ys, r, F, q, status):
+        steps = STEPS, AT_REST, (ys, ys, 0.0)
+        for i in range(xs.size):
+            out = F[i], q[i], status[i]
+            row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, *out, *steps)
+
+    return minima
+
+
+def heights(prepare, guess, slopes, value, ends):
+    """Return the kernel of F alone: it is flat at its minimum, and one step is enough for its digits.
+
+    Most rows start from the q of the two before them. So the last bit of F may depend on the grid.
+    """
+
+    @entry
+    def heights(several, xs, ys, r, F, status):
+        q = np.empty((3, ys.size))
+        for i in range(xs.size):
+            follows = i % ROWS_BETWEEN_GUESSES >= 2
+            ahead = (xs[i] - xs[i - 1]) / (xs[i - 1] - xs[i - 2]) if follows else 0.0
+            before = q[(i - 1) % 3], q[(i - 2) % 3], ahead
+            out = F[i], q[i % 3], status[i]
+            row(prepare, guess, slopes, value, ends, several, xs[i], ys, r, *out, 1, NEARLY, before)
+
+    return heights
 
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
@@ -202,96 +216,96 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
             helper.result()
 
 
-@entry
-def gradients(prepare, gradient, xs, ys, r, q, by_x, by_y):
-    """gradient(q, p, r) at every (x, y): fills by_x and by_y, each (xs.size, ys.size)."""
-    for i in range(xs.size):
-        for j in range(ys.size):
-            by_x[i, j], by_y[i, j] = gradient(q[i, j], prepare(xs[i], ys[j], r), r)
+def gradients(prepare, gradient):
+    """Return the kernel of gradient(q, p, r) at every (x, y); fills by_x, by_y, (xs.size, ys.size)."""
+
+    @entry
+    def gradients(xs, ys, r, q, by_x, by_y):
+        for i in range(xs.size):
+            for j in range(ys.size):
+                by_x[i, j], by_y[i, j] = gradient(q[i, j], prepare(xs[i], ys[j], r), r)
+
+    return gradients
 
 
-@entry
-def potentials(prepare, slopes, value, zs, xs, ys, r, V, V_z, V_zz):
-    """value and, times a constant, its first and second derivative by z, q = (1 - z)/(1 + z), over zs x xs x ys.
+def potentials(prepare, slopes, value):
+    """Return the kernel of the value and, times a constant, its two derivatives by z.
 
-    Fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); NaN unless -1 < z < 1.
+    It fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); q = (1 - z)/(1 + z), NaN unless -1 < z < 1.
     """
-    for i in range(zs.size):
-        z = zs[i] if abs(zs[i]) < 1 else np.nan
-        q, w = (1 - z) / (1 + z), (1 - z) * (1 + z)
-        for j in range(xs.size):
-            for k in range(ys.size):
-                p = prepare(xs[j], ys[k], r)
-                V[i, j, k] = value(q, p, r)
-                g1, g2, _ = slopes(q, p, r)
-                V_z[i, j, k] = -2 * g1 / (q * w)
-                V_zz[i, j, k] = 4 * (g2 - z * g1) / (q * w * w)
+
+    @entry
+    def potentials(zs, xs, ys, r, V, V_z, V_zz):
+        for i in range(zs.size):
+            z = zs[i] if abs(zs[i]) < 1 else np.nan
+            q, w = (1 - z) / (1 + z), (1 - z) * (1 + z)
+            for j in range(xs.size):
+                for k in range(ys.size):
+                    p = prepare(xs[j], ys[k], r)
+                    V[i, j, k] = value(q, p, r)
+                    g1, g2, _ = slopes(q, p, r)
+                    V_z[i, j, k] = -2 * g1 / (q * w)
+                    V_zz[i, j, k] = 4 * (g2 - z * g1) / (q * w * w)
+
+    return potentials
 
 
-@allocating_entry
-def turnings(
-    prepare,
-    guess,
-    slopes,
-    value,
-    ends,
-    excess,
-    bend,
-    several,
-    allowance,
-    xs,
-    ys,
-    levels,
-    r,
-    low,
-    high,
-    q,
-    F,
-    bends,
-    status,
-):
-    """At each of the points (xs, ys, levels), all (n,): the minimum, the crossings around it, a Level; fills (n,)."""
-    how, guessed = np.empty(1, np.int8), (ys, ys, 0.0)
-    for i in range(xs.size):
-        k = slice(i, i + 1)
-        row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, F[k], q[k], how, STEPS, AT_REST, guessed)
-        p = prepare(xs[i], ys[i], r)
-        low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
-        bends[i] = bend(q[i], p, r)
+def turnings(prepare, guess, slopes, value, ends, excess, bend):
+    """Return the kernel of the minimum, the crossings around it, and a Level at points (xs, ys, levels).
 
-
-@allocating_entry
-def wells(
-    prepare, slopes, value, excess, bend, allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status
-):
-    """`turnings` where there may be several minima: of that in whose basin `at` (n,) lies; where it is NaN, the lowest.
-
-    The minimum is then the lowest that the band holds. Fills `other` (2, n) with the crossings of a band elsewhere.
+    All arrays are (n,).
     """
-    turns = np.empty(MOST_EXTREMES)
-    for i in range(xs.size):
-        low[i] = high[i] = other[0, i] = other[1, i] = q[i] = F[i] = bends[i] = np.nan
-        status[i] = Level.UNDEFINED
-        if not (np.isfinite(xs[i]) and np.isfinite(ys[i]) and np.isfinite(levels[i])):
-            continue
-        p = prepare(xs[i], ys[i], r)
-        count = extremes(slopes, p, r, turns)
-        minima = (count + 1) // 2
-        if np.isnan(at[i]):
-            well = _lowest(value, turns, 0, minima - 1, p, r)
-        else:
-            well = 0
-            while well + 1 < minima and at[i] > turns[2 * well + 1]:
-                well += 1
-        low[i], high[i], status[i], first, last = band_of(excess, turns, count, well, levels[i], allowance, p, r)
-        k = _lowest(value, turns, first, last, p, r)
-        q[i] = turns[2 * k]
-        F[i], bends[i] = value(q[i], p, r), bend(q[i], p, r)
-        for another in range(minima):
-            if another < first or another > last:
-                a, b, how, _, _ = band_of(excess, turns, count, another, levels[i], allowance, p, r)
-                if how != Level.BELOW:
-                    other[0, i], other[1, i] = a, b
+
+    @entry
+    def turnings(several, allowance, xs, ys, levels, r, low, high, q, F, bends, status):
+        how, steps = np.empty(1, np.int8), (STEPS, AT_REST, (ys, ys, 0.0))
+        for i in range(xs.size):
+            k = slice(i, i + 1)
+            out = F[k], q[k], how
+            row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, *out, *steps)
+            p = prepare(xs[i], ys[i], r)
+            low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
+            bends[i] = bend(q[i], p, r)
+
+    return turnings
+
+
+def wells(prepare, slopes, value, excess, bend):
+    """Return the kernel of `turnings` for functions of several minima.
+
+    It takes the minimum in whose basin `at` (n,) lies, the lowest where it is NaN; then the lowest that the band
+    contains. It fills `other` (2, n) with the crossings of a band elsewhere.
+    """
+
+    @entry
+    def wells(allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status):
+        turns = np.empty(MOST_EXTREMES)
+        for i in range(xs.size):
+            low[i] = high[i] = other[0, i] = other[1, i] = q[i] = F[i] = bends[i] = np.nan
+            status[i] = Level.UNDEFINED
+            if not (np.isfinite(xs[i]) and np.isfinite(ys[i]) and np.isfinite(levels[i])):
+                continue
+            p = prepare(xs[i], ys[i], r)
+            count = extremes(slopes, p, r, turns)
+            minima = (count + 1) // 2
+            if np.isnan(at[i]):
+                well = _lowest(value, turns, 0, minima - 1, p, r)
+            else:
+                well = 0
+                while well + 1 < minima and at[i] > turns[2 * well + 1]:
+                    well += 1
+            band = band_of(excess, turns, count, well, levels[i], allowance, p, r)
+            low[i], high[i], status[i], first, last = band
+            k = _lowest(value, turns, first, last, p, r)
+            q[i] = turns[2 * k]
+            F[i], bends[i] = value(q[i], p, r), bend(q[i], p, r)
+            for another in range(minima):
+                if another < first or another > last:
+                    band = band_of(excess, turns, count, another, levels[i], allowance, p, r)
+                    if band[2] != Level.BELOW:
+                        other[0, i], other[1, i] = band[0], band[1]
+
+    return wells
 
 
 @kernel
@@ -305,8 +319,13 @@ def _lowest(value, turns, first, last, p, r):
     return best
 
 
-@entry
-def periods(prepare, excess, inertia, low, high, xs, ys, levels, r, b, period):
-    """The period of the swing between low and high at each point; fills period (n,)."""
-    for i in range(xs.size):
-        period[i] = swing(excess, inertia, low[i], high[i], levels[i], prepare(xs[i], ys[i], r), r, b)
+def periods(prepare, excess, inertia):
+    """Return the kernel of the period of the swing between low and high at each point; fills period (n,)."""
+
+    @entry
+    def periods(low, high, xs, ys, levels, r, b, period):
+        for i in range(xs.size):
+            p = prepare(xs[i], ys[i], r)
+            period[i] = swing(excess, inertia, low[i], high[i], levels[i], p, r, b)
+
+    return periods

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from .jit import kernel
+from .compilation import kernel
 from .minimise import LARGEST, SMALLEST, clipped
 
 

@@ -13,7 +13,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from .jit import inlined, kernel
+from .compilation import inlined, kernel
 
 
 SMALLEST, LARGEST = 1e-30, 1e30

@@ -13,13 +13,11 @@ operations ahead; of a short one it has several turns in flight.
 from typing import Any
 
 from llvmlite import ir
-from numba import types
-from numba.core import cgutils
+from numba import extending, types
 from numba.extending import overload
 
-from .jit import intrinsic
 
-
+intrinsic: Any = extending.intrinsic
 BLOCK = 256  # points: ten columns of it and their neighbours stay in the first cache
 
 
@@ -71,7 +69,7 @@ def get(typing, table, j, like):
 
     def generate(context, builder, signature, arguments):
         table, j, like = arguments
-        record = cgutils.get_null_value(like.type)
+        record = ir.Constant(like.type, None)
         for i, path in enumerate(_leaves(like.type)):
             leaf = builder.load(_place(context, builder, signature.args[0], table, i, j))
             record = builder.insert_value(record, leaf, path) if path else leaf
@@ -80,10 +78,8 @@ def get(typing, table, j, like):
     return like(table, types.intp, like), generate
 
 
-def in_stages(whole: Any, *stages: Any) -> None:
-    """Says that whole(*arguments) is what the last of up to three stages makes: each takes the result of the one before
-    it, and the arguments."""
-    whole.stages = stages
+STAGES: dict[Any, tuple] = {}
+"""The stages of a formula, up to three: each takes the result of the one before it, and the arguments."""
 
 
 def first(whole, *arguments) -> Any:
@@ -103,13 +99,13 @@ def third(whole, before, *arguments) -> Any:
 
 @overload(first, jit_options={"error_model": "numpy", "forceinline": True})
 def _(whole, *arguments):
-    stage = getattr(whole.dispatcher, "stages", (whole.dispatcher,))[0]
+    stage = STAGES.get(whole.typing_key, (whole.typing_key,))[0]
     return lambda whole, *arguments: stage(*arguments)
 
 
 def _later(number: int) -> Any:
     def chosen(whole, before, *arguments):
-        stages = getattr(whole.dispatcher, "stages", ())
+        stages = STAGES.get(whole.typing_key, ())
         if len(stages) <= number:
             return lambda whole, before, *arguments: before
         stage = stages[number]

@@ -1,11 +1,13 @@
-"""Machine code on disk: found again, never loaded when damaged, and heyoka's own cache is left to its owner."""
+"""Machine code on disk: found again, never loaded when damaged or not private; heyoka's cache is left alone."""
 
+import os
 from pathlib import Path
 
 import heyoka as hy
 import numpy as np
 import pytest
 
+from tippetop.engine import code_cache
 from tippetop.engine.code_cache import compiled_once
 from tippetop.runs.run import solve
 from tippetop.scenario import build
@@ -45,6 +47,82 @@ def test_no_flipped_bit_reaches_the_processor(folder: Path, rng: np.random.Gener
         file.write_bytes(damaged)
         assert swing().tobytes() == whole.tobytes()
         assert file.read_bytes() == kept
+
+
+def is_found(number: float = 1.0) -> bool:
+    """Return whether what a function made of a number is found on disk."""
+    made = []
+
+    def kind(number: float) -> float:
+        made.append(number)
+        return number
+
+    assert compiled_once(kind, number) == number
+    return not made
+
+
+def test_a_file_under_another_name_is_not_loaded(folder: Path) -> None:
+    is_found(1.0)
+    (one,) = folder.iterdir()
+    is_found(2.0)
+    (two,) = {*folder.iterdir()} - {one}
+    two.write_bytes(one.read_bytes())
+    assert not is_found(2.0)
+
+
+@pytest.mark.parametrize("mode", [0o720, 0o702])
+def test_what_others_can_write_is_not_loaded(folder: Path, mode: int) -> None:
+    is_found()
+    (file,) = folder.iterdir()
+    file.chmod(mode)
+    assert not is_found()
+    folder.chmod(mode)
+    assert not is_found()
+    folder.chmod(0o700)
+    assert is_found()
+    assert file.stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+def test_what_belongs_to_another_user_is_not_loaded(folder: Path) -> None:
+    is_found()
+    (file,) = folder.iterdir()
+    for place in (file, folder):
+        os.chown(place, 65534, -1)
+        assert not is_found()
+
+
+def test_links_are_not_followed(folder: Path, tmp_path: Path) -> None:
+    is_found()
+    (file,) = folder.iterdir()
+    file.symlink_to(file.rename(tmp_path / "moved"))
+    assert not is_found()
+    assert is_found()
+    folder.symlink_to(folder.rename(tmp_path / "elsewhere"))
+    assert not is_found()
+
+
+@pytest.mark.parametrize("place", ["", "file", "file/below"])
+def test_without_a_folder_it_compiles(tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("TIPPETOP_CACHE_DIR", place and str(tmp_path / place))
+    assert not is_found()
+    assert not is_found()
+
+
+def test_the_least_recently_used_files_are_removed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    is_found(1.0)
+    (first,) = folder.iterdir()
+    (folder / "older").write_bytes(bytes(5000))
+    os.utime(first, (2, 2))
+    os.utime(folder / "older", (1, 1))
+    monkeypatch.setattr(code_cache, "LARGEST", 5000)
+    is_found(2.0)
+    assert len([*folder.iterdir()]) == 2
+    assert is_found(1.0)
+    monkeypatch.setattr(code_cache, "LARGEST", 0)
+    is_found(3.0)
+    assert not [*folder.iterdir()]
 
 
 @pytest.mark.parametrize("precision", ["double", "longdouble"])

@@ -7,6 +7,7 @@ import numba
 import numpy as np
 import pytest
 
+from tippetop_kernels.compilation import kernel
 from tippetop_kernels.grid import minima, on_threads
 from tippetop_kernels.level_crossings import Level, crossings
 from tippetop_kernels.minimise import LARGEST, SMALLEST, Status, lowest, minimise
@@ -19,28 +20,28 @@ class Hill(NamedTuple):
     tilt: float
 
 
-@numba.njit
+@kernel
 def value(q, p, r):
     return math.cosh(math.log(q) - p.centre) + p.tilt * math.log(q)
 
 
-@numba.njit
+@kernel
 def slopes(q, p, r):
     x = math.log(q) - p.centre
     return math.sinh(x) + p.tilt, math.cosh(x), math.sinh(x)
 
 
-@numba.njit
+@kernel
 def excess(q, level, p, r):
     return value(q, p, r) - level
 
 
-@numba.njit
+@kernel
 def bend(q, p, r):
     return math.cosh(math.log(q) - p.centre)
 
 
-@numba.njit
+@kernel
 def bad_guess(p, r):
     return math.nan
 
@@ -77,14 +78,14 @@ def test_minimum_beyond_the_range_is_its_end(centre, end):
     assert minimise(slopes, bad_guess, Hill(centre, 0.0), 0) == end
 
 
-@numba.njit
+@kernel
 def double_slopes(q, p, r):
     """f' = x (x^2 - 9) + tilt, two minima near x = -3, 3 for a small tilt."""
     x = math.log(q)
     return x * (x * x - 9) + p.tilt, 3 * x * x - 9, 6 * x
 
 
-@numba.njit
+@kernel
 def double_value(q, p, r):
     x = math.log(q)
     return x**4 / 4 - 4.5 * x * x + p.tilt * x
@@ -119,17 +120,17 @@ def test_levels_of_a_hanging_chain():
     assert crossings(excess, bend, 1.0, math.cosh(100.0), 1e-12, Hill(0.0, 0.0), 0) == (SMALLEST, LARGEST, Level.ABOVE)
 
 
-@numba.njit
+@kernel
 def prepare(x, y, r):
     return Hill(x, y)
 
 
-@numba.njit
+@kernel
 def some_guess(p, r):
     return math.exp(p.centre) if p.tilt > -0.1 else math.nan
 
 
-@numba.njit
+@kernel
 def no_ends(x, y, p, r):
     return False, False
 
@@ -142,11 +143,8 @@ def test_grid_of_minima():
     """
     x, y = np.linspace(-3, 3, 7), np.linspace(-0.9, 0.9, 11)
     F, q, status = np.empty((7, 11)), np.empty((7, 11)), np.full((7, 11), -1, np.int8)
-    on_threads(
-        lambda s: minima(prepare, some_guess, slopes, value, no_ends, False, x[s], y, 0, F[s], q[s], status[s]),
-        x.size,
-        2,
-    )
+    fill = minima(prepare, some_guess, slopes, value, no_ends)
+    on_threads(lambda s: fill(False, x[s], y, 0, F[s], q[s], status[s]), x.size, 2)
     at = x[:, None] - np.arcsinh(y)[None, :]
     np.testing.assert_allclose(np.log(q), at, atol=2e-15)
     np.testing.assert_allclose(F, np.sqrt(1 + y**2)[None, :] + y * at, atol=4e-15)

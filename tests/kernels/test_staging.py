@@ -1,5 +1,6 @@
 """Records kept as columns come back as they were; a formula worked in stages is the formula."""
 
+from types import FunctionType
 from typing import NamedTuple
 
 import numba
@@ -7,7 +8,8 @@ import numpy as np
 import pytest
 from numba.core.errors import NumbaError
 
-from tippetop_kernels.staging import BLOCK, first, get, in_stages, put, second, third, width
+from tippetop_kernels.compilation import kernel
+from tippetop_kernels.staging import BLOCK, STAGES, first, get, put, second, third, width
 
 
 class Pair(NamedTuple):
@@ -60,47 +62,47 @@ def test_a_record_of_anything_but_doubles_is_refused() -> None:
         measured()
 
 
-@numba.njit
+@kernel
 def opened(x, k):
     return Pair(x * k, x + k)
 
 
-@numba.njit
+@kernel
 def worked(before, x, k):
     return before.a / before.b
 
 
-@numba.njit
+@kernel
 def closed(before, x, k):
     return before - x
 
 
-@numba.njit
+@kernel
 def whole(x, k):
     """(x k)/(x + k) - x"""
     return closed(worked(opened(x, k), x, k), x, k)
 
 
 def staged(*stages):
-    """A function of its own, that is made in these stages."""
-    whole_again = numba.njit(whole.py_func)
-    in_stages(whole_again, *stages)
-    return whole_again
+    """Return a copy of `whole` that is made in these stages."""
+    copy = kernel(FunctionType(whole.__code__, globals()))
+    STAGES[copy] = stages
+    return copy
 
 
 def by_stages(function):
-    """What the three stages make of it."""
+    """Return what the three stages make of a function."""
 
     @numba.njit
-    def inside(function, x, k):
+    def inside(x, k):
         one = first(function, x, k)
         two = second(function, one, x, k)
         return third(function, two, x, k)
 
-    return lambda x, k: inside(function, x, k)
+    return inside
 
 
-@numba.njit
+@kernel
 def twice(before, x, k):
     return closed(worked(before, x, k), x, k)
 

@@ -265,8 +265,8 @@ def ends(first, second, p, c):
 
 
 # what may be worked stage by stage: each takes the result of the one before it, then what the whole takes
-STAGES: dict[str, tuple[Callable, ...]] = {
-    "guess": (rough, sharper, sharpest),
-    "slopes": (frame, slopes_in),
-    "value": (psi, motion_terms, rounded_total),
+STAGES: dict[Callable, tuple[Callable, ...]] = {
+    guess: (rough, sharper, sharpest),
+    slopes: (frame, slopes_in),
+    value: (psi, motion_terms, rounded_total),
 }

@@ -1,57 +1,25 @@
-"""The compiled kernels of the landscape and the formulas that they are given."""
+"""The compiled kernels of the landscape, with its formulas; imported when a grid is computed."""
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, NamedTuple
 
-from . import formulas
+from tippetop_kernels import grid, staging
+from tippetop_kernels.compilation import Entry, inlined
 
-
-class Kernels(NamedTuple):
-    """The kernels and the formulas that they are given, compiled at first use."""
-
-    minima: Any
-    heights: Any
-    gradients: Any
-    potentials: Any
-    turnings: Any
-    wells: Any
-    periods: Any
-    problem: tuple  # prepare, guess, slopes, value, ends
-    formulas: dict[str, Any]
+from .formulas import STAGES, at_momenta, curvature, ends, excess, guess, slopes, surface_gradient, value
 
 
-INLINED = ("at_momenta", "guess", "slopes", "value", "ends", "gradient", "surface_gradient")
-CALLED = ("curvature", "excess")  # from many places: not inlined, which saves a third of the compilation
+staging.STAGES.update(STAGES)
+PROBLEM = at_momenta, guess, slopes, value, ends
+minima = grid.minima(*PROBLEM)
+heights = grid.heights(*PROBLEM)
+gradients = grid.gradients(at_momenta, surface_gradient)
+potentials = grid.potentials(at_momenta, slopes, value)
+turnings = grid.turnings(*PROBLEM, excess, curvature)
+wells = grid.wells(at_momenta, slopes, value, excess, curvature)
 
 
 @cache
-def kernels() -> Kernels:
-    """The kernels; numba is imported here and in the functions that run them, when they are first called."""
-    from tippetop_kernels import grid
-    from tippetop_kernels.jit import inlined, kernel
-    from tippetop_kernels.staging import in_stages
-
-    inner = {name: inlined(getattr(formulas, name)) for name in INLINED}
-    for name, stages in formulas.STAGES.items():
-        in_stages(inner[name], *(inlined(stage) for stage in stages))
-    inner |= {name: kernel(getattr(formulas, name)) for name in CALLED}
-    return Kernels(
-        grid.minima,
-        grid.heights,
-        grid.gradients,
-        grid.potentials,
-        grid.turnings,
-        grid.wells,
-        grid.periods,
-        tuple(inner[name] for name in ("at_momenta", "guess", "slopes", "value", "ends")),
-        inner,
-    )
-
-
-@cache
-def compiled(formula: Callable) -> Any:
-    """A formula of a system, theta_inertia(z, b), for the kernels."""
-    from tippetop_kernels.jit import inlined
-
-    return inlined(formula)
+def periods(theta_inertia: Callable) -> Entry:
+    """Return the kernel of periods for the theta_inertia(z, b) of a system."""
+    return grid.periods(at_momenta, excess, inlined(theta_inertia))

@@ -8,7 +8,6 @@ import xarray as xr
 
 from ..mechanics.system import System
 from .body import top
-from .kernels import kernels
 from .labels import at_numbers, attributes, axis, labelled, of_momentum
 
 
@@ -43,13 +42,14 @@ def potential(
         For a system without landscape, a parameter that is missing, not finite or outside its interval, and axes that
         are empty or do not ascend.
     """
-    t, k = top(parameters, system), kernels()
+    from .kernels import potentials
+
+    t = top(parameters, system)
     given = (z, first, second)
     z, x, y = axis("z", z), axis(t.momenta[0], first), axis(t.momenta[1], second)
     V, V_z, V_zz = (np.empty((z.size, x.size, y.size)) for _ in range(3))
-    f = k.formulas
     with np.errstate(invalid="ignore"):
-        k.potentials(f["at_momenta"], f["slopes"], f["value"], t.upright * z, x, y, t.coefficients, V, V_z, V_zz)
+        potentials(t.upright * z, x, y, t.coefficients, V, V_z, V_zz)
     dims = ("z", *t.momenta)
     scale = 1 / t.coefficients.gamma.head
     grid = xr.Dataset(

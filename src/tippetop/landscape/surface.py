@@ -8,7 +8,6 @@ import xarray as xr
 
 from ..mechanics.system import System
 from .body import Top, top
-from .kernels import kernels
 from .labels import at_numbers, attributes, axis, cosine, flags, inclination, labelled, of_momentum
 
 
@@ -56,10 +55,12 @@ def minima(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> 
     """
     from tippetop_kernels.grid import on_threads
 
-    k, c, two = kernels(), t.coefficients, t.two_wells
+    from . import kernels
+
+    c, two = t.coefficients, t.two_wells
     F, q = np.empty((x.size, y.size)), np.empty((x.size, y.size))
     status = np.empty((x.size, y.size), np.int8)
-    on_threads(lambda s: k.minima(*k.problem, two, x[s], y, c, F[s], q[s], status[s]), x.size, threads)
+    on_threads(lambda s: kernels.minima(two, x[s], y, c, F[s], q[s], status[s]), x.size, threads)
     return F, q, status
 
 
@@ -67,8 +68,10 @@ def heights(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) ->
     """F [J] and Status alone over x x y, in four fifths of the time; F is as good as that of `minima`."""
     from tippetop_kernels.grid import on_threads
 
-    k, F, status = kernels(), np.empty((x.size, y.size)), np.empty((x.size, y.size), np.int8)
-    on_threads(lambda s: k.heights(*k.problem, t.two_wells, x[s], y, t.coefficients, F[s], status[s]), x.size, threads)
+    from .kernels import heights
+
+    F, status = np.empty((x.size, y.size)), np.empty((x.size, y.size), np.int8)
+    on_threads(lambda s: heights(t.two_wells, x[s], y, t.coefficients, F[s], status[s]), x.size, threads)
     return F, status
 
 
@@ -91,11 +94,10 @@ def gradients(
     """
     from tippetop_kernels.grid import on_threads
 
-    k, by_x, by_y = kernels(), np.empty_like(q), np.empty_like(q)
-    prepare, gradient = k.formulas["at_momenta"], k.formulas["surface_gradient"]
-    on_threads(
-        lambda s: k.gradients(prepare, gradient, x[s], y, t.coefficients, q[s], by_x[s], by_y[s]), x.size, threads
-    )
+    from . import kernels
+
+    by_x, by_y = np.empty_like(q), np.empty_like(q)
+    on_threads(lambda s: kernels.gradients(x[s], y, t.coefficients, q[s], by_x[s], by_y[s]), x.size, threads)
     return by_x, by_y
 
 

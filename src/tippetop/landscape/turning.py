@@ -11,7 +11,6 @@ from ..columns import flagged, require
 from ..errors import InputError
 from ..mechanics.system import System
 from .body import Top, landscape_of, top
-from .kernels import compiled, kernels
 from .labels import attributes, cosine, flags, inclination, labelled
 
 
@@ -34,19 +33,18 @@ class Swing(NamedTuple):
 def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray, theta: np.ndarray | None = None) -> Swing:
     """The nutation at momenta x, y [SI] and energies [J], each (n,): around the lowest minimum of V, or in the well
     where theta [rad], (n,), lies."""
-    k, c = kernels(), t.coefficients
-    f = k.formulas
+    from . import kernels
+
+    c = t.coefficients
     low, high, q, F, curvature, period = (np.empty(x.size) for _ in range(6))
     other, level = np.full((2, x.size), np.nan), np.empty(x.size, np.int8)
     filled = (q, F, curvature, level)
     if t.two_wells:
         at = np.full(x.size, np.nan) if theta is None else np.tan(theta / 2) ** (2 * t.upright)
-        wells = (f["at_momenta"], f["slopes"], f["value"], f["excess"], f["curvature"], ALLOWANCE)
-        k.wells(*wells, x, y, energy, at, c, low, high, other, *filled)
+        kernels.wells(ALLOWANCE, x, y, energy, at, c, low, high, other, *filled)
     else:
-        how = (f["excess"], f["curvature"], t.two_wells, ALLOWANCE)
-        k.turnings(*k.problem, *how, x, y, energy, c, low, high, *filled)
-    k.periods(f["at_momenta"], f["excess"], _inertia(t), low, high, x, y, energy, c, t.body, period)
+        kernels.turnings(t.two_wells, ALLOWANCE, x, y, energy, c, low, high, *filled)
+    kernels.periods(t.system.theta_inertia)(low, high, x, y, energy, c, t.body, period)
     return Swing(low, high, q, F, curvature, level, period, other)
 
 
@@ -163,12 +161,6 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
         if name in run:
             angles[name] = run[name]
     return angles
-
-
-def _inertia(t: Top) -> Any:
-    """theta_inertia(z, b) of the system, for the kernels."""
-    assert t.system.theta_inertia is not None
-    return compiled(t.system.theta_inertia)
 
 
 def _aligned(**arguments: Any) -> tuple[tuple[np.ndarray, ...], tuple[int, ...], tuple, dict]:

@@ -14,7 +14,7 @@ F = TypeVar("F", bound=Callable)
 
 
 class _School:
-    """What numba has to learn, once somebody uses it: not of what a module is made (see `origin.loaded`)."""
+    """The formulas that numba learns when it is first used."""
 
     def __init__(self) -> None:
         self.waiting: list[Callable] = []

@@ -1,5 +1,7 @@
 """Impacts of a patch that drills, in machine code: as Python has them, and where the patch hardly turns."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ BODY = Touch(0.006, 0.015, 0.003, 8e-7, 7e-7, 9.81, Contensou(0.3, 5e-4, 0.0))
 
 def by_machine_code(*impact: object) -> PatchImpact:
     room = new_room(np.float64)
-    return patch_struck(*impact, room, follow_patch.on(room))
+    return patch_struck(*impact, room, partial(follow_patch, room))
 
 
 @pytest.mark.parametrize("restitution", RESTITUTIONS)

@@ -1,10 +1,11 @@
 """When the flight of a body ends, in the numbers of its run: compiled for doubles."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tippetop_kernels.jit import entry
+from tippetop_kernels.compilation import entry
 
 from ...mechanics.contact.body import Touch
 from ...mechanics.contact.flight import hop
@@ -37,7 +38,7 @@ class Landings:
         self.rounding = ROUNDING.get(number, 2.0**-112)
         self.compiled = number is np.float64
         self.numbers = np.zeros(15)
-        self.land = land.on(self.numbers)
+        self.land = partial(land, self.numbers)
 
     def of(self, u: Vector, L: Vector, V_z: Any, gap: Any, b: Touch, zeros: int) -> Any:
         """The time from now to the landing of a ball, as `flight.hop` takes it."""

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop_kernels.jit import entry
+from tippetop_kernels.compilation import entry
 
 from ...mechanics.contact import body as contact
 from ...mechanics.contact.impact import Struck, after_impact, arrival
@@ -94,7 +95,7 @@ class Impacts:
         smooth = not (self.balls.dry or self.balls.drills or isinstance(law, Frictionless))
         self.smooth = SmoothImpacts(law, rules.restitution, problem.number) if smooth else None
         self.room = new_room(problem.number) if self.balls.drills else None
-        self.patch = follow_patch.on(self.room) if self.room and problem.number is np.float64 else None
+        self.patch = partial(follow_patch, self.room) if self.room and problem.number is np.float64 else None
 
     def state(self, kind: str, index: int, moment: Moment) -> Any:
         """The state of a phase in which the body is so, with this ball in contact."""

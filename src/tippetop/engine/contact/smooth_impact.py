@@ -6,12 +6,12 @@ kind; for doubles it is compiled.
 """
 
 import math
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tippetop_kernels.jit import entry
+from tippetop_kernels.compilation import entry
 
 from ...mechanics.contact.body import Touch
 from ...mechanics.contact.impact import Struck, after_impact, arrival
@@ -288,7 +288,7 @@ class SmoothImpacts:
         self.compiled = number is np.float64
         if self.compiled:
             self.numbers, given = np.zeros(34), (self.room, self.nodes, law, self.restitution)
-            self.strike, self.hit = strike.on(*given), hit.on(self.numbers, *given)
+            self.strike, self.hit = partial(strike, *given), partial(hit, self.numbers, *given)
 
     def struck(self, v_e: Any, v_2: Any, v_n: Any, K: Mobility, z: Any, e_n: Any) -> Impact:
         """The impact of a contact point that arrives with v_n < 0.

@@ -1,0 +1,172 @@
+"""Machine code of kernels on disk: found again, never stale, never another user's, and never in the way."""
+
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+import pytest
+
+from tippetop_kernels import compilation
+from tippetop_kernels.compilation import kernel
+
+
+TOY = {
+    "__init__.py": "",
+    "rules.py": "from tippetop_kernels.compilation import kernel\nfrom .numbers import SHIFT\n\n"
+    "@kernel\ndef rule(x):\n    return 2.0 * x + SHIFT\n",
+    "numbers.py": "SHIFT = 1.0\n",
+    "loops.py": "from tippetop_kernels.compilation import entry\nfrom .numbers import SHIFT\n\n"
+    "def total(f):\n    @entry\n    def total(x):\n        return f(x) + SHIFT\n\n    return total\n",
+}
+"""A package of a formula and a loop, which the tests declare ours."""
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("TIPPETOP_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def toy(cache: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    folder = cache.with_name("toy")
+    folder.mkdir()
+    for name, text in TOY.items():
+        (folder / name).write_text(text)
+    monkeypatch.syspath_prepend(str(folder.parent))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    monkeypatch.setattr(compilation, "PACKAGES", ("toy",))
+    monkeypatch.setattr(compilation, "_process_start", lambda: np.inf)
+    yield folder
+    forget()
+
+
+def forget() -> None:
+    """Forget what this process has loaded of the toy package."""
+    for name in [name for name in sys.modules if name.partition(".")[0] == "toy"]:
+        del sys.modules[name]
+    importlib.invalidate_caches()
+    compilation.code_folder.cache_clear()
+
+
+def run(toy: Path, formula: Any = None, x: Any = 3.0) -> tuple[float, bool]:
+    """Return the result of the loop as in a new process, and whether its machine code was found on disk."""
+    forget()
+    loop = importlib.import_module("toy.loops").total(formula or importlib.import_module("toy.rules").rule)
+    compiled = loop.variant(x)
+    return compiled(x), bool(compiled.stats.cache_hits)
+
+
+def edit(toy: Path, name: str, old: str, new: str) -> None:
+    (toy / name).write_text((toy / name).read_text().replace(old, new))
+
+
+def stored(cache: Path) -> list[Path]:
+    return sorted(path for path in cache.rglob("*") if path.is_file())
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "result"),
+    [("rules.py", "2.0", "3.0", 11.0), ("numbers.py", "1.0", "2.0", 10.0), ("loops.py", "f(x) +", "f(x) -", 6.0)],
+)
+def test_an_edit_anywhere_compiles_again(toy: Path, name: str, old: str, new: str, result: float) -> None:
+    """An edit of the formula, of a constant in another file, of the loop; the first text finds its code again."""
+    assert run(toy) == (8.0, False)
+    edit(toy, name, old, new)
+    assert run(toy) == (result, False)
+    edit(toy, name, new, old)
+    assert run(toy) == (8.0, True)
+
+
+def test_a_source_edited_after_the_start_of_the_process_is_not_stored(
+    toy: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compilation, "_process_start", lambda: (toy / "rules.py").stat().st_ctime)
+    assert run(toy) == (8.0, False)
+    assert not stored(cache)
+
+
+def test_this_process_began_before_its_tests_and_after_the_machine() -> None:
+    assert 1.6e9 < compilation._process_start() < Path("/proc/self/cmdline").stat().st_ctime + 1
+
+
+class Pair(NamedTuple):
+    """A record of a user."""
+
+    x: float
+
+
+def test_the_formula_of_a_user_is_not_stored(toy: Path, cache: Path) -> None:
+    assert run(toy, kernel(lambda x: 2.0 * x + 1)) == (8.0, False)
+    assert not stored(cache)
+
+
+def test_a_record_of_a_user_is_not_stored_with_our_formula(toy: Path, cache: Path) -> None:
+    (toy / "rules.py").write_text(TOY["rules.py"].replace("2.0 * x", "2.0 * x.x"))
+    assert run(toy, x=Pair(3.0)) == (8.0, False)
+    assert not stored(cache)
+
+
+def test_the_cache_of_the_host_is_restored_and_left_alone(
+    toy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "host"))
+    monkeypatch.setattr(numba.config, "CACHE_LOCATOR_CLASSES", "InTreeCacheLocator")
+    assert [run(toy) for _ in range(2)] == [(8.0, False), (8.0, True)]
+    settings = vars(numba.config)
+    assert settings["CACHE_DIR"] == str(tmp_path / "host")
+    assert settings["CACHE_LOCATOR_CLASSES"] == "InTreeCacheLocator"
+    assert not (tmp_path / "host").exists()
+    assert {path.suffix for path in toy.iterdir()} == {".py"}
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_no_flipped_bit_reaches_the_processor(toy: Path, cache: Path, index: int, rng: np.random.Generator) -> None:
+    run(toy)
+    path = stored(cache)[index]
+    content = bytearray(path.read_bytes())
+    content[rng.integers(len(content))] ^= 1 << rng.integers(8)
+    path.write_bytes(content)
+    assert [run(toy), run(toy)] == [(8.0, False), (8.0, True)]
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o707])
+def test_a_folder_that_others_can_write_is_not_used(toy: Path, cache: Path, mode: int) -> None:
+    run(toy)
+    for place in (cache, *cache.iterdir()):
+        place.chmod(mode)
+        assert run(toy) == (8.0, False)
+        place.chmod(0o700)
+    assert run(toy) == (8.0, True)
+
+
+def test_without_a_folder_kernels_are_compiled(toy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").touch()
+    for place in ("", str(tmp_path / "file")):
+        monkeypatch.setenv("TIPPETOP_CACHE_DIR", place)
+        assert run(toy) == (8.0, False)
+
+
+def test_folders_of_older_sources_are_removed(toy: Path, cache: Path) -> None:
+    for age in range(1, 10):
+        old = cache / f"numba-{age}"
+        old.mkdir(parents=True, mode=0o700)
+        os.utime(old, (1e9 - age, 1e9 - age))
+    run(toy)
+    names = {path.name for path in cache.iterdir()}
+    assert len(names) == 8
+    assert names.isdisjoint({"numba-8", "numba-9"})
+
+
+def test_the_folder_follows_the_users_caches(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv("TIPPETOP_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert compilation.cache_folder() == tmp_path / "tippetop" / "kernels"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert compilation.cache_folder() == tmp_path / ".cache" / "tippetop" / "kernels"
