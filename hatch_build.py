@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -34,6 +35,13 @@ def build() -> None:
     subprocess.run([*command, *FLAGS, define, str(SOURCE), "-o", str(BUILT), "-lm"], check=True)
 
 
+def platform() -> str:
+    """Return the platform of the wheel. On Linux, the newest version of glibc that the loop requires decides."""
+    name = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    versions = [int(version) for version in re.findall(rb"GLIBC_2\.(\d+)", BUILT.read_bytes())]
+    return name.replace("linux", f"manylinux_2_{max(17, *versions)}") if versions else name
+
+
 class LoopBuildHook(BuildHookInterface):
     """Add the compiled loop to wheels and editable installs."""
 
@@ -46,9 +54,8 @@ class LoopBuildHook(BuildHookInterface):
         if self.target_name == "sdist":
             return
         build()
-        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{platform}"
+        build_data["tag"] = f"py3-none-{platform()}"
 
 
 if __name__ == "__main__":

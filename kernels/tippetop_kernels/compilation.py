@@ -52,7 +52,7 @@ inlined = functools.partial(kernel, forceinline=True)
 class Entry:
     """A function that Python calls, compiled for each combination of types of its arguments.
 
-    Machine code is kept on disk if all functions and records that it depends on are ours.
+    Compiled code is kept on disk if all functions and records that it depends on are ours.
 
     Parameters
     ----------

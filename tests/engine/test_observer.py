@@ -5,10 +5,10 @@ from math import factorial
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
+from polynomials import Given
 
-from tippetop.engine.loop import PATIENCE, TINY, Loop, Motion, new_motion
+from tippetop.engine.loop import PATIENCE, TINY, Loop, new_motion
 from tippetop.engine.status import Status
-from tippetop.engine.stepper import Called
 from tippetop.engine.tallies import (
     LEAST,
     MOST,
@@ -59,22 +59,6 @@ def slice_of(variables: list[list[Polynomial]], rng: np.random.Generator) -> tup
     return times, tcs
 
 
-class Given(Called):
-    """Steps with given coefficients."""
-
-    def __init__(self, times: np.ndarray, tcs: np.ndarray):
-        self.steps = iter(zip(times, np.diff(times, axis=0), tcs, strict=False))
-
-    def step(self, motion: Motion) -> None:
-        start, h, tc = next(self.steps)
-        runs = motion.limit > 0
-        motion.high[:], motion.start_high[:], motion.tc[:] = start, start, tc
-        motion.h[:] = np.where(runs, h, 0.0)
-
-    def state_at(self, inside: np.ndarray) -> np.ndarray:
-        return np.zeros((1, len(inside)))
-
-
 def followed(
     rows: EventRows,
     times: np.ndarray,
@@ -102,7 +86,8 @@ def continued(
     """Takes more steps in."""
     motion = new_motion(*tcs.shape[1:2], 0, *tcs.shape[2:])
     motion.end[:] = np.inf
-    loop = Loop(motion, rows, tallies, log or new_log(0, len(tcs[0])), new_samples(0, 0), rules, Given(times, tcs))
+    steps = zip(times, np.diff(times, axis=0), tcs, strict=False)
+    loop = Loop(motion, rows, tallies, log or new_log(0, len(tcs[0])), new_samples(0, 0), rules, Given(steps))
     running = tallies.lane["status"] == Status.RUNNING.code
     for _ in tcs:  # the loop stops where a lane has ended
         if running.any():

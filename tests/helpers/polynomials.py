@@ -1,13 +1,32 @@
 """The search of the compiled loop for zeros, extremes and bounds of polynomials, called with arrays."""
 
 import ctypes
+from collections.abc import Iterable
 
 import numpy as np
 
-from tippetop.engine.loop import TABLES, filled, library
+from tippetop.engine.loop import TABLES, Loop, Motion, filled, library, new_motion
+from tippetop.engine.stepper import Called
+from tippetop.engine.tallies import HIGH, LOW, STEADY, StopRules, event_rows, new_log, new_samples, new_tallies
+from tippetop.mechanics.events import Event
 
 
 _TABLES = filled(TABLES)
+
+
+class Given(Called):
+    """Steps with given coefficients: each has its start, its length and its coefficients."""
+
+    def __init__(self, steps: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]):
+        self.steps = iter(steps)
+
+    def step(self, motion: Motion) -> None:
+        start, h, tc = next(self.steps)
+        motion.high[:], motion.start_high[:], motion.tc[:] = start, start, tc
+        motion.h[:] = np.where(motion.limit > 0, h, 0.0)
+
+    def state_at(self, inside: np.ndarray) -> np.ndarray:
+        return np.zeros((1, len(inside)))
 
 
 def crossings(p: np.ndarray, positive: bool, monotone: bool = False) -> tuple[np.ndarray, bool]:
@@ -19,18 +38,21 @@ def crossings(p: np.ndarray, positive: bool, monotone: bool = False) -> tuple[np
 
 def extremes(p: np.ndarray, low: float, high: float, monotone: bool = False) -> tuple[float, ...]:
     """Return the least and the greatest of these values and those of p on [0, 1], and where p has them, else NaN."""
-    found, real = np.empty(4), ctypes.c_double
-    library().loop_extremes(_data(p), len(p), real(low), real(high), monotone, ctypes.byref(_TABLES), _data(found))
-    return tuple(found.tolist())
+    values, places = np.array([low, high]), np.empty(2)
+    library().loop_extremes(_data(p), len(p), monotone, ctypes.byref(_TABLES), _data(values), _data(places))
+    return *values.tolist(), *places.tolist()
 
 
-def ranges(c: np.ndarray, shift: int, factors: np.ndarray) -> np.ndarray:
-    """Return low, high and monotone of polynomials with coefficients c[k + shift]*factors[k], (3, lanes)."""
-    lanes = c.shape[1]
-    found, sums = np.empty((2, 3, lanes))
-    c, factors = np.ascontiguousarray(c), np.ascontiguousarray(factors)
-    library().loop_ranges(*map(ctypes.c_int64, (lanes, len(factors), shift)), *map(_data, (c, factors, sums, *found)))
-    return found
+def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
+    """Return low, high and monotone (3, lanes) of variables with coefficients c (order + 1, lanes) over steps of length
+    h, or of their rates (shift 1)."""
+    rows = event_rows([Event("", "", lambda s, b: None)], [(0, shift, 1.0, 0.0)], [])
+    motion, tallies = new_motion(1, 0, *c.shape), new_tallies(rows, c.shape[1])
+    motion.end[:] = np.inf
+    rules = StopRules(-1, 0, np.inf, 1 << 62, 8, 0)
+    loop = Loop(motion, rows, tallies, new_log(0, 1), new_samples(0, 0), rules, Given([(0.0 * h, h, c[None])]))
+    loop.drive(1)
+    return tallies.functions[[LOW, HIGH, STEADY], 0]
 
 
 def _data(array: np.ndarray) -> ctypes.c_void_p:

@@ -52,9 +52,7 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precis
     while integration.status is None:
         taken = [len(whole.times), len(whole.logs), {name: len(parts) for name, parts in whole.others.items()}]
         if integration.t_end > 0:
-            snapshots.append(
-                (integration.driver.track.name, json.dumps(integration.snapshot()), taken)
-            )
+            snapshots.append((integration.driver.track.name, json.dumps(integration.snapshot()), taken))
         integration.follow(integration.driver.advance(request, 3), whole)
     integration.fill(whole)
     kinds = {kind for kind, *_ in snapshots}

@@ -16,7 +16,7 @@ from ..problem import PRECISIONS
 from .code_cache import compiled_once
 from .expressions import Formulas, formulas_of
 from .opt_level import opt_level
-from .stepper import UNKNOWN, Called, Loaded, Stepper, call, load, rounding_of
+from .stepper import Called, Loaded, Stepper, call, is_fused, load
 from .tallies import EventRows, event_rows
 
 
@@ -33,12 +33,10 @@ class Compiled(NamedTuple):
         The number of the event that must last, -1 if there is none; the sign of its function beyond its zero.
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
-    rounding
-        How its dense output rounds, of one run: see `stepper.rounding_of`.
     agrees
         Filled by `is_same_step`: whether the code makes the step that heyoka makes.
     places
-        What its runs in doubles work in, for each thread: see `one_run`.
+        What its runs in doubles work in, for each thread: see `driver.Place`.
     """
 
     integrator: Any
@@ -46,7 +44,6 @@ class Compiled(NamedTuple):
     lasting: int
     way: int
     machine: Loaded | None
-    rounding: int
     agrees: list[bool]
     places: threading.local
 
@@ -124,10 +121,11 @@ def compiled_from(
         zero = np.zeros(len(equations), dtype=number)
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
     machine = _machine(integrator) if precision == "double" and not compact else None
-    rounding = rounding_of(machine.dense, len(equations), integrator.order) if machine and not lanes else UNKNOWN
+    if machine and not lanes:
+        machine = machine._replace(fused=is_fused(machine.dense, len(equations), integrator.order))
     rows = event_rows(formulas.events, sources, axis)
     lasting, way = next(((e, event.direction) for e, event in enumerate(formulas.events) if event.lasting), (-1, 0))
-    return Compiled(integrator, rows, lasting, way, machine, rounding, [], threading.local())
+    return Compiled(integrator, rows, lasting, way, machine, [], threading.local())
 
 
 def _source(

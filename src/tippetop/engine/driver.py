@@ -249,7 +249,7 @@ class Driver:
         """Rows at these times: the same ones as long as these times are wanted."""
         if self.filling.times is not times:
             states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
-            self.filling = Rows(times, states, filled, steps, self.compiled.rounding)
+            self.filling = Rows(times, states, filled, steps)
         return self.filling
 
     def reached(self, passages: Passages) -> Any:

@@ -11,20 +11,18 @@ from math import comb
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import heyoka as hy
 import numpy as np
 
 import tippetop_kernels
 
 from ..errors import BuildError
 from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
-from .status import Status
-from .stepper import UNKNOWN, Called, Stepper
+from .stepper import Called, Stepper
 from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 
 
-MOST_COEFFICIENTS = 64
-"""Coefficients of a polynomial for which the loop has room; quadruple precision has 47."""
+MOST_COEFFICIENTS, MOST_LANES = 64, 32
+"""Coefficients of a polynomial and lanes for which the loop has room; quadruple precision has 47 coefficients."""
 
 TINY = 1e-10
 """Internal time of a step that goes nowhere."""
@@ -56,10 +54,8 @@ class Rows(NamedTuple):
     states: np.ndarray  # (variables, length)
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
-    rounding: int = UNKNOWN  # of the dense output
     length: int = 0
     variables: int = 0
-    vector: int = hy.recommended_simd_size()  # doubles in a vector of the processor
 
 
 class Tops(NamedTuple):
@@ -96,22 +92,6 @@ class _Sizes(NamedTuple):
     samples: int
 
 
-class _Scratch(NamedTuple):
-    factors: np.ndarray  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
-    sums: np.ndarray  # (3, lanes)
-    quiet: np.ndarray  # (lanes,)
-    h: np.ndarray  # (lanes,)
-    out: np.ndarray  # (variables, lanes) a state
-
-
-class _Codes(NamedTuple):
-    running: int = Status.RUNNING.code
-    finished: int = Status.FINISHED.code
-    non_finite: int = Status.NON_FINITE.code
-    stalled: int = Status.STALLED.code
-    settled: int = Status.SETTLED.code
-
-
 class _Thresholds(NamedTuple):
     noise_floor: float = float(NOISE_FLOOR)
     at_pole: float = AT_POLE
@@ -139,15 +119,16 @@ class _Ensemble(NamedTuple):
 class _Loop(NamedTuple):
     step: int
     dense: int
+    fused: int
     sizes: _Sizes
     motion: Motion
     rows: EventRows
     tallies: Tallies
     log: PassageLog
     samples: Samples
-    scratch: _Scratch
+    factors: np.ndarray  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
+    out: np.ndarray  # (variables, lanes) a state
     rules: StopRules
-    codes: _Codes
     thresholds: _Thresholds
     tables: Tables
     output: Rows
@@ -236,7 +217,7 @@ class Loop:
     rules
         What ends a run.
     stepper
-        The steps. None for `follow`: they are made elsewhere.
+        The steps.
     """
 
     def __init__(
@@ -247,14 +228,14 @@ class Loop:
         log: PassageLog,
         samples: Samples,
         rules: StopRules,
-        stepper: Stepper | None = None,
+        stepper: Stepper,
     ):
         variables, size, lanes = motion.tc.shape
-        if size > MOST_COEFFICIENTS:
-            raise ValueError(f"a step must have at most {MOST_COEFFICIENTS} coefficients, but has {size}")
+        if size > MOST_COEFFICIENTS or lanes > MOST_LANES:
+            most = f"at most {MOST_COEFFICIENTS} coefficients and {MOST_LANES} lanes"
+            raise ValueError(f"a step must have {most}, but has {size} and {lanes}")
         self.library = library()
         self.out = np.zeros((variables, lanes))  # a state in every lane
-        factors, sums, (quiet, h) = np.empty((2, size, lanes)), np.empty((3, lanes)), np.empty((2, lanes))
         lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top)
         self.records = {
             "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
@@ -263,19 +244,19 @@ class Loop:
             "tallies": tallies,
             "log": log,
             "samples": samples,
-            "scratch": _Scratch(factors, sums, quiet, h, self.out),
+            "factors": np.empty((2, size, lanes)),
+            "out": self.out,
             "rules": rules,
-            "codes": _Codes(),
             "thresholds": _Thresholds(),
             "tables": TABLES,
         }
-        self.structure: Any = structure(_Loop)(**{name: filled(record) for name, record in self.records.items()})
+        self.structure: Any = structure(_Loop)(**{name: _field(record) for name, record in self.records.items()})
         self.motion, self.stepper = motion, stepper
         if isinstance(stepper, Called):
             self.dense = _dense(stepper, motion, self.out)  # which C calls
             self.structure.dense = ctypes.cast(self.dense, ctypes.c_void_p).value
-        elif stepper:
-            self.structure.step, self.structure.dense = stepper.step, stepper.dense
+        else:
+            self.structure.step, self.structure.dense, self.structure.fused = stepper.step, stepper.dense, stepper.fused
         self.place = ctypes.byref(self.structure)
 
     def fill(self, rows: Rows) -> None:

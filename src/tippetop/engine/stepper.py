@@ -19,11 +19,8 @@ import llvmlite.binding as llvm
 import numpy as np
 
 
-UNKNOWN, SEPARATE, FUSED = range(3)
-"""How compiled code rounds a product and the difference that takes it; `loop.c` has the same numbers."""
-
 TRIALS = 4
-"""Random polynomials by which the rounding is recognised."""
+"""Random polynomials by which the rounding of code is recognised."""
 
 
 class Loaded(NamedTuple):
@@ -32,6 +29,7 @@ class Loaded(NamedTuple):
     library: Any  # owns the memory
     step: int  # addresses
     dense: int
+    fused: bool = False  # whether `dense` rounds a product and the difference that takes it once
 
 
 def load(code: bytes) -> Loaded:
@@ -102,27 +100,24 @@ def call(address: int, *arrays: np.ndarray) -> None:
     ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(arrays))(address)(*(array.ctypes.data for array in arrays))
 
 
-def rounding_of(dense: int, variables: int, order: int) -> int:
-    """Return how a dense output rounds its compensated sums. UNKNOWN if neither way has its bits, or both have."""
+def is_fused(dense: int, variables: int, order: int) -> bool:
+    """Return whether a dense output rounds a product and the difference that takes it once, in compensated sums."""
     random = np.random.default_rng(order)
-    alike = {SEPARATE, FUSED}
     for _ in range(TRIALS):
         tc, h = random.normal(size=(variables, order + 1, 1)), random.uniform(0.5, 1.0, 1)
         tc[:, 0] = -(tc[:, 1:, 0] @ h ** np.arange(1, order + 1))[:, None]  # only rounding is left
         out = np.zeros((variables, 1))
         call(dense, out, tc, h)
-        polynomials, given = tc[..., 0].tolist(), out[:, 0].tolist()
-        alike = {kind for kind in alike if given == [_sum(c, float(h[0]), kind) for c in polynomials]}
-        if len(alike) < 2:
-            break
-    return alike.pop() if len(alike) == 1 else UNKNOWN
+        if out[:, 0].tolist() != [_sum(c, float(h[0])) for c in tc[..., 0].tolist()]:
+            return False
+    return True
 
 
-def _sum(coefficients: list[float], h: float, kind: int) -> float:
-    """Return the compensated sum of a polynomial."""
+def _sum(coefficients: list[float], h: float) -> float:
+    """Return the compensated sum of a polynomial, with fused products."""
     (total, *others), rest, power = coefficients, 0.0, h
     for c in others:
-        more = c * power - rest if kind == SEPARATE else float(Fraction(c) * Fraction(power) - Fraction(rest))
+        more = float(Fraction(c) * Fraction(power) - Fraction(rest))
         new = total + more
         rest = (new - total) - more
         total, power = new, power * h

@@ -62,11 +62,8 @@ class Lanes:
         self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
-        self.rules, self.tallies, self.fresh = (
-            rules(code, base, every),
-            new_tallies(self.rows, lanes),
-            new_tallies(self.rows, 1),
-        )
+        self.rules = rules(code, base, every)
+        self.tallies, self.fresh = new_tallies(self.rows, lanes), new_tallies(self.rows, 1)
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
         self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
         self.top = self.samples.in_lane  # which top is in a lane
