@@ -20,7 +20,7 @@ from .double_contact import double_contact
 from .exits import JUMPS, Impact, begin, go_on, land, phase_name
 from .gliding import catalogue as gliding
 from .planar import IN_PLANE, SIGNED_SLIP
-from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, RESTS, ROLL, SLIP, STICK, TOUCH, disc_slip
+from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, RESTS, ROLL, SLIP, STICK, disc_slip
 from .state import (
     ANGLES,
     BALLS,
@@ -129,9 +129,7 @@ Bare = tuple[Phase, int, tuple[str, ...]]
 def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
-    events, every = phase.events, tuple(bare)
-    if phase.label in ("slip", "roll") and any(other > 0 for _, other, _ in bare.values()):
-        events = (*events, TOUCH)
+    near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
     ways = {RESTS.name: (name, RESTS.name, RESTS.direction), CLOCK: (name, "", 0)}
     for at, region in enumerate(regions):
         for border in law.regions[region].borders:
@@ -141,16 +139,19 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
             of_ball = "stem-" * at
             way = to, of_ball + passed, border.direction if stays else 0
             ways[of_ball + border.event] = way
-    exits = [Exit(CLOCK, every, land)] if phase.label == "flight" else []
-    for event in (*(event.name for event in events), CLOCK)[: len(events) + 1 - len(exits)]:
-        if event in JUMPS:
-            jump, labels = JUMPS[event]
-            near = ((n, other.label) for n, (other, k, _) in bare.items() if k == ball)
-            exits.append(Exit(event, tuple(n for n, its in near if its in labels) or every, jump))
-        else:
+
+    def way_out(event: str) -> Exit:
+        if phase.label == "flight":
+            return Exit(event, tuple(bare), land)
+        if event in ways:
             to, passed, side = ways[event]
-            exits.append(Exit(event, (to,), partial(go_on, to=to, passed=passed, side=side)))
-    return replace(phase, events=events, exits=tuple(exits), parameters=itemgetter(ball), ball=ball)
+            return Exit(event, (to,), partial(go_on, to=to, passed=passed, side=side))
+        jump, labels = JUMPS[event]
+        following = tuple(other for other, label in near.items() if label in labels)
+        return Exit(event, following or tuple(bare), jump)
+
+    exits = (*(way_out(event.name) for event in phase.events), way_out(CLOCK))
+    return replace(phase, exits=exits, parameters=itemgetter(ball), ball=ball)
 
 
 # --- systems --------------------------------------------------------------------------------------

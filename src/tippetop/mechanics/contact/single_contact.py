@@ -113,7 +113,7 @@ def slip_reaction(q, b):
 SLIP = Phase(
     {"vector": gliding.VECTOR},
     (),
-    (gliding.LIFTOFF,),
+    (gliding.LIFTOFF, TOUCH),
     enter=lambda x, b: VectorState._make((*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2])),
     leave=slip_leave,
     reaction=slip_reaction,
@@ -146,7 +146,7 @@ CONE = ending("slip", "rolling needs more friction than there is: the contact sl
 ROLL = Phase(
     {"vector": replace(rolling.VECTOR, domains=())},
     (),
-    (rolling.LIFTOFF, CONE),
+    (rolling.LIFTOFF, TOUCH, CONE),
     enter=lambda x, b: rolling_vector.VectorState(*x.u, *x.L),
     leave=roll_leave,
     reaction=roll_reaction,
@@ -207,7 +207,7 @@ STICK = ending(
 DIRECTED_SLIP = phase_of(
     "slip",
     DIRECTED,
-    (LIFTOFF, STICK),
+    (LIFTOFF, TOUCH, STICK),
     (
         directed_rates,
         lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
@@ -323,7 +323,7 @@ def disc_slip(region: Region, torque: Callable) -> Phase:
     return phase_of(
         "slip",
         DISC,
-        (LIFTOFF, RESTS, *borders(region)),
+        (LIFTOFF, TOUCH, RESTS, *borders(region)),
         (rates, scalars, disc_enter, leave, reaction),
         work=power,
         impulse=lambda q, b: loaded(q, b).force.z,
