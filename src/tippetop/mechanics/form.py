@@ -147,8 +147,8 @@ class Next:
     delay
         Time that passes in the jump.
     series
-        The motion in this time: at(t) -> the state of the phase that follows and the record of integrals, of arrays.
-        None: it is too short for rows and events.
+        The motion in this time: series(t) -> states of the phase that follows, and integrals, of times (n,). None: it
+        is too short for rows and events.
     logged
         Names of events that happen here, whose functions have no zero here or none at all.
     logged_after

@@ -1,11 +1,13 @@
 """Every jump of a body whose contact may open: what follows the end of a phase, as a function of
 the common state.
 
-`world` is that of `form.Exit`, of which `body` is the body seen from each ball. [contact 2, 3, 4,
-6]
+`world` is that of `form.Exit`, of which `body` is the body seen from each ball; in addition it has
+landing(x, b, zeros), the time to the landing of a ball, and struck(x, b, e_n), the velocity of its
+lowest point, an impact and the body after it. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,10 +18,11 @@ from ..operand import Vector, cross, dot, plus, sqrt, times
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, reaction_of_rolling_vector, slip_motion
-from .double_contact import brought_to_rest
+from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
+from .planar import signed_slide
 from .response import bias_vector, jumps, mobility_inverse_times
-from .single_contact import RESTS, STOPS_AT, regions_of, stays_at_rest
+from .single_contact import RESTS, STOPS_AT, directed, regions_of, stays_at_rest
 from .state import LOST, Moving, gained
 
 
@@ -48,8 +51,8 @@ MOST_STRIKES = 16
 """Impacts at one instant."""
 
 SPAN, SLOW = 0.03, 0.5
-"""Time over which sliding begins at the edge of the cone: this part of 1/|omega|, and at most that of
-the time in which gravity swings the body."""
+"""Time over which sliding begins at the edge of the cone: this part of 1/|omega|, and at most that
+of the time in which gravity swings the body."""
 
 MOST_HALVINGS = 10
 
@@ -187,10 +190,11 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
     press, or on the one that does."""
     law, b = law_of(world), world.body[0]
     if not law.set_valued:
-        regions = regions_of(x, law.regions, *world.body)
-        name = phase_name("both", 0, *regions)
+        names = regions_of(x, law.regions, *world.body)
+        name = phase_name("both", 0, *names)
         phase = world.phases[name]
-        x = brought_to_rest(x, tuple(law.regions[name] for name in regions), law.torque, b)
+        regions = tuple(law.regions[one] for one in names)
+        x = brought_to_rest(x, double_contact(regions, law.torque).sides, b, bool(names))
         s = phase.form.scalars(phase.enter(x, b), b)
         if min(s.force, s.stem_force) > PRESSES * b.m * b.g:
             return Next(name, x, cause)
@@ -316,10 +320,10 @@ def run_out(x: Moving, world: Any, v: Vector) -> tuple[Moving, Any]:
     return gained(x._replace(velocity=velocity, L=L), work=-(dot(p, v) / 2)), delay
 
 
-def slide_from_cone(x: Moving, world: Any, phase: Any, sliding: Callable) -> tuple[Any, Callable]:
+def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     """Return how long the first moments last of a slide that begins at the edge of the friction
     cone, and its series: of times (n,), states and integrals."""
-    b, keep = world.body[phase.ball], {"jellett_reference": x.carried.jellett_reference}
+    b, sliding = world.body[phase.ball], signed_slide if world.system.opening.planar else directed
 
     def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Vector, Vector, Any, Any]:
         u, L = Vector(*state[:3]), Vector(*state[3:6])
@@ -348,7 +352,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any, sliding: Callable) -> tup
 
     def series(t: np.ndarray) -> tuple[Any, Any]:
         _, _, q, carried = read(*first.at(t))
-        return q, carried._replace(**{name: value + 0 * t for name, value in keep.items()})
+        return q, carried._replace(jellett_reference=x.carried.jellett_reference + 0 * t)
 
     return first.time[-1], series
 
@@ -394,15 +398,26 @@ def stick(x: Moving, world: Any) -> Next:
     return n
 
 
-def begin_slip(x: Moving, world: Any, sliding: Callable) -> Next:
+def begin_slip(x: Moving, world: Any) -> Next:
     """Return what follows where rolling needs more friction than there is."""
     name = phase_name("slip", world.phase.ball)
     phase = world.phases[name]
-    lasts, series = slide_from_cone(x, world, phase, sliding)
+    lasts, series = slide_from_cone(x, world, phase)
     delay = min(lasts, world.left)
     q, carried = (record._make(v[0] for v in record) for record in series(np.array([delay])))
     x = phase.leave(q, world.body[phase.ball])._replace(carried=carried)
     return Next(name, x, "slip", delay, series, ("slip",))
+
+
+JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
+    "liftoff": (lift_off, ("flight",)),
+    "stick": (stick, ("roll", "slip", "flight")),
+    "slip": (begin_slip, ("slip",)),
+    "touch": (change_ball, ()),
+    "sphere-leaves": (partial(stay_on, ball=1), ()),
+    "stem-leaves": (partial(stay_on, ball=0), ()),
+}
+"""The jump at an event, and the labels of phases on the same ball that may follow; empty: all."""
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:

@@ -21,7 +21,7 @@ from .integrals import integral
 from .orientation import planar
 from .response import bias, contact_acceleration, mobility
 from .single_contact import FLIGHT, LIFTOFF, ROLL, SLIP, STICK
-from .state import PLANAR_ROW, Moving, Reaction, planar_theta_dot
+from .state import PLANAR_ROW, Moving, Reaction, filled, planar_theta_dot
 
 
 class Planar(NamedTuple):
@@ -68,11 +68,10 @@ def in_plane(phase: Phase) -> Phase:
     theta'."""
     form = phase.form
 
-    @formula
     def scalars(q, b):
         s = form.scalars(q, b)
         record: Any = type(s)
-        return with_theta_dot(record)._make((*s, planar_theta_dot(q, b)))
+        return with_theta_dot(record)(*s, planar_theta_dot(q, b))
 
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
     integrals = (theta, *(one for one in form.integrals if one.name != "y"))
@@ -81,39 +80,27 @@ def in_plane(phase: Phase) -> Phase:
     return replace(phase, forms={form.name: changed})
 
 
-class SignedState(NamedTuple):
-    """sin(theta), cos(theta), theta', nu_x, and its sign."""
+IN_PLANE = {phase.label: in_plane(phase) for phase in (SLIP, ROLL, FLIGHT)}
+"""The phases of a cylinder whose equations are those of any body, by label."""
 
-    s: Operand
-    z: Operand
-    theta_dot: Operand
-    nu_x: Operand
-    sigma: Operand
+SIGNED = filled(s=ONE, z=ONE, theta_dot=RADIAN_PER_SECOND, nu_x=METRE_PER_SECOND, sigma=ONE)
+"""sin(theta), cos(theta), theta', nu_x, and its sign."""
 
-
-class SignedScalars(NamedTuple):
-    """The scalars of its events."""
-
-    z: Operand
-    theta_dot: Operand
-    nu_x: Operand
-    force: Operand  # normal force
+Signed: Any = namedtuple("Signed", "z theta_dot nu_x force")
 
 
-@formula
 def signed(q, b):
     """The motion of a state. [contact 2.7]"""
     return slip(q.s, q.z, q.theta_dot, q.sigma, b)
 
 
-@formula
 def signed_rates(q, b):
     """theta'' and nu_x' of sliding; the sign stays."""
     by = signed(q, b)
-    return SignedState(q.z * q.theta_dot, -(q.s * q.theta_dot), by.theta_dot2, by.nu_x_dot, 0 * q.z)
+    turn = q.z * q.theta_dot, -(q.s * q.theta_dot)
+    return type(SIGNED)(*turn, by.theta_dot2, by.nu_x_dot, 0 * q.z)
 
 
-@formula
 def signed_leave(q, b):
     """The common state of a cylinder that slides."""
     none, h = 0 * q.z, height(q.z, b)
@@ -121,47 +108,44 @@ def signed_leave(q, b):
     return Moving(Vector(q.s, none, q.z), Vector(none, b.I1 * q.theta_dot, none), velocity, h)
 
 
-@formula
 def signed_reaction(q, b):
     """The force on a cylinder that slides."""
     by = signed(q, b)
     return Reaction(Vector(by.F_x, 0 * q.z, by.N))
 
 
-def signed_enter(x: Moving, b: Touch) -> SignedState:
-    """Return the state of a cylinder that slides."""
+def signed_enter(x, b):
+    """The state of a cylinder that slides."""
     turn = x.L.y / b.I1
     nu_x = x.velocity.x - turn * x.height
-    return SignedState(x.u.x, x.u.z, turn, nu_x, np.sign(nu_x))
+    return type(SIGNED)(x.u.x, x.u.z, turn, nu_x, np.sign(nu_x))
 
 
-def signed_slide(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> SignedState:
+def signed_slide(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> Any:
     """Return the state of sliding with the speed w in the direction beta, 0 or pi."""
-    return SignedState(u.x, u.z, L.y / b.I1, w * cos(beta), np.sign(cos(beta)))
+    along = cos(beta)
+    return type(SIGNED)(u.x, u.z, L.y / b.I1, w * along, np.sign(along))
 
 
+SIGNED_FORM = Form(
+    "angle",
+    SIGNED,
+    signed_rates,
+    lambda q, b: Signed(q.z, q.theta_dot, q.nu_x, signed(q, b).N),
+    integrals=(
+        integral("theta", lambda q, carried, b: q.theta_dot),
+        integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * height(q.z, b)),
+        integral("work", lambda q, carried, b: -(signed(q, b).F_x * q.nu_x)),
+        integral("impulse", lambda q, carried, b: signed(q, b).N),
+    ),
+    orientation=planar(lambda q: (q.s, q.z)),
+)
 SIGNED_SLIP = Phase(
-    {
-        "angle": Form(
-            "angle",
-            SignedState(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND, ONE),
-            signed_rates,
-            formula(lambda q, b: SignedScalars(q.z, q.theta_dot, q.nu_x, signed(q, b).N)),
-            integrals=(
-                integral("theta", lambda q, carried, b: q.theta_dot),
-                integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * height(q.z, b)),
-                integral("work", lambda q, carried, b: -(signed(q, b).F_x * q.nu_x)),
-                integral("impulse", lambda q, carried, b: signed(q, b).N),
-            ),
-            orientation=planar(lambda q: (q.s, q.z)),
-        )
-    },
+    {"angle": SIGNED_FORM},
     (),
-    (LIFTOFF, replace(STICK, formula=formula(lambda s, b: s.nu_x), direction=0)),
+    (LIFTOFF, replace(STICK, formula=lambda s, b: s.nu_x, direction=0)),
     enter=signed_enter,
     leave=signed_leave,
     reaction=signed_reaction,
     label="slip",
 )
-IN_PLANE = {phase.label: in_plane(phase) for phase in (SLIP, ROLL, FLIGHT)}
-"""The phases of a cylinder whose equations are those of any body, by label."""

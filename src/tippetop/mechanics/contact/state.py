@@ -1,5 +1,4 @@
-"""The common state of a body whose contact may open, and the rows in which a run of any phase is
-written.
+"""The common state of a body whose contact may open, and the rows of a run in any phase.
 
 A jump from one phase to another takes and gives a `Moving`; a row adds the reaction of the plane,
 the ball in contact, or last in contact, and the phase. Columns and user-defined events are
@@ -12,7 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
-from ..operand import Operand, Vector, cos, dot, formula, sin, sqrt
+from ..operand import Operand, Vector, cos, dot, sin, sqrt
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
@@ -31,7 +30,7 @@ from .gliding.chart import axis_and_momentum, axis_angles
 from .gliding.vector import axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along, planar
-from .rolling.reaction import kinematics
+from .rolling.reaction import Kinematics, kinematics
 from .rolling.vector import spin
 
 
@@ -49,6 +48,7 @@ LOST = (
     JELLETT,
     "Jellett's integral taken by the torque of the contact since the start",
 )
+VELOCITY = dict.fromkeys(("rx_dot", "ry_dot", "rz_dot"), METRE_PER_SECOND)
 
 
 class Moving(NamedTuple):
@@ -68,61 +68,50 @@ class Reaction(NamedTuple):
     drilled: Operand = 0  # power that torques of the contact take
 
 
-class Row(NamedTuple):
-    """A common state as one record of numbers, and what else a row contains."""
-
-    ux: Operand
-    uy: Operand
-    uz: Operand
-    Lx: Operand
-    Ly: Operand
-    Lz: Operand
-    rx_dot: Operand
-    ry_dot: Operand
-    rz_dot: Operand
-    height: Operand
-    Fx: Operand
-    Fy: Operand
-    Fz: Operand
-    radius: Operand  # of the ball in contact, or last in contact
-    offset: Operand
-    stem_gap: Operand
-    phase: Operand
-    ball: Operand
-    jellett_taken: Operand
-    drilled: Operand
+def filled(**units: Any) -> Any:
+    """Return a record filled with units, of a type of its own."""
+    return namedtuple("State", units)(**units)
 
 
-ROW_UNITS = Row(
-    *(ONE,) * 3,
-    *(ANGULAR_MOMENTUM,) * 3,
-    *(METRE_PER_SECOND,) * 3,
-    METRE,
-    *(NEWTON,) * 3,
-    *(METRE,) * 3,
-    *(ONE,) * 2,
-    JELLETT,
-    WATT,
+def state(**units: Any) -> Any:
+    """Return a state filled with units: 3hat, L about the centre of mass, and more."""
+    turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
+    return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
+
+
+ROW_UNITS = state(
+    **VELOCITY,
+    height=METRE,  # of the centre of mass
+    Fx=NEWTON,
+    Fy=NEWTON,
+    force=NEWTON,  # normal
+    radius=METRE,  # of the ball in contact, or last in contact
+    offset=METRE,
+    stem_gap=METRE,
+    phase=ONE,
+    ball=ONE,
+    jellett_taken=JELLETT,
+    drilled=WATT,
 )
+Row = type(ROW_UNITS)
+"""A common state as one record of numbers, and what else a row contains."""
 
 
-def moving(row: Row, carried: Any) -> Moving:
+def moving(row: Any, carried: Any) -> Moving:
     """Return the common state of a row."""
     return Moving(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
 
 
-def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -> Row:
-    """Return the row of a state of a phase, of numbers or arrays; `bodies`: the body seen from each
-    ball."""
+def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -> Any:
+    """Return the row of a state of a phase, of numbers or arrays; `bodies`: seen from each ball."""
     b, stem = bodies[phase.ball], bodies[-1]
     x, by = phase.leave(q, b), phase.reaction(q, b)
     reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, LOST[0]):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
-    number = PHASES.index(phase.label)
-    contact_of = b.R, b.c, gap, number, phase.ball, reference, by.drilled
-    return Row._make((*x.u, *x.L, *x.velocity, x.height, *by.force, *contact_of))
+    numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
+    return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers)
 
 
 def gained(x: Moving, **integrals: Any) -> Moving:
@@ -133,187 +122,102 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 
 # --- scalars --------------------------------------------------------------------------------------
 
-
-class Scalars(NamedTuple):
-    """The scalars of a gliding body, and what else a row contains."""
-
-    z: Operand  # cos(theta)
-    s2: Operand  # sin(theta)^2
-    z_dot: Operand  # -theta' sin(theta)
-    z_ddot_free: Operand
-    phi_dot_s2: Operand  # phi' sin(theta)^2
-    axis_speed2: Operand  # |3hat'|^2
-    L3: Operand
-    Lz: Operand
-    v_u: Operand  # v_A.3hat of the horizontal part
-    v_n: Operand  # (3hat x v_A).zhat
-    v2: Operand  # |v_A|^2 of the horizontal part
-    rise: Operand  # v_A.zhat
-    speed2: Operand  # |s'|^2 of the centre of mass, all three components
-    height: Operand  # of the centre of mass
-    power: Operand  # that friction takes
-    force: Operand  # normal force
-    radius: Operand
-    offset: Operand
-    gap: Operand  # of the ball that is in contact, or was last
-    stem_gap: Operand
-    phase: Operand
-    ball: Operand
-    jellett_taken: Operand
+KNOWN = (
+    "v_u",  # v_A.3hat of the horizontal part
+    "v_n",  # (3hat x v_A).zhat
+    "v2",  # |v_A|^2 of the horizontal part
+    "rise",  # v_A.zhat
+    "speed2",  # |s'|^2 of the centre of mass, all three components
+    "power",  # that friction takes
+    "gap",  # of the ball that is in contact, or was last
+)
+FIELDS = (*Kinematics._fields, *KNOWN, *Row._fields[9:])
+Scalars = type(filled(**dict.fromkeys(FIELDS)))
+"""The scalars of a gliding body, and what else a row contains."""
 
 
-@formula
 def lowest_velocity(q, b):
     """Velocity of the lowest point of the ball of a row, (3,) [m/s]."""
-    V, b = Vector(q.rx_dot, q.ry_dot, q.rz_dot), b._replace(R=q.radius, c=q.offset)
-    return contact.contact_velocity(axis(q), momentum(q), V, b)
+    b = b._replace(R=q.radius, c=q.offset)
+    return contact.contact_velocity(axis(q), momentum(q), Vector(*q[6:9]), b)
 
 
-@formula
 def row_scalars(q, b):
     """The scalars of a row."""
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
-        **kinematics(u, momentum(q), axis_rate(q, b), b)._asdict(),
-        v_u=u.x * v.x + u.y * v.y,
-        v_n=u.x * v.y - u.y * v.x,
-        v2=v.x * v.x + v.y * v.y,
-        rise=v.z,
-        speed2=q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
-        height=q.height,
-        power=q.drilled - (q.Fx * v.x + q.Fy * v.y),
-        force=q.Fz,
-        radius=q.radius,
-        offset=q.offset,
-        gap=q.height - q.radius + q.offset * u.z,
-        stem_gap=q.stem_gap,
-        phase=q.phase,
-        ball=q.ball,
-        jellett_taken=q.jellett_taken,
+        *kinematics(u, momentum(q), axis_rate(q, b), b),
+        u.x * v.x + u.y * v.y,
+        u.x * v.y - u.y * v.x,
+        v.x * v.x + v.y * v.y,
+        v.z,
+        q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
+        q.drilled - (q.Fx * v.x + q.Fy * v.y),
+        q.height - q.radius + q.offset * u.z,
+        *q[9:],
     )
 
 
 # --- angles ---------------------------------------------------------------------------------------
 
 
-class Angles(NamedTuple):
-    """What users give and read: as of a gliding body, and velocity and height of the lowest
-    point."""
-
-    theta: Operand
-    theta_dot: Operand
-    phi_dot: Operand
-    omega3: Operand
-    nu_x: Operand
-    nu_y: Operand
-    nu_z: Operand
-    gap: Operand
-    phi: Operand
-    x: Operand
-    y: Operand
-    work: Operand
-    impulse: Operand
-
-
-ANGLES = Angles(
-    RADIAN,
-    *(RADIAN_PER_SECOND,) * 3,
-    *(METRE_PER_SECOND,) * 3,
-    METRE,
-    RADIAN,
-    METRE,
-    METRE,
-    JOULE,
-    NEWTON_SECOND,
+ANGLES = filled(
+    theta=RADIAN,
+    theta_dot=RADIAN_PER_SECOND,
+    phi_dot=RADIAN_PER_SECOND,
+    omega3=RADIAN_PER_SECOND,
+    nu_x=METRE_PER_SECOND,
+    nu_y=METRE_PER_SECOND,
+    nu_z=METRE_PER_SECOND,
+    gap=METRE,
+    phi=RADIAN,
+    x=METRE,
+    y=METRE,
+    work=JOULE,
+    impulse=NEWTON_SECOND,
 )
-DiscAngles: Any = namedtuple("DiscAngles", (*Angles._fields, LOST[0]))  # type: ignore[misc]
-DISC_ANGLES = DiscAngles._make((*ANGLES, JELLETT))
+"""What users give and read: as of a gliding body, and velocity and height of the lowest point."""
+
+DISC_ANGLES = filled(**ANGLES._asdict(), jellett_lost=JELLETT)
+ACROSS = ("phi_dot", "omega3", "nu_y", "phi", "y")
+PLANAR_ANGLES = filled(**{n: unit for n, unit in ANGLES._asdict().items() if n not in ACROSS})
+"""Of a motion in a plane, where theta is not wrapped."""
 
 
-class PlanarAngles(NamedTuple):
-    """The same of a motion in a plane, where theta is not wrapped."""
-
-    theta: Operand
-    theta_dot: Operand
-    nu_x: Operand
-    nu_z: Operand
-    gap: Operand
-    x: Operand
-    work: Operand
-    impulse: Operand
-
-
-PLANAR_ANGLES = PlanarAngles(*(getattr(ANGLES, name) for name in PlanarAngles._fields))
-
-
-@formula
 def row_of_angles(e, s, z, b):
     """The row of the angles, its reaction not yet known; s, z are sin(theta), cos(theta), exact at
     the poles."""
-    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     none = 0 * z
+    e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
+    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     b = b._replace(R=b.R + none, c=b.c + none)
-    at_rest = contact.contact_velocity(u, L, Vector(none, none, none), b)
+    v = contact.contact_velocity(u, L, Vector(none, none, none), b)
     ex, ey = cos(e.phi), sin(e.phi)
     along_x, along_y = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
-    velocity = along_x - at_rest.x, along_y - at_rest.y, e.nu_z - at_rest.z
+    velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3
-    return Row._make((*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none))
+    return Row(*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
 
 
-@formula
 def angles_of_row(q, carried, b):
     """The angles of a row; 0/0 exactly at a pole, where phi and what is taken along it are
     undefined."""
     c = row_scalars(q, b)
     theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
     s = sqrt(c.s2)
-    place_and_integrals = (carried.x, carried.y, carried.work, carried.impulse)
-    return Angles(
-        theta,
-        theta_dot,
-        phi_dot,
-        c.L3 / b.I3,
-        c.v_u / s,
-        c.v_n / s,
-        c.rise,
-        c.gap,
-        phi,
-        *place_and_integrals,
-    )
+    found = theta, theta_dot, phi_dot, c.L3 / b.I3, c.v_u / s, c.v_n / s, c.rise, c.gap, phi
+    record: Any = type(DISC_ANGLES if hasattr(carried, LOST[0]) else ANGLES)
+    return record(*found, *carried[: len(record._fields) - len(found)])
 
 
-@formula
-def disc_angles_of_row(q, carried, b):
-    """The same where torques of the contact take Jellett's integral."""
-    return DiscAngles._make((*angles_of_row(q, carried, b), carried.jellett_lost))
-
-
-@formula
-def row_of_planar_angles(e, s, z, b):
-    """The row of the angles of a motion in a plane."""
-    none = 0 * z
-    return row_of_angles(Angles(**{**dict.fromkeys(Angles._fields, none), **e._asdict()}), s, z, b)
-
-
-@formula
 def planar_angles_of_row(q, carried, b):
     """The angles of a row of a motion in a plane."""
     v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
-    return PlanarAngles(
-        carried.theta,
-        planar_theta_dot(q, b),
-        v.x,
-        v.z,
-        gap,
-        carried.x,
-        carried.work,
-        carried.impulse,
-    )
+    theta, *others = carried[:4]
+    return type(PLANAR_ANGLES)(theta, planar_theta_dot(q, b), v.x, v.z, gap, *others)
 
 
-@formula
 def planar_theta_dot(q, b):
     """theta' [rad/s] of an axis in the x-z plane."""
     u_dot = axis_rate(q, b)
@@ -325,10 +229,8 @@ def planar_theta_dot(q, b):
 
 def carried(*names: str) -> tuple[Integral, ...]:
     """Return the integrals of rows; a phase integrates some of them, the others stay."""
-    return (
-        *(Integral(name, *NAMED[name], rate=None) for name in names),
-        Integral(*REFERENCE, rate=None),
-    )
+    known = {**NAMED, LOST[0]: LOST[1:], REFERENCE[0]: REFERENCE[1:]}
+    return tuple(Integral(name, *known[name], rate=None) for name in (*names, REFERENCE[0]))
 
 
 ROW = Form(
@@ -341,15 +243,10 @@ ROW = Form(
     integrals=carried("x", "y", "work", "impulse"),
     orientation=carried_along(axis, axis_rate, spin),
 )
-DISC_ROW = replace(
-    ROW,
-    to_angles=disc_angles_of_row,
-    integrals=(*ROW.integrals, Integral(*LOST, rate=None)),
-)
+DISC_ROW = replace(ROW, integrals=carried("x", "y", "work", "impulse", LOST[0]))
 PLANAR_ROW = replace(
     ROW,
     name="angle",
-    of_angles=row_of_planar_angles,
     to_angles=planar_angles_of_row,
     integrals=carried("theta", "x", "work", "impulse"),
     orientation=planar(lambda q: (q.ux, q.uz)),
@@ -362,52 +259,47 @@ PLANAR_ROW = replace(
 def of_ball(function: Callable) -> Callable:
     """Return a formula of a gliding body for the ball in contact: its R and c are those of the
     row."""
-    return formula(lambda s, b: function(s, b._replace(R=s.radius, c=s.offset)))
+    return lambda s, b: function(s, b._replace(R=s.radius, c=s.offset))
 
 
-@formula
 def energy(s, b):
     """Energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A."""
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 
-def _field(name: str) -> Any:
-    return formula(lambda s, b: getattr(s, name))
-
-
 def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
     """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has
     one."""
+    modified, lambda_ = of_ball(contact.modified_energy), of_ball(contact.jellett)
+    text = "Jellett's integral of the ball in contact"
     found = [
-        Quantity("energy", "E", JOULE, "energy", energy),
+        Quantity("jellett", "lambda", JELLETT, text, lambda_),
         Quantity(
-            "modified_energy", "E~", JOULE, "modified (rolling) energy of the ball in contact",
-            of_ball(contact.modified_energy),
+            "jellett_taken",
+            "",
+            JELLETT,
+            "Jellett's integral when its ball was taken",
+            lambda s, b: s.jellett_taken,
+            is_column=False,
         ),
-        Quantity("normal_force", "g_n", NEWTON, "normal force", _field("force")),
-        Quantity("friction_power", "-E'", WATT, "power dissipated by friction", _field("power")),
-        Quantity("z", "s_z", METRE, "height of the centre of mass", _field("height")),
-        Quantity("phase", "phase", ONE, "phase of the contact", _field("phase"), PHASES),
-        Quantity("ball", "ball", ONE, "what touches the plane, or did last", _field("ball"), BALLS),
-    ]  # fmt: skip
+    ]
+    text = "Routh's function of the ball in contact"
+    if planar:
+        found = []
     if routh is not None:
-        text = "Routh's function of the ball in contact"
-        found.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
-    if not planar:
-        text = "Jellett's integral when its ball was taken"
-        found[:0] = (
-            Quantity("jellett", "lambda", JELLETT, "Jellett's integral of the ball in contact",
-                     of_ball(contact.jellett)),
-            Quantity("jellett_taken", "", JELLETT, text, _field("jellett_taken"), is_column=False),
-        )  # fmt: skip
+        found.append(Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
+    text = "modified (rolling) energy of the ball in contact"
+    words = "power dissipated by friction", "what touches the plane, or did last"
+    found += [
+        Quantity("energy", "E", JOULE, "energy", energy),
+        Quantity("modified_energy", "E~", JOULE, text, modified),
+        Quantity("normal_force", "g_n", NEWTON, "normal force", lambda s, b: s.force),
+        Quantity("friction_power", "-E'", WATT, words[0], lambda s, b: s.power),
+        Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
+        Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
+        Quantity("ball", "ball", ONE, words[1], lambda s, b: s.ball, BALLS),
+    ]
     if stem:
-        found.append(
-            Quantity(
-                "gap_stem",
-                "gap of the stem",
-                METRE,
-                "height of the stem's ball",
-                _field("stem_gap"),
-            )
-        )
+        text = "height of the stem's ball"
+        found.append(Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap))
     return tuple(found)
