@@ -300,6 +300,11 @@ class Driver:
         """Return those of the normal force so far, internal units; empty where none is known."""
         return extremes_of(self.rows.events, self.tallies)
 
+    @property
+    def width(self) -> int:
+        """The number of all variables."""
+        return len(self.state)
+
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit."""
         return {

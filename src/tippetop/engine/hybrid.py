@@ -3,6 +3,7 @@
 Jumps are functions of the common state, which every phase can be read as; the driver knows neither balls nor laws.
 """
 
+import math
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.doubledouble import parts_of, sum_of
 from ..mechanics.events import ON_ZERO as BELOW
 from ..mechanics.events import Event
 from ..mechanics.form import CLOCK, Next, Phase
+from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
@@ -39,14 +40,20 @@ QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) -> Formulas:
     """Return the formulas of a phase, whose parameters are a record of type `body` with this record of a law."""
     form = phase.form
-    common = () if phase.axis_stays else tuple(event for event in system.events if event.formula is not None)
-    events = (*common, *phase.events)
+    of_phases = {event.name for other in system.phases.values() for event in other.events}
+    common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
+    events = (*phase.events, *common)
     template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         state = form.scalars(q, b)
-        return [event.formula(state, b) for event in events]
+        values = [event.formula(state, b) for event in phase.events]
+        if common:
+            whole, first = system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
+            read = moment(system, system.phase.form, whole, carried, first)
+            values += [event.formula(read, first) for event in common]
+        return values
 
     return Formulas(form, events, functions, lambda values: refill(template, values)._replace(**folds))
 
@@ -511,31 +518,36 @@ class HybridDriver:
         low, high = min(known, key=lambda one: one.least), max(known, key=lambda one: one.most)
         return Extremes(low.least, low.t_least, high.most, high.t_most)
 
+    @property
+    def width(self) -> int:
+        """The greatest number of variables of a phase."""
+        orientation = self.problem.orientation
+        return max(len(Variables(p.form, orientation).names) + len(self.rows.events) for p in self.phases.values())
+
     def snapshot(self) -> dict[str, Any]:
-        """Return what a run needs to continue bit by bit."""
+        """Return what a run needs to continue bit by bit: lists of the same lengths in every phase, but for `state`."""
+        zeros = [self.unwatched.get(name, 0) for name in self.numbers]
+        under_way = self.tables.under_way or [math.nan] * 4
+        phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began, self.until is not None]
         return {
             **self.track.driver.snapshot(),
-            "phase": self.track.name,
-            "carried": [parts_of(value) for value in self.whole],
-            "live": sorted(self.live),
-            "changes": [self.changes, self.short, self.began],
-            "clock": None if self.until is None else parts_of(self.until),
-            "unwatched": self.unwatched,
-            "under_way": self.tables.under_way,
+            "phase": [*phase, *under_way, *(name in self.live for name in self.numbers), *zeros],
+            "carried": [*self.whole, self.number(0) if self.until is None else self.until],
         }
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        number = self.number
-        self.track = track = self.track_of(kept["phase"])
+        phase, self.changes, self.short, self.began, has_clock, *rest = kept["phase"]
+        under_way, live, zeros = rest[:4], rest[4 : 4 + len(self.numbers)], rest[4 + len(self.numbers) :]
+        self.track = track = self.track_of(list(self.phases)[int(phase)])
         self.world.phase = track.phase
-        self.whole = np.array([sum_of(parts, number) for parts in kept["carried"]], dtype=number)
-        track.driver.restore(kept, state, clock)
-        self.live = set(kept["live"])
-        self._set_clock(None if kept["clock"] is None else sum_of(kept["clock"], number), kept["unwatched"])
-        self.changes, self.short, self.began = kept["changes"]
+        *whole, until = kept["carried"]
+        self.whole = np.array(whole, dtype=self.number)
+        track.driver.restore(kept, state[: len(track.driver.state)], clock)
+        self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}
+        self._set_clock(until if has_clock else None, dict(zip(self.numbers, map(int, zeros), strict=True)))
         self.tables = PhaseTables(self.problem)
-        self.tables.under_way = kept["under_way"]
+        self.tables.under_way = None if math.isnan(under_way[0]) else [under_way[0], *map(int, under_way[1:])]
 
 
 def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:

@@ -34,6 +34,7 @@ from .state import (
     columns,
     moving,
     row,
+    row_within,
 )
 
 
@@ -184,9 +185,12 @@ def open_contact(system: System, law: Law, balls: int) -> System:
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
     form = DISC_ROW if law.torque else PLANAR_ROW if opening.planar else ROW
-    of_axis = (one for one in system.events if not one.lasting and one.ends != "liftoff")
+    of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     quantities = columns(opening.planar, opening.routh, balls > 1)
-    phases = phases_of(opening.planar, law, balls)
+    phases = {
+        name: phase if phase.axis_stays else replace(phase, events=(*of_axis, *phase.events))
+        for name, phase in phases_of(opening.planar, law, balls).items()
+    }
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -207,6 +211,7 @@ def open_contact(system: System, law: Law, balls: int) -> System:
         assembled=assembled,
         begin=begin,
         row=row,
+        read=partial(row_within, two=balls > 1),
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,
