@@ -90,7 +90,14 @@ class Track:
         rows = run.rows._replace(events=self.records, axis=code.rows.axis)
         start, functions = np.zeros(len(variables.names), problem.number), np.zeros(len(rows.events))
         self.driver: Driver = kind_of_driver(problem)(
-            code, rows, leaves(self.b), start, functions, run.end, run.tallies
+            code,
+            rows,
+            leaves(self.b),
+            start,
+            functions,
+            run.end,
+            run.tallies,
+            self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
         self.driver.wanted = run.row_times
 
@@ -183,6 +190,7 @@ class HybridDriver:
         in_phases = [event for phase in self.phases.values() for event in phase.events]
         for event in in_phases:
             self.rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
+        self.lasting = {event.name for event in every if event.lasting}
         self.tallies = new_tallies(self.rows, 1)
         self.tallies.functions[SIGN] = 0.0  # not known
         self.row_times, self.tables = Wanted(), PhaseTables(problem)
@@ -281,8 +289,9 @@ class HybridDriver:
                 sign = known if abs(value) < BELOW else by_value
                 if sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
-                elif sign != known and event.sense and old is not None:  # theta has a corner, which ends a swing
-                    self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))
+                elif sign != known and (event.sense or event.lasting) and old is not None:
+                    if event.sense or sign == event.direction:  # theta has a corner, which ends a swing
+                        self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))
             else:
                 sign, zero = by_value, abs(value) < BELOW
             if name not in track.exits:
@@ -388,6 +397,8 @@ class HybridDriver:
         number = self.numbers[name]
         times = np.array([time], dtype=self.number)
         self.log.append((Passages(times, np.array([number]), np.array([sign]), np.zeros(1, bool), part.states), part))
+        if name in self.lasting:
+            self.tally["lasts_since"] = float(time)
         first, last = (int(self.rows.events[number][place]) for place in ("first", "last"))
         for place in range(first, last):
             what, direction = self.rows.numbers[place]

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.contact.opening import ABOVE, kind_of, opened
+from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import painleve_bound
@@ -57,6 +57,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     names = [*(event.name for event in own[0]), *(quantity.name for quantity in own[1])]
     if clash := [name for name in names if name in taken]:
         raise InputError([f"`{clash[0]}` must be a new name, but `{system.name}` with {what} has it."])
+    if isinstance(run, dict) and run.get("stop_when") == "settled":
+        contact = with_records(contact, (SETTLED,), ())
     return with_records(contact, *own)
 
 
@@ -86,8 +88,6 @@ def contact_faults(problem: Problem) -> list[str]:
     if problem.contact is None:
         return []
     faults = []
-    if problem.stop_when == "settled":
-        faults.append('`run.stop_when` must be "until" where the contact may change its phase, but is "settled".')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
     if problem.precision == "quad" and problem.law.set_valued and problem.friction.mu:

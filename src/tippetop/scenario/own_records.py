@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.opening import opened
+from ..mechanics.contact.opening import SETTLED, opened
 from ..mechanics.events import Event
 from ..mechanics.moment import PLACE, Moment
 from ..mechanics.operand import leaves, refill
@@ -95,7 +95,7 @@ def own_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...]
     if registered is None or registered is system:
         return (), ()
     return (
-        tuple(event for event in system.events if event not in registered.events),
+        tuple(event for event in system.events if event not in (*registered.events, SETTLED)),
         tuple(quantity for quantity in system.quantities if quantity not in registered.quantities),
     )
 

@@ -11,7 +11,7 @@ from typing import Any
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, Law, all_laws, is_frictionless
-from ..operand import leaves, refill
+from ..operand import formula, leaves, refill
 from ..parameter import Parameter
 from ..system import System
 from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
@@ -67,6 +67,16 @@ OCCURRENCES = (
     ),
 )
 """What jumps log, as events of a run."""
+
+SETTLED = Event(
+    "settled",
+    "friction takes no energy any more, and the body presses on the plane with more than half of its weight",
+    formula(lambda s, b: s.power - 1e-12 * (2 * s.force - b.m * b.g)),
+    direction=-1,
+    lasting=True,
+    kept=gliding.SETTLED.kept,
+)
+"""An event of runs that stop when they have settled."""
 
 REASONS = (
     "start",
