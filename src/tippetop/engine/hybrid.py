@@ -132,7 +132,7 @@ class Track:
         q = self.record(*(numbers.tolist() if state.dtype == float else numbers))
         whole = carried.copy()
         whole[self.theirs] = state[self.mine]
-        integrals = whole / INTEGRAL_SCALE
+        integrals = whole * whole.dtype.type(1 / INTEGRAL_SCALE)
         x = self.phase.leave(q, self.b)
         return x._replace(carried=record(*(integrals.tolist() if state.dtype == float else integrals)))
 
@@ -235,10 +235,12 @@ class HybridDriver:
         """Return the equations of every phase: pairs of a variable and its rate."""
         return [pair for name in self.phases for pair in self.track_of(name).driver.equations()]
 
-    def _rates(self, phase: Phase, q: Any, carried: Any) -> list:
-        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it does not move."""
+    def _rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
+        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it does not move. `b` is
+        the body in the numbers of the state, if they are others."""
         integrals = Variables(phase.form, self.problem.orientation).integrals
-        rates, b = {integral.name: integral.rate for integral in integrals}, phase.parameters(self.body)
+        rates = {integral.name: integral.rate for integral in integrals}
+        b = b or phase.parameters(self.body)
         return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
     def _enter(self, n: Next, now: Any, before: np.ndarray | None) -> None:
@@ -250,7 +252,7 @@ class HybridDriver:
             self.tables.begin(track.phase, float(now + n.logged_after), n.cause)
         self.tables.add(float(now), n.rows)
         time = min(now + self.number(n.delay), self.end)
-        self.whole = np.array([value * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
+        self.whole = np.array([self.number(value) * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
         state = track.state(n.x, self.whole)
         track.driver.put(state, (time, 0 * time))
         self._begin_events(n, track, state, now, old)
@@ -414,7 +416,9 @@ class HybridDriver:
         """Return states at times since the beginning of a jump that takes time."""
         q, carried = n.series(t)
         states = np.array([np.broadcast_to(value, t.shape) for value in q], dtype=self.number).T
-        whole = np.array([np.broadcast_to(value, t.shape) for value in carried], dtype=self.number).T * INTEGRAL_SCALE
+        whole = np.array([np.broadcast_to(value, t.shape) for value in carried], dtype=self.number).T * self.number(
+            INTEGRAL_SCALE
+        )
         return Part(track, whole, states)
 
     def _fill(self, n: Next, track: Track, now: Any) -> None:
@@ -424,8 +428,9 @@ class HybridDriver:
             left = self.row_times.left
             count = int(np.searchsorted(left, float(now + n.delay)))
             if count:
-                t = left[:count].astype(self.number) - now
-                self.asked.append((left[:count], self._series(n, track, np.clip(t, 0 * n.delay, n.delay))))
+                since = left[:count].astype(self.number) - now
+                t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
+                self.asked.append((left[:count], self._series(n, track, t)))
             self.row_times.made += count
             if count < len(left) or not count:
                 break
@@ -462,7 +467,7 @@ class HybridDriver:
                     carried[some_rows, track.theirs] = part.states[:, track.mine]
                 first += length
             q = track.record(*states.T)
-            with_units = split(*(carried / INTEGRAL_SCALE).T)
+            with_units = split(*(carried * self.number(1 / INTEGRAL_SCALE)).T)
             record = system.row(track.phase, q, with_units, self.body) if system.row else track.phase.leave(q, track.b)
             rows = np.empty((n, self.variables), self.number)
             for k, value in enumerate(record):

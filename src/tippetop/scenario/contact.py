@@ -90,10 +90,6 @@ def contact_faults(problem: Problem) -> list[str]:
     faults = []
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
-    if problem.precision == "quad" and problem.law.set_valued and problem.friction.mu:
-        faults.append(
-            '`run.precision` must be "double" or "longdouble" under Coulomb\'s law without eps, but is "quad".'
-        )
     body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
     R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
     if gap > HIGHEST * R:
