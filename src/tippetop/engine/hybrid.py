@@ -415,10 +415,11 @@ class HybridDriver:
     def _series(self, n: Next, track: Track, t: np.ndarray) -> Part:
         """Return states at times since the beginning of a jump that takes time."""
         q, carried = n.series(t)
-        states = np.array([np.broadcast_to(value, t.shape) for value in q], dtype=self.number).T
-        whole = np.array([np.broadcast_to(value, t.shape) for value in carried], dtype=self.number).T * self.number(
-            INTEGRAL_SCALE
+        states, whole = (
+            np.array([[self.number(one) for one in np.broadcast_to(value, t.shape)] for value in record]).T
+            for record in (q, carried)
         )
+        whole = whole * self.number(INTEGRAL_SCALE)
         return Part(track, whole, states)
 
     def _fill(self, n: Next, track: Track, now: Any) -> None:
