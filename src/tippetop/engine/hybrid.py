@@ -42,13 +42,14 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     form = phase.form
     of_phases = {event.name for other in system.phases.values() for event in other.events}
     common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
-    events = (*phase.events, *common)
+    own = tuple(event for event in phase.events if event.formula is not None)
+    events = (*own, *common)
     template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         state = form.scalars(q, b)
-        values = [event.formula(state, b) for event in phase.events]
+        values = [event.formula(state, b) for event in own]
         if common:
             whole, first = system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
             read = moment(system, system.phase.form, whole, carried, first)
@@ -126,14 +127,21 @@ class Track:
         state[self.mine] = whole[self.theirs]
         return state
 
+    def integrals(self, state: np.ndarray, carried: np.ndarray) -> np.ndarray:
+        """Return the integrals of the run, scaled, of which the phase has moved some."""
+        whole = carried.copy()
+        whole[self.theirs] = state[self.mine]
+        return whole
+
     def common(self, state: np.ndarray, carried: np.ndarray, record: Any) -> Any:
         """Return the common state of the variables of the phase; doubles become floats, which formulas take faster."""
         numbers = state[: self.moving]
         q = self.record(*(numbers.tolist() if state.dtype == float else numbers))
-        whole = carried.copy()
-        whole[self.theirs] = state[self.mine]
+        whole = self.integrals(state, carried)
         integrals = whole * whole.dtype.type(1 / INTEGRAL_SCALE)
         x = self.phase.leave(q, self.b)
+        if not hasattr(x, "carried"):
+            return x
         return x._replace(carried=record(*(integrals.tolist() if state.dtype == float else integrals)))
 
 
@@ -173,8 +181,6 @@ class HybridDriver:
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
-        from .contact.striking import Strikes
-
         system, number = problem.system, problem.number
         self.problem, self.stop, self.number = problem, stop, number
         self.variables = len(problem.variables.names)
@@ -200,12 +206,16 @@ class HybridDriver:
         self.parts: list[Part] = []
         self.world = SimpleNamespace(
             body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
-            rates=self._rates, **vars(Strikes(problem, self.body)),
+            rates=self._rates,
         )  # fmt: skip
+        if problem.contact is not None:
+            from .contact.striking import Strikes
+
+            vars(self.world).update(vars(Strikes(problem, self.body)))
         start = problem.start()
         q, carried = problem.variables.split(start.tolist() if start.dtype == float else start)
         self.whole = start[problem.variables.moving :].copy()
-        x = system.phase.leave(q, carried)
+        x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
         try:
             n = system.begin(x, self.world) if system.begin else Next(next(iter(self.phases)), x, "start")
         except ArithmeticError as error:
@@ -248,11 +258,12 @@ class HybridDriver:
         old = None if before is None else (self.track, self.whole, before)
         track = self.track = self.track_of(n.phase)
         self.world.phase = track.phase
-        if n.cause:
-            self.tables.begin(track.phase, float(now + n.logged_after), n.cause)
+        if n.cause != "":
+            self.tables.begin(track.phase, float(now + n.logged_after), n.cause or "")
         self.tables.add(float(now), n.rows)
         time = min(now + self.number(n.delay), self.end)
-        self.whole = np.array([self.number(value) * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
+        if hasattr(n.x, "carried"):
+            self.whole = np.array([self.number(value) * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
         state = track.state(n.x, self.whole)
         track.driver.put(state, (time, 0 * time))
         self._begin_events(n, track, state, now, old)
@@ -277,7 +288,7 @@ class HybridDriver:
         """Write on which side of their zeros the event functions of a phase begin."""
         functions, live = self.tallies.functions, set()
         q = track.record(*(state[: track.moving].tolist() if state.dtype == float else state[: track.moving]))
-        values = track.formulas.functions(q, n.x.carried, track.b)
+        values = track.formulas.functions(q, self._integrals(), track.b)
         if n.series is not None:
             self._fill(n, track, now)
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
@@ -300,6 +311,10 @@ class HybridDriver:
                 live.add(name)
             functions[SIGN, number, 0], functions[ON_ZERO, number, 0] = sign, zero
         self.live = live
+
+    def _integrals(self) -> Any:
+        """Return the integrals of the run as they are now, whole again."""
+        return self.carried._make(self.whole * self.number(1 / INTEGRAL_SCALE))
 
     # --- steps ----------------------------------------------------------------------------------------------------
 
@@ -358,6 +373,7 @@ class HybridDriver:
         self.world.left = self.end - now
         track = self.track
         x = track.common(state, self.whole, self.carried)
+        self.whole = track.integrals(state, self.whole)
         try:
             n = track.exits[ending](x, self.world)
         except ArithmeticError as error:
@@ -471,9 +487,10 @@ class HybridDriver:
             with_units = split(*(carried * self.number(1 / INTEGRAL_SCALE)).T)
             record = system.row(track.phase, q, with_units, self.body) if system.row else track.phase.leave(q, track.b)
             rows = np.empty((n, self.variables), self.number)
-            for k, value in enumerate(record):
+            moving = self.variables - len(self.whole)
+            for k, value in enumerate(record[:moving]):
                 rows[:, k] = value
-            rows[:, len(record) :] = carried
+            rows[:, moving:] = carried
             first = 0
             for part, length in zip(some, lengths, strict=True):
                 part.rows, first = rows[first : first + length], first + length

@@ -262,6 +262,11 @@ class System:
         return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
 
     @property
+    def is_hybrid(self) -> bool:
+        """Whether runs go from phase to phase."""
+        return self.begin is not None or any(phase.exits for phase in self.phases.values())
+
+    @property
     def phase(self) -> Phase:
         """The common phase, or else the first, the only one of most systems."""
         return self.common or next(iter(self.phases.values()))

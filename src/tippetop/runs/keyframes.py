@@ -69,7 +69,7 @@ def rows(path: Path, problem: Problem) -> dict[str, Column]:
     arrays = tables.read_member(path, "keyframes")
     start = problem.start()
     times = np.concatenate([[0.0], arrays["time"][:]])
-    if problem.contact is None:
+    if not problem.system.is_hybrid:
         states = _sum(arrays["state"][:], problem.number)[:, : len(start)]
     else:
         driver, columns = driver_of(problem), {name: array[:] for name, array in arrays.items()}

@@ -441,7 +441,7 @@ def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Ne
     """Return the same motion in other words, or in the same: the event function `passed` has its
     root here, and goes to this side of it."""
     sides = {passed: side} if side else {}
-    return on_disc(Next(to, x, zeros={passed: 1} if passed else {}, sides=sides), world)
+    return on_disc(Next(to, x, "", zeros={passed: 1} if passed else {}, sides=sides), world)
 
 
 def on_disc(n: Next, world: Any) -> Next:
