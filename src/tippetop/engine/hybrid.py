@@ -242,19 +242,13 @@ class HybridDriver:
         lane = self.tallies.lane
         lane["status"], lane["upto"], lane["tiny"], lane["steps"] = Status.RUNNING.code, 1.0, 0, 0
         lane["t"] = self.began = float(time)
-        self._set_clock(None if n.lasts is None else time + self.number(n.lasts), n.zeros)
+        self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 
-    def _set_clock(self, clock: Any, zeros: Mapping[str, int]) -> None:
-        """Set the end of the phase, and leave out events that have a multiple root at its beginning."""
-        track, driver = self.track, self.track.driver
-        self.unwatched = {name: count for name, count in zeros.items() if count > 1}
-        records = driver.rows.events
-        records[:] = track.records
-        for number in (self.numbers[name] for name in self.unwatched):
-            records[number]["watched"], records[number]["ends"] = False, 0
+    def _set_clock(self, clock: Any) -> None:
+        """Set the end of the phase."""
         self.clocked = clock is not None and clock < self.end
         self.until = clock
-        driver.end_at(clock if self.clocked else self.end)
+        self.track.driver.end_at(clock if self.clocked else self.end)
 
     def _begin_events(self, n: Next, track: Track, state: np.ndarray, now: Any, old: Any) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
@@ -265,10 +259,10 @@ class HybridDriver:
             self._fill(n, track, now)
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
             name, value = event.name, float(value)
-            by_value, zero = 1.0 if value > 0 else -1.0, False
+            by_value, zero = 1.0 if value > 0 else -1.0, 0
             if name in track.exits:
                 sign = n.sides.get(name, by_value if event.direction == 0 else -event.direction)
-                zero = n.zeros.get(name, 0) > 0
+                zero = -n.zeros.get(name, 0)
             elif name in self.live:
                 known = functions[SIGN, number, 0]
                 sign = known if abs(value) < BELOW else by_value
@@ -520,7 +514,6 @@ class HybridDriver:
             "live": sorted(self.live),
             "changes": [self.changes, self.short, self.began],
             "clock": None if self.until is None else parts_of(self.until),
-            "unwatched": self.unwatched,
             "under_way": self.tables.under_way,
         }
 
@@ -532,7 +525,7 @@ class HybridDriver:
         self.whole = np.array([sum_of(parts, number) for parts in kept["carried"]], dtype=number)
         track.driver.restore(kept, state, clock)
         self.live = set(kept["live"])
-        self._set_clock(None if kept["clock"] is None else sum_of(kept["clock"], number), kept["unwatched"])
+        self._set_clock(None if kept["clock"] is None else sum_of(kept["clock"], number))
         self.changes, self.short, self.began = kept["changes"]
         self.tables = PhaseTables(self.problem)
         self.tables.under_way = kept["under_way"]
