@@ -159,7 +159,7 @@ class HybridDriver:
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
-        from .contact.striking import Strikes
+        from .impacts import Impacts
 
         system, number = problem.system, problem.number
         self.problem, self.stop, self.number = problem, stop, number
@@ -185,7 +185,7 @@ class HybridDriver:
         self.parts: list[Part] = []
         self.world = SimpleNamespace(
             body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
-            rates=self._rates, **vars(Strikes(problem, self.body)),
+            rates=self._rates, struck=Impacts(problem, self.body[0].friction, stop).struck,
         )  # fmt: skip
         start = problem.start()
         q, carried = problem.variables.split(start.tolist() if start.dtype == float else start)

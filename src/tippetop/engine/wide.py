@@ -64,7 +64,7 @@ class WideDriver(Driver):
     def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
         return WideSteps(copy.deepcopy(self.compiled.integrator))
 
-    def _take(self, pars: Sequence[Any]) -> None:
+    def take(self, pars: Sequence[Any]) -> None:
         self.stepper.integrator.pars[:] = [self.number(number) for number in pars]
 
     @property
