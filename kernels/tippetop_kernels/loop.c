@@ -44,8 +44,9 @@ enum {
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
 
 /* What is known of an event function: its sign, +1 or -1; its least and greatest values; 1 if the
-   run starts on a zero of it; in the present step its bounds, and 1 if it is monotone; the times of
-   its least and greatest values. */
+   run starts on a zero of it, -k if the run starts where its first k Taylor coefficients vanish; in
+   the present step its bounds, and 1 if it is monotone; the times of its least and greatest
+   values. */
 enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST, KNOWN };
 
 /* What an event keeps of its passages: the time of the first or the last one, or their number. */
@@ -487,8 +488,16 @@ INLINED void bound_functions(const Loop *l, integer n) {
 
 /* --- the events of one lane --- */
 
+/* The multiplicity of the zero of an event function where the step begins, which is divided out.
+   Only the first step has one. */
+INLINED integer roots(const Loop *l, integer e, integer lane) {
+    real on_zero = known(l, ON_ZERO, e)[lane];
+    return on_zero < 0 ? -(integer)on_zero : 0;
+}
+
 INLINED bool keeps_sign(const Loop *l, integer e, integer lane) {
-    return (known(l, SIGN, e)[lane] > 0 ? known(l, LOW, e)[lane] : -known(l, HIGH, e)[lane]) > 0;
+    return roots(l, e, lane) == 0 &&
+           (known(l, SIGN, e)[lane] > 0 ? known(l, LOW, e)[lane] : -known(l, HIGH, e)[lane]) > 0;
 }
 
 INLINED bool keeps_range(const Loop *l, integer e, integer lane) {
@@ -509,8 +518,10 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
     p[0] += event->offset;
     if (!event->watched || keeps_sign(l, e, lane))
         return 0;
-    return loop_crossings(p, size, known(l, SIGN, e)[lane] > 0, known(l, STEADY, e)[lane] > 0,
-                          &l->tables, zeros);
+    integer k = roots(l, e, lane);
+    bool monotone = k == 0 && known(l, STEADY, e)[lane] > 0;
+    return loop_crossings(p + k, size - k, known(l, SIGN, e)[lane] > 0, monotone, &l->tables,
+                          zeros);
 }
 
 /* Whether a zero is that of the start. A function that must not fall below zero is let through
@@ -650,6 +661,9 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
                 known(l, T_LEAST + side, e)[lane] = t + places[side] * upto * h;
         }
     }
+    for (integer e = 0; e < l->sizes.events; e++)
+        if (roots(l, e, lane) > 0)
+            known(l, ON_ZERO, e)[lane] = 0;
     return upto;
 }
 

@@ -197,7 +197,7 @@ class Driver:
             reset(self.tallies, self.rows, 0, *signs_of(functions))
         self.wanted, self.filling = Wanted(), NO_ROWS
         self.first = start[None, :].copy()
-        self._take(pars)
+        self.take(pars)
         self.put(whole, (self.number(0), self.number(0)))
         self.end_at(end)
 
@@ -205,7 +205,7 @@ class Driver:
         """Return new steps of the integrator, in a place of its own."""
         return stepper_of(self.compiled, state, np.array(pars, float))
 
-    def _take(self, pars: Sequence[Any]) -> None:
+    def take(self, pars: Sequence[Any]) -> None:
         """Take the parameters of the integrator."""
         self.motion.pars[:, 0] = [float(number) for number in pars]
 
@@ -214,12 +214,13 @@ class Driver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps; rows go to the request as they come."""
         self.log.filled[0] = self.samples.filled[0] = 0
-        before = int(self.tally["steps"])
+        tally = self.tally
+        before = int(tally["steps"])
         samples, passages = self._drive(request, most)
-        status, last = STATUSES[int(self.tally["status"])], self.state[None, :]
-        if self.tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
+        status, last = STATUSES[int(tally["status"])], self.state[None, :]
+        if tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
             last = passages.states[-1:]
-        n, steps = self.variables, int(self.tally["steps"]) - before
+        n, steps = self.variables, int(tally["steps"]) - before
         passages = passages._replace(states=passages.states[:, :n])
         ended = None if status is Status.RUNNING else status
         return Slice(steps, self.reached(passages), last[:, :n].copy(), samples[:, :n], passages, ended)
@@ -245,9 +246,9 @@ class Driver:
             if wanted.made == first or wanted.made < len(rows.times):
                 break
         log, count = self.log, int(self.log.filled[0])
-        order = np.argsort(log.time[:count], kind="stable")
+        order = np.argsort(log.time[:count], kind="stable") if count > 1 else slice(count)
         columns = log.time, log.event, log.sign, log.at_pole, log.states
-        return self.samples.states[: int(self.samples.filled[0])].copy(), Passages(*(c[order] for c in columns))
+        return self.samples.states[: int(self.samples.filled[0])].copy(), Passages(*(c[order].copy() for c in columns))
 
     def _filling(self, times: np.ndarray, steps: bool) -> Rows:
         """Rows at these times: the same ones as long as these times are wanted."""

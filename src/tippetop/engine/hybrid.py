@@ -209,9 +209,9 @@ class HybridDriver:
             rates=self._rates,
         )  # fmt: skip
         if problem.contact is not None:
-            from .contact.striking import Strikes
+            from .impacts import Impacts
 
-            vars(self.world).update(vars(Strikes(problem, self.body)))
+            self.world.struck = Impacts(problem, self.body[0].friction, stop).struck
         start = problem.start()
         q, carried = problem.variables.split(start.tolist() if start.dtype == float else start)
         self.whole = start[problem.variables.moving :].copy()
@@ -270,19 +270,13 @@ class HybridDriver:
         lane = self.tallies.lane
         lane["status"], lane["upto"], lane["tiny"], lane["steps"] = Status.RUNNING.code, 1.0, 0, 0
         lane["t"] = self.began = float(time)
-        self._set_clock(None if n.lasts is None else time + self.number(n.lasts), n.zeros)
+        self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 
-    def _set_clock(self, clock: Any, zeros: Mapping[str, int]) -> None:
-        """Set the end of the phase, and leave out events that have a multiple root at its beginning."""
-        track, driver = self.track, self.track.driver
-        self.unwatched = {name: count for name, count in zeros.items() if count > 1}
-        records = driver.rows.events
-        records[:] = track.records
-        for number in (self.numbers[name] for name in self.unwatched):
-            records[number]["watched"], records[number]["ends"] = False, 0
+    def _set_clock(self, clock: Any) -> None:
+        """Set the end of the phase."""
         self.clocked = clock is not None and clock < self.end
         self.until = clock
-        driver.end_at(clock if self.clocked else self.end)
+        self.track.driver.end_at(clock if self.clocked else self.end)
 
     def _begin_events(self, n: Next, track: Track, state: np.ndarray, now: Any, old: Any) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
@@ -293,10 +287,10 @@ class HybridDriver:
             self._fill(n, track, now)
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
             name, value = event.name, float(value)
-            by_value, zero = 1.0 if value > 0 else -1.0, False
+            by_value, zero = 1.0 if value > 0 else -1.0, 0
             if name in track.exits:
                 sign = n.sides.get(name, by_value if event.direction == 0 else -event.direction)
-                zero = n.zeros.get(name, 0) > 0
+                zero = -n.zeros.get(name, 0)
             elif name in self.live:
                 known = functions[SIGN, number, 0]
                 sign = known if abs(value) < BELOW else by_value
@@ -560,26 +554,25 @@ class HybridDriver:
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase, but for `state`."""
-        zeros = [self.unwatched.get(name, 0) for name in self.numbers]
         under_way = self.tables.under_way or [math.nan] * 4
         phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began, self.until is not None]
         return {
             **self.track.driver.snapshot(),
-            "phase": [*phase, *under_way, *(name in self.live for name in self.numbers), *zeros],
+            "phase": [*phase, *under_way, *(name in self.live for name in self.numbers)],
             "carried": [*self.whole, self.number(0) if self.until is None else self.until],
         }
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
         phase, self.changes, self.short, self.began, has_clock, *rest = kept["phase"]
-        under_way, live, zeros = rest[:4], rest[4 : 4 + len(self.numbers)], rest[4 + len(self.numbers) :]
+        under_way, live = rest[:4], rest[4:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
         self.world.phase = track.phase
         *whole, until = kept["carried"]
         self.whole = np.array(whole, dtype=self.number)
         track.driver.restore(kept, state[: len(track.driver.state)], clock)
         self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}
-        self._set_clock(until if has_clock else None, dict(zip(self.numbers, map(int, zeros), strict=True)))
+        self._set_clock(until if has_clock else None)
         self.tables = PhaseTables(self.problem)
         self.tables.under_way = None if math.isnan(under_way[0]) else [under_way[0], *map(int, under_way[1:])]
 

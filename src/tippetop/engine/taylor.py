@@ -100,6 +100,11 @@ def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None 
     """Return the integrator of formulas with the options of a run. Raises Interrupted if `stop` is set meanwhile."""
     compact = problem.precision != "double" and float(internal_end(problem)) < LONG
     key: tuple[Any, ...] = (formulas, problem.precision, problem.tolerance, 0, compact, problem.orientation)
+    return compiled_when(key, stop)
+
+
+def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
+    """Return `compiled_from` these arguments. Raises Interrupted if `stop` is set meanwhile."""
     if key in _known:
         return compiled_from(*key)
     code = awaited(lambda: compiled_from(*key), "the equations are being compiled", stop)

@@ -15,6 +15,7 @@ from .driver import NO_ROWS, Driver, Passages, Request
 from .loop import Motion
 from .status import Status
 from .stepper import Called, Stepper
+from .tallies import ON_ZERO
 
 
 REFINEMENTS = 3  # of a zero: each squares its error, from 1e-16
@@ -63,7 +64,7 @@ class WideDriver(Driver):
     def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
         return WideSteps(copy.deepcopy(self.compiled.integrator))
 
-    def _take(self, pars: Sequence[Any]) -> None:
+    def take(self, pars: Sequence[Any]) -> None:
         self.stepper.integrator.pars[:] = [self.number(number) for number in pars]
 
     @property
@@ -73,7 +74,7 @@ class WideDriver(Driver):
 
     def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
         samples: list[np.ndarray] = []
-        passages = [self._passages(0)]
+        passages = [self._passages(0, np.zeros(len(self.rows.events)))]
         ends: list[tuple[float, np.ndarray]] = []
         ta, ended = self.stepper.integrator, False
         self.loop.fill(NO_ROWS)
@@ -81,12 +82,13 @@ class WideDriver(Driver):
             if ended:
                 break
             seen, taken = int(self.log.filled[0]), int(self.samples.filled[0])
+            on_zero = self.tallies.functions[ON_ZERO, :, 0].copy()
             self.loop.drive(1)
             ended = self.tally["status"] != Status.RUNNING.code
             if self.tally["status"] == Status.NON_FINITE.code:
                 self.stepper.undo()
                 break
-            passages.append(self._passages(seen))
+            passages.append(self._passages(seen, on_zero))
             if self.samples.filled[0] > taken:
                 samples.append(ta.state.copy())
             if not request.steps:
@@ -98,15 +100,16 @@ class WideDriver(Driver):
         sampled = np.array(samples).reshape(len(samples), len(ta.state))
         return sampled, Passages(*(np.concatenate(columns) for columns in zip(*passages, strict=True)))
 
-    def _passages(self, first: int) -> Passages:
-        """Return what the log holds of the last step, from number `first` on, in the working precision."""
+    def _passages(self, first: int, on_zero: np.ndarray) -> Passages:
+        """Return the passages of the last step, from number `first` of the log on, in the working precision. `on_zero`
+        is what was known of zeros where it began."""
         log, ta = self.log, self.stepper.integrator
         some = first + np.argsort(log.time[first : log.filled[0]], kind="stable")
         times, states = np.zeros(0, self.number), np.zeros((0, len(ta.state)), self.number)
         if len(some):
             start = self.stepper.before[1][0]
             length, near = ta.time - start, log.time[some].astype(self.number) - start
-            functions = (_function(ta.tc, event) for event in self.rows.events[log.event[some]])
+            functions = (_function(ta.tc, self.rows.events[e], -min(0, int(on_zero[e]))) for e in log.event[some])
             times = start + np.array(
                 [_refined(f, x, length) for f, x in zip(functions, near, strict=True)], self.number
             )
@@ -151,14 +154,15 @@ class WideDriver(Driver):
         self.stepper.end = end
 
 
-def _function(tc: np.ndarray, event: np.void) -> np.ndarray:
-    """Return the coefficients of an event function in a step, from those of all variables, (variables, order + 1)."""
+def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
+    """Return the coefficients of an event function in a step, from those of all variables, (variables, order + 1),
+    without so many zeros where the step begins."""
     whole = tc[event["row"]]
     if event["shift"] == 1:  # the rate of the variable
-        return whole[1:] * np.arange(1, len(whole)).astype(whole.dtype)
+        return (whole[1:] * np.arange(1, len(whole)).astype(whole.dtype))[roots:]
     function = whole.copy()
     function[0] = function[0] + function.dtype.type(event["offset"])
-    return function
+    return function[roots:]
 
 
 def _refined(function: np.ndarray, x: Any, length: Any) -> Any:

@@ -41,9 +41,6 @@ BOTH_AT = 1e-6
 PRESSES = 1e-12
 """Least part of the weight that a ball carries."""
 
-LEAVES_FOR = 1e-3
-"""Internal time in which a ball that leaves cannot touch: its gap has a multiple root."""
-
 ASKED_AFTER = 3e-3
 """Internal time after which a disc that passes its rest may be held by friction after all."""
 
@@ -154,12 +151,23 @@ def ended(x: Moving, ball: int, cause: str, status: str, message: str) -> Next:
 def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
     """Return free flight until the first ball lands; `zeros` of the gap of a ball and its
     derivatives vanish now."""
-    there = touching(x, world)
-    roots = (zeros if k == ball else int(k in there) for k in range(len(world.body)))
-    lasts = min(world.landing(x, b, known) for b, known in zip(world.body, roots, strict=True))
-    if not lasts > 0:
-        return ended(x, ball, cause, "stalled", NO_WAY)
-    return Next(phase_name("flight", ball), x, cause, lasts=lasts)
+    roots = {}
+    for k in touching(x, world):
+        rates = gap_rates(x, world.body[k])
+        count = zeros if k == ball else 1
+        while count < 4 and rates[count - 1] == 0:
+            count += 1
+        if count == 4 or rates[count - 1] < 0:
+            return ended(x, ball, cause, "stalled", NO_WAY)
+        roots["land" if k == ball else "touch"] = count
+    return Next(phase_name("flight", ball), x, cause, zeros=roots)
+
+
+def gap_rates(x: Moving, b: Touch) -> tuple[Any, Any, Any]:
+    """Return the first three time derivatives of the gap of a ball in flight."""
+    turn = dot(x.L, x.L) / b.I1**2
+    swing = -(b.c * turn * contact.axis_rate(x.u, x.L, b).z)
+    return rise(x, b), bias_vector(x.u, x.L, b).z, swing
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
@@ -220,8 +228,8 @@ def opens(n: Next, world: Any) -> bool:
 def left_alone(n: Next, world: Any, zeros: int) -> Next:
     """Return a phase on one ball where the other has just left: so many derivatives of its gap
     vanish, with the gap."""
-    if world.phases[n.phase].label != "flight" and (n.lasts is None or zeros > 2):
-        n.zeros, n.lasts = {**n.zeros, "touch": zeros}, LEAVES_FOR
+    if world.phases[n.phase].label != "flight":
+        n.zeros = {**n.zeros, "touch": zeros}
     return n
 
 
@@ -261,7 +269,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact, after = world.struck(x, b, e_n)
     x = gained(x, work=-after.gained, impulse=after.p.z)
-    if hasattr(impact, "twist"):
+    if impact.twist:
         x = gained(x, jellett_lost=impact.twist * contact.arm(x.u, b).z)
     velocity, v_n = after.velocity, after.v.z
     if e_n == 0:

@@ -25,7 +25,7 @@ from .orientation import carried_along
 from .response import bias_vector, contact_acceleration_vector, torque_acceleration
 from .rolling import catalogue as rolling
 from .rolling import vector as rolling_vector
-from .rolling.reaction import kinematics, normal_force, reaction
+from .rolling.reaction import Kinematics, kinematics, normal_force, reaction
 from .state import LOST, VELOCITY, Moving, Reaction, state
 
 
@@ -71,6 +71,7 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=force_of)
 
 
 FREE = state(**VELOCITY, height=METRE)
+Free: Any = namedtuple("Free", (*Kinematics._fields, "height"))
 
 
 def free_rates(q, b):
@@ -79,13 +80,19 @@ def free_rates(q, b):
     return type(FREE)(*axis_rate(q, b), *(none,) * 5, none - b.g, q.rz_dot)
 
 
+def own_gap(s, b):
+    """Height of the ball above the plane."""
+    return contact.gap(s.height, s.z, b)
+
+
+LAND = ending("land", "the ball lands", own_gap)
 FLIGHT = phase_of(
     "flight",
     FREE,
-    (),
+    (LAND, replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b))),
     (
         free_rates,
-        lambda q, b: kinematics(axis(q), momentum(q), axis_rate(q, b), b),
+        lambda q, b: Free(*kinematics(axis(q), momentum(q), axis_rate(q, b), b), q.height),
         lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
         lambda q, b: Moving(axis(q), momentum(q), Vector(*q[6:9]), q.height),
         lambda q, b: Reaction(Vector(*(0 * q.uz,) * 3)),

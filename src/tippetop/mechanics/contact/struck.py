@@ -30,6 +30,8 @@ class Impact(NamedTuple):
     work_t: Any  # of friction, never positive
     compression: Any  # work of the normal impulse until v_n = 0
     mode: str  # "slip": it never stopped; "stick" or "reverse": what followed the stop
+    twist: Any = 0  # impulse of the torque of a contact disc [N m s]
+    Omega_z: Any = 0  # of a disc after it [rad/s]
 
     @property
     def energy(self) -> Any:

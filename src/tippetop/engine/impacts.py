@@ -1,0 +1,267 @@
+"""Impacts of a run: under a law that is smooth in the sliding velocity as motions, others in closed form and by series.
+
+A motion is executed like any other, in the precision of the run, and compiled once for a law.
+"""
+
+import threading
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ..mechanics.contact.body import Touch, angular_velocity
+from ..mechanics.contact.impact import Struck, after_impact, arrival
+from ..mechanics.contact.impact_motion import (
+    CLOCK_RATE,
+    RESTORED,
+    RESTS_AT,
+    Blow,
+    Motion,
+    Sliding,
+    growth,
+    held,
+    lift,
+    sliding,
+    speeds,
+    unit_of,
+)
+from ..mechanics.contact.response import Mobility, Spin, spin_mobility
+from ..mechanics.contact.state import Moving
+from ..mechanics.contact.struck import Impact, struck
+from ..mechanics.disc_friction import Region
+from ..mechanics.friction import Frictionless, Law, named
+from ..mechanics.operand import Vector, refill
+from ..problem import PRECISIONS, Problem
+from .driver import Driver
+from .expressions import Formulas
+from .status import Status
+from .tallies import ON_ZERO, SIGN
+from .taylor import compiled_when
+from .wide import WideDriver
+
+
+MOST_STEPS = 1_000_000
+"""Of an impact: some seconds."""
+
+UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
+STIFF = "friction within an impact is too stiff to be followed"
+ENDLESS = "the impact of a patch did not end: one that hardly turns takes too many steps"
+ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
+
+
+class NoRows:
+    """Asks for no rows."""
+
+    steps = False
+
+    def wanted(self) -> np.ndarray:
+        """Return no times."""
+        return np.zeros(0)
+
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Take nothing."""
+
+
+NO_ROWS = NoRows()
+
+
+@lru_cache(maxsize=64)
+def formulas_of_impact(friction: Any, region: Region | None, restitution: str) -> Formulas:
+    """Return the formulas of a motion, with the type of the record of a friction law."""
+    slides = sliding(region, restitution)
+    template = Blow(*(1.0,) * 10, friction(*friction._fields))
+
+    def functions(q: Any, carried: Any, b: Any) -> list:
+        push = slides.push(q, b)
+        return [event.formula(q, push, b) for event in slides.events]
+
+    def body(values: Iterator) -> Any:
+        return refill(template, values)
+
+    return Formulas(slides.form, slides.events, functions, body)
+
+
+class SlidingImpacts:
+    """Impacts under a law with a coefficient or with regions.
+
+    Parameters
+    ----------
+    law
+        The law.
+    restitution
+        As of `contact.struck.struck`.
+    precision
+        Of the numbers: "double", "longdouble" or "quad".
+    stop
+        Set it to give up while a motion is being compiled.
+    """
+
+    def __init__(self, law: Law, restitution: str, precision: str = "double", stop: threading.Event | None = None):
+        self.law, self.restitution, self.precision, self.stop = law, restitution, precision, stop
+        self.number: Any = float if precision == "double" else PRECISIONS[precision]  # floats are faster than NumPy's
+        self.eps = ROUNDING[precision]
+        self.known: dict[str, tuple[Sliding, Driver]] = {}
+
+    def motion(self, name: str) -> tuple[Sliding, Driver]:
+        """Return the motion in a region, or with the only name "", and what follows it."""
+        if name not in self.known:
+            region, wide = self.law.regions.get(name), self.precision != "double"
+            formulas = formulas_of_impact(self.law.record, region, self.restitution)
+            code = compiled_when((formulas, self.precision, 0.0, 0, wide, False), self.stop)
+            start, functions = np.zeros(len(Motion._fields), self.number), np.ones(len(formulas.events))
+            pars = [self.number(1)] * (len(Blow._fields) - 1 + len(self.law.record._fields))
+            driver = (WideDriver if wide else Driver)(code, code.rows, pars, start, functions, 0.0)
+            self.known[name] = sliding(region, self.restitution), driver
+        return self.known[name]
+
+    def struck(
+        self, v: tuple, K: Mobility, z: Any, friction: Any, e_n: Any, spin: Spin | None = None, Omega_z: Any = 0
+    ) -> Impact:
+        """Return the impact of a contact that arrives with v = (v_e, v_2, v_n), v_n < 0.
+
+        Parameters
+        ----------
+        v
+            Velocity of the contact before it.
+        K, z
+            Mobility; cos(theta).
+        friction
+            The record of the law.
+        e_n
+            Coefficient of restitution.
+        spin, Omega_z
+            Of a contact disc: what a torque about the vertical does, and the vertical angular velocity before.
+
+        Raises
+        ------
+        ArithmeticError
+            If friction jams the contact, or is too stiff.
+        """
+        number, patch = self.number, getattr(friction, "patch", 1) if spin else 1
+        mass, rising = (number(unit_of(value)) for value in (K.zz, v[2]))
+        speed = number(unit_of(*v, patch * Omega_z))
+        across, about = (spin.across * patch, spin.about * patch**2) if spin else (0, 0)
+        moves = (value / mass for value in (*K, across, about))
+        slip = v[0] / speed, v[1] / speed, patch * Omega_z / speed
+        rest = RESTS_AT * self.eps * (abs(v[2]) / speed + speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5 + abs(slip[2]))
+        self.b = Blow(*moves, z, rising / speed, speed, rest, friction)
+        none = 0 * rising
+        q = Motion(*slip, v[2] / rising, *(none,) * 6)
+        self.mode, self.left, self.reach = "", MOST_STEPS, -(2 * e_n * v[2] / rising)
+        self.region = self._region(q)
+        q = pressed = self._followed(q, none)
+        if e_n > 0 and self.restitution == "newton":
+            q = self._followed(q._replace(v_n=none), -(e_n * v[2] / rising))
+        elif e_n > 0:
+            field = RESTORED[self.restitution]
+            share = e_n**2 if field == "work_n" else -e_n
+            goal = getattr(q, field) * (1 - share)
+            q = self._followed(q._replace(v_n=none, **{field: getattr(q, field) - goal}), None)
+            q = q._replace(**{field: goal})
+        p, slid, work = rising / mass, speed, rising**2 / mass
+        return Impact(
+            q.p_e * p, q.p_2 * p, q.p_n * p, q.v_e * slid, q.v_2 * slid, q.v_n * rising, q.work_n * work,
+            q.work_t * p * slid, pressed.work_n * work, self.mode or "slip", q.twist * p * patch, q.turn * slid / patch,
+        )  # fmt: skip
+
+    def _region(self, q: Any) -> str:
+        """Return the region of a motion: the first, by rising x, whose end is not reached."""
+        s = speeds(q)
+        for name, region in self.law.regions.items():
+            if all(way.direction < 0 or way.beyond(s, self.b) < 0 for way in region.borders):
+                return name
+        return ""
+
+    def _followed(self, q: Any, until: Any) -> Any:
+        """Return the motion where v_n is `until`, or, where that is None, its restitution ends."""
+        b, passed = self.b, ""
+        while True:
+            if self.mode or (self.region and sum(speeds(q)) <= b.rest**2):
+                if not self.mode:
+                    q = q._replace(v_e=0 * b.z, v_2=0 * b.z, turn=0 * b.z)
+                q, self.mode = held(q, b, until, self.restitution)
+                if not self.mode:
+                    raise ArithmeticError(UNSOLVED)
+                return q
+            slides, driver = self.motion(self.region)
+            push = slides.push(q, b)
+            if not 0 < lift(push, b) < np.inf:
+                raise ArithmeticError(UNSOLVED)
+            end = until - q.v_n if until is not None else self.reach
+            piece = self._piece(slides, driver, q, push, end, passed)
+            q = Motion(*(piece.last[0].tolist() if self.precision == "double" else piece.last[0]))
+            self.left -= piece.steps
+            passed = ""
+            if piece.status is Status.ENDED:
+                passed = slides.events[int(piece.passages.events[-1])].name
+                if passed == "restored":
+                    return q
+                if passed == "stops":
+                    q = q._replace(v_e=0 * b.z, v_2=0 * b.z, turn=0 * b.z)
+                elif passed in slides.follows:
+                    self.region, left = slides.follows[passed].follows, self.region
+                    back = self.law.regions[self.region].borders
+                    passed = next(way.event for way in back if way.follows == left)
+            elif piece.status is Status.FINISHED and until is not None:
+                return q._replace(v_n=until)
+            elif piece.status is Status.FINISHED:
+                self.reach = 2 * self.reach
+            elif piece.status is Status.NON_FINITE:
+                raise ArithmeticError(UNSOLVED)
+            elif self.left <= 0 or piece.status is Status.STALLED:
+                raise ArithmeticError(ENDLESS if self.region else STIFF)
+
+    def _piece(self, slides: Sliding, driver: Driver, q: Any, push: Any, end: Any, passed: str) -> Any:
+        """Return the steps of a motion from q on, until v_n has risen by `end` or an event happens."""
+        signs = [-event.direction for event in slides.events]
+        zeros = [-float(event.name == passed) for event in slides.events]
+        signs[0] = 1 if passed == "slowest" or growth(q, push, self.b) >= 0 else -1
+        if self.restitution in RESTORED:
+            value = getattr(q, RESTORED[self.restitution])
+            signs[1] = 1 if value > 0 or (value == 0 and self.restitution == "poisson") else -1
+            zeros[1] = -float(value == 0)
+        known, tally = driver.tallies.functions, driver.tally
+        known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
+        tally["status"], tally["upto"], tally["tiny"], tally["steps"] = Status.RUNNING.code, 1.0, 0, 0
+        none, state = self.number(0), driver.state
+        state[: len(q)], state[len(q) :] = q, none
+        driver.take([*self.b[:-1], *self.b.friction][: len(driver.motion.pars)])
+        driver.put(state, (none, none))
+        driver.end_at(CLOCK_RATE * end)
+        return driver.advance(NO_ROWS, self.left)
+
+
+class Impacts:
+    """What `world` has of impacts.
+
+    Parameters
+    ----------
+    problem
+        The run.
+    law
+        The record of the friction law.
+    stop
+        Set it to give up while a motion is being compiled.
+    """
+
+    def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None):
+        rules: Any = problem.contact
+        law = named(type(friction), problem.system.laws)[1]  # type: ignore[index]
+        self.restitution, self.law = rules.restitution, law
+        self.is_dry = law.set_valued or type(friction) is Frictionless
+        self.motions = SlidingImpacts(law, rules.restitution, problem.precision, stop)
+
+    def struck(self, x: Moving, b: Touch, e_n: Any) -> tuple[Vector, Impact, Struck]:
+        """Return the velocity of the lowest point of a ball before its impact, the impact, and the body after it."""
+        a = arrival(x.u, x.L, x.velocity, b)
+        v = a.along, a.sideways, a.v.z
+        if self.is_dry:
+            impact = struck(*v, a.K, getattr(b.friction, "mu", 0 * b.m), e_n, self.restitution)
+        elif self.law.regions:
+            spin, Omega_z = spin_mobility(a.s, x.u.z, b), angular_velocity(x.u, x.L, b).z
+            impact = self.motions.struck(v, a.K, x.u.z, b.friction, e_n, spin, Omega_z)
+        else:
+            impact = self.motions.struck(v, a.K, x.u.z, b.friction, e_n)
+        p = impact.p_e, impact.p_2, impact.p_z, impact.twist
+        return a.v, impact, after_impact(x.u, x.L, x.velocity, a, *p, b)
