@@ -296,9 +296,8 @@ class HybridDriver:
                 sign = known if abs(value) < BELOW else by_value
                 if sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
-                elif sign != known and (event.sense or event.lasting) and old is not None:
-                    if event.sense or sign == event.direction:  # theta has a corner, which ends a swing
-                        self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))
+                elif sign != known and old and (event.sense or (event.lasting and sign == event.direction)):
+                    self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))  # of theta: it has a corner
             else:
                 sign, zero = by_value, abs(value) < BELOW
             if name not in track.exits:
