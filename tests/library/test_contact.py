@@ -9,7 +9,6 @@ from touching import BODY, BOUNCE
 
 import tippetop as tt
 from tippetop.errors import InputError
-from tippetop.mechanics.units import METRE
 
 
 TOP = tt.TippeTop(**BODY)
@@ -53,11 +52,6 @@ def test_contact_and_stem_are_keywords() -> None:
 def test_a_preset_flies_if_asked_to() -> None:
     run = tt.run("inverting", on_liftoff="fly", until=0.01)
     assert run.summary.contact_phases.counts.slip == 1
-
-
-def test_events_and_columns_of_ones_own_are_refused() -> None:
-    with pytest.raises(InputError, match="must stand without events and columns of one's own"):
-        tt.run(BOUNCE, columns=tt.Quantity("height", "z", METRE, "height", lambda s, b: s.z))
 
 
 def test_a_run_in_memory_has_all_its_tables(run: tt.Run) -> None:

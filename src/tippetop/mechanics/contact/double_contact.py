@@ -105,7 +105,7 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
     or, without, under a law that is smooth in the velocity."""
 
     def sides(x, b):
-        omega, none, found = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
+        omega, none, sides = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
         stem = b._replace(R=b.R - b.clearance, c=b.c + b.lever)
         for k, ball in enumerate((b, stem)):
             turned, a = arm_velocity(x.u, x.L, ball), arm(x.u, ball)
@@ -116,8 +116,8 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
                 push, twist = smooth_friction(omega, v, ball, x.u.z)
             force = Vector(-push.x, -push.y, 1 + none)
             turn = plus(cross(a, force), twist)
-            found.append(Side(a, force, twist, v, turn, turn.x * x.u.y - turn.y * x.u.x))
-        return found
+            sides.append(Side(a, force, twist, v, turn, turn.x * x.u.y - turn.y * x.u.x))
+        return sides
 
     def pair(q, b):
         L, u_dot = momentum(q), axis_rate(q, b)

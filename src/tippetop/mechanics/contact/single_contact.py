@@ -342,15 +342,15 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
     """Return the regions of a body's sliding on balls; empty under a law that has none.
 
     A region is the first, by rising x, whose end is not reached."""
-    found = []
+    names = []
     for b in bodies:
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
         s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b)) if regions else None
         for name, region in regions.items():
             if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
-                found.append(name)
+                names.append(name)
                 break
-    return tuple(found)
+    return tuple(names)
 
 
 def stays_at_rest(x: Moving, b: Touch) -> bool:
