@@ -64,11 +64,11 @@ class Parameter:
     def _bounds(self) -> list[tuple[str, float, Callable]]:
         """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
         bounds = (
+            ("other than", 0.0 if self.nonzero else None, np.equal),
             ("greater than", self.above, np.less_equal),
             ("at least", self.least, np.less),
             ("less than", self.below, np.greater_equal),
             ("at most", self.most, np.greater),
-            ("other than", 0.0 if self.nonzero else None, np.equal),
         )
         return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
 
