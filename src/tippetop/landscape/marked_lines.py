@@ -44,7 +44,7 @@ def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
             "D": of_momentum(first, dims, spinning.momentum(Z, Lam, t.body)),
             "E": labelled("E", dims, spinning.energy(Z, Lam, t.body), "J", "modified energy E~ of the spinning state"),
             "omega3": labelled("omega3", dims, spin(Z, Lam, t.body), "rad s-1", "spin omega_3"),
-            "on_surface": (dims, (Z == t.upright) | (np.abs(Lam) >= lam_pi), {"long_name": "E~ = F there"}),
+            "on_surface": (dims, (t.upright == Z) | (np.abs(Lam) >= lam_pi), {"long_name": "E~ = F there"}),
         },
         {"end": ["theta = 0", "theta = pi"], "lambda": of_momentum(second, "lambda", lam)},
         attributes(t, lambda_pi=lam_pi),

@@ -29,7 +29,7 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     system = find(info["system"])
     events = {event.name: event for event in system.events} if system is not None else {}
     can_invert = system is None or system.inverts or "inverted" in events
-    if info["parameters"].get("alpha", 0) < 0:
+    if info.get("parameters", {}).get("alpha", 0) < 0:
         result.append(("theta", _of_peg(info["inversion"], info["theta_end"])))
     elif can_invert and (any(info["inversion"].values()) or (system is not None and system.inverts)):
         result.append(("inversion", _inversion(info)))

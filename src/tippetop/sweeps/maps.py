@@ -140,8 +140,8 @@ def borders_of(
 
 def _of_pegs(plan: Plan) -> bool:
     """Return whether the tops of a sweep have alpha < 0, which keeps its sign."""
-    alpha = {**plan.base.parameters, **plan.columns(np.zeros(1, int))}
-    return bool(np.any(alpha.get("parameters.alpha", alpha.get("alpha", 1)) < 0))
+    alpha = plan.columns(np.zeros(1, int)).get("parameters.alpha", plan.base.parameters.get("alpha", 1))
+    return bool(np.any(np.less(alpha, 0)))
 
 
 def shown_classes(path: Path, table: Any) -> np.ndarray:
