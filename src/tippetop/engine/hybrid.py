@@ -266,6 +266,7 @@ class HybridDriver:
             self.whole = np.array([self.number(value) * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
         state = track.state(n.x, self.whole)
         track.driver.put(state, (time, 0 * time))
+        self.waits = n.delay > 0 and n.series is None
         self._begin_events(n, track, state, now, old)
         lane = self.tallies.lane
         lane["status"], lane["upto"], lane["tiny"], lane["steps"] = Status.RUNNING.code, 1.0, 0, 0
@@ -325,6 +326,8 @@ class HybridDriver:
                 self.tally["upto"] = 0.0
                 break
             driver = self.track.driver
+            if self.waits:
+                self._rows_before()
             piece = driver.advance(self, most - steps)
             steps += piece.steps
             when, status, state = piece.time, piece.status, piece.last
@@ -430,6 +433,19 @@ class HybridDriver:
         )
         whole = whole * self.number(INTEGRAL_SCALE)
         return Part(track, whole, states)
+
+    def _rows_before(self) -> None:
+        """Give the rows that are wanted of a jump that is too short for a series: the state at its end."""
+        self.waits = False
+        while not self.steps:
+            self.row_times.ask(self)
+            left = self.row_times.left
+            count = int(np.searchsorted(left, self.began))
+            if count:
+                self.asked.append((left[:count], self._part(np.repeat(self.state[None, :], count, axis=0))))
+            self.row_times.made += count
+            if count < len(left) or not count:
+                break
 
     def _fill(self, n: Next, track: Track, now: Any) -> None:
         """Give the rows that are wanted of a jump that takes time."""
