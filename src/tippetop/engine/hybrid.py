@@ -570,7 +570,8 @@ class HybridDriver:
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase, but for `state`."""
         under_way = self.tables.under_way or [math.nan] * 4
-        phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began, self.until is not None]
+        phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began]
+        phase += [self.until is not None, self.waits]
         return {
             **self.track.driver.snapshot(),
             "phase": [*phase, *under_way, *(name in self.live for name in self.numbers)],
@@ -579,7 +580,7 @@ class HybridDriver:
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        phase, self.changes, self.short, self.began, has_clock, *rest = kept["phase"]
+        phase, self.changes, self.short, self.began, has_clock, self.waits, *rest = kept["phase"]
         under_way, live = rest[:4], rest[4:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
         self.world.phase = track.phase
