@@ -160,7 +160,15 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
         if count == 4 or rates[count - 1] < 0:
             return ended(x, ball, cause, "stalled", NO_WAY)
         roots["land" if k == ball else "touch"] = count
-    return Next(phase_name("flight", ball), x, cause, zeros=roots)
+    lasts = min(longest_flight(x, b) for b in world.body)
+    return Next(phase_name("flight", ball), x, cause, zeros=roots, lasts=lasts)
+
+
+def longest_flight(x: Moving, b: Touch) -> Any:
+    """Return a time before which a ball lands, however the body turns: a step that goes far beyond
+    it would find the landing less exactly."""
+    v, highest = x.velocity.z, abs(contact.gap(x.height, x.u.z, b)) + 2 * abs(b.c)
+    return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
 
 def gap_rates(x: Moving, b: Touch) -> tuple[Any, Any, Any]:
