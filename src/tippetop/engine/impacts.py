@@ -41,7 +41,7 @@ from .taylor import compiled_when
 from .wide import WideDriver
 
 
-MOST_STEPS = 1_000_000
+MOST_STEPS = 200_000
 """Of an impact: some seconds."""
 
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
@@ -245,7 +245,7 @@ class Impacts:
         Set it to give up while a motion is being compiled.
     """
 
-    def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None):
+    def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None = None):
         rules: Any = problem.contact
         law = named(type(friction), problem.system.laws)[1]  # type: ignore[index]
         self.restitution, self.law = rules.restitution, law

@@ -17,6 +17,7 @@ from ..disc_friction import Border, Region
 from ..events import Event
 from ..form import Form
 from ..friction import slip_coefficient
+from ..operand import formula
 from ..units import ONE
 
 
@@ -40,22 +41,26 @@ Push: Any = namedtuple("Push", "e t turn")
 Speeds: Any = namedtuple("Speeds", "v2 U2")
 
 
+@formula
 def speeds(q):
     """Return the squares of sliding and turning."""
     return Speeds(q.v_e * q.v_e + q.v_2 * q.v_2, q.turn * q.turn)
 
 
+@formula
 def smooth_push(q, b):
     """Friction under a law with a coefficient."""
     k = b.speed * slip_coefficient(speeds(q).v2 * b.speed**2, b.z, b.friction)
     return Push(-(k * q.v_e), -(k * q.v_2), 0 * k)
 
 
+@formula
 def lift(push, b):
     """v_n per normal impulse. Where it is not positive, friction jams the contact."""
     return b.zz + b.ez * push.e
 
 
+@formula
 def slip_rates(push, b):
     """Rates of v_e, v_2 and turn by the normal impulse."""
     along = b.ez + b.ee * push.e
@@ -63,12 +68,14 @@ def slip_rates(push, b):
     return along, across, b.across * push.t + b.about * push.turn
 
 
+@formula
 def growth(q, push, b):
     """Half the rate of the square of the slip by the normal impulse."""
     along, across, turn = slip_rates(push, b)
     return q.v_e * along + q.v_2 * across + q.turn * turn
 
 
+@formula
 def beyond_rest(q, push, b):
     """Square of the slip beyond that of a disc at rest."""
     return sum(speeds(q)) - b.rest**2
@@ -95,12 +102,14 @@ class Sliding(NamedTuple):
 def sliding(region: Region | None, restitution: str) -> Sliding:
     """Return the motion in a region of a law; None: under a law with a coefficient."""
 
+    @formula
     def disc_push(q, b):
         by, mu = region.drag(*speeds(q)), b.friction.mu
         return Push(-(mu * by.k * q.v_e), -(mu * by.k * q.v_2), -(mu * by.twist * q.turn))
 
     push = smooth_push if region is None else disc_push
 
+    @formula
     def rates(q, b):
         by = push(q, b)
         per = 1 / (CLOCK_RATE * lift(by, b))
