@@ -118,16 +118,18 @@ class Place:
         Its steps, in this place alone.
     rows, tallies
         The events, and tallies for them.
+    lasting
+        The number of the event that must last; -1: there is none.
     """
 
-    def __init__(self, compiled: Compiled, stepper: Stepper, rows: EventRows, tallies: Tallies):
+    def __init__(self, compiled: Compiled, stepper: Stepper, rows: EventRows, tallies: Tallies, lasting: int):
         self.taken_by: Any = None  # a weak reference to a driver
         n, size = len(compiled.integrator.state), compiled.integrator.order + 1
         self.rows, self.tallies = rows._replace(events=rows.events.copy()), tallies
         self.log: PassageLog = new_log(PASSAGES + len(rows.events) * size, n)
         self.samples: Samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
         self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
-        self.stepper, rules = stepper, RULES._replace(lasting=compiled.lasting, way=compiled.way)
+        self.stepper, rules = stepper, RULES._replace(lasting=lasting, way=compiled.way)
         self.loop = Loop(self.motion, self.rows, self.tallies, self.log, self.samples, rules, stepper)
 
 
@@ -136,7 +138,7 @@ def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Steppe
     places: list[Place] = compiled.places.__dict__.setdefault("places", [])
     place = next((place for place in places if place.taken_by() is None), None)
     if place is None:
-        place = Place(compiled, stepper(), compiled.rows, new_tallies(compiled.rows, 1))
+        place = Place(compiled, stepper(), compiled.rows, new_tallies(compiled.rows, 1), compiled.lasting)
         if len(places) < PLACES:
             places.append(place)
     place.taken_by = weakref.ref(driver)
@@ -160,8 +162,9 @@ class Driver:
         The event functions there, (events,).
     end
         Internal time of the end.
-    tallies
-        Those of a run of which this is one phase; None: the run has no other.
+    tallies, lasting
+        Those of a run of which this is one phase, and the number of its lasting event; None: the run has no other
+        phase.
     """
 
     ended: Status | None = None  # how the run ends before its first step
@@ -176,12 +179,13 @@ class Driver:
         functions: np.ndarray,
         end: Any,
         tallies: Tallies | None = None,
+        lasting: int = -1,
     ):
         self.compiled, self.at_start, self.end = compiled, functions, end
         whole, pars = np.zeros(len(compiled.integrator.state), start.dtype), body[: len(compiled.integrator.pars)]
         whole[: len(start)] = start  # the others are integrals of event functions
         if tallies is not None:
-            self.place = place = Place(compiled, self._stepper(whole, pars), rows, tallies)
+            self.place = place = Place(compiled, self._stepper(whole, pars), rows, tallies, lasting)
         else:
             self.place = place = place_for(self, compiled, lambda: self._stepper(whole, pars))
         self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
@@ -300,6 +304,11 @@ class Driver:
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""
         return extremes_of(self.rows.events, self.tallies)
+
+    @property
+    def width(self) -> int:
+        """The number of all variables."""
+        return len(self.state)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit."""

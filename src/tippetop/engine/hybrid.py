@@ -3,6 +3,7 @@
 Jumps are functions of the common state, which every phase can be read as; the driver knows neither balls nor laws.
 """
 
+import math
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.doubledouble import parts_of, sum_of
 from ..mechanics.events import ON_ZERO as BELOW
 from ..mechanics.events import Event
 from ..mechanics.form import CLOCK, Next, Phase
+from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
@@ -39,14 +40,21 @@ QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) -> Formulas:
     """Return the formulas of a phase, whose parameters are a record of type `body` with this record of a law."""
     form = phase.form
-    common = () if phase.axis_stays else tuple(event for event in system.events if event.formula is not None)
-    events = (*common, *phase.events)
+    of_phases = {event.name for other in system.phases.values() for event in other.events}
+    common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
+    own = tuple(event for event in phase.events if event.formula is not None)
+    events = (*own, *common)
     template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         state = form.scalars(q, b)
-        return [event.formula(state, b) for event in events]
+        values = [event.formula(state, b) for event in own]
+        if common:
+            whole, first = system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
+            read = moment(system, system.phase.form, whole, carried, first)
+            values += [event.formula(read, first) for event in common]
+        return values
 
     return Formulas(form, events, functions, lambda values: refill(template, values)._replace(**folds))
 
@@ -83,7 +91,14 @@ class Track:
         rows = run.rows._replace(events=self.records, axis=code.rows.axis)
         start, functions = np.zeros(len(variables.names), problem.number), np.zeros(len(rows.events))
         self.driver: Driver = kind_of_driver(problem)(
-            code, rows, leaves(self.b), start, functions, run.end, run.tallies
+            code,
+            rows,
+            leaves(self.b),
+            start,
+            functions,
+            run.end,
+            run.tallies,
+            self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
         self.driver.wanted = run.row_times
 
@@ -112,14 +127,21 @@ class Track:
         state[self.mine] = whole[self.theirs]
         return state
 
+    def integrals(self, state: np.ndarray, carried: np.ndarray) -> np.ndarray:
+        """Return the integrals of the run, scaled, of which the phase has moved some."""
+        whole = carried.copy()
+        whole[self.theirs] = state[self.mine]
+        return whole
+
     def common(self, state: np.ndarray, carried: np.ndarray, record: Any) -> Any:
         """Return the common state of the variables of the phase; doubles become floats, which formulas take faster."""
         numbers = state[: self.moving]
         q = self.record(*(numbers.tolist() if state.dtype == float else numbers))
-        whole = carried.copy()
-        whole[self.theirs] = state[self.mine]
-        integrals = whole / INTEGRAL_SCALE
+        whole = self.integrals(state, carried)
+        integrals = whole * whole.dtype.type(1 / INTEGRAL_SCALE)
         x = self.phase.leave(q, self.b)
+        if not hasattr(x, "carried"):
+            return x
         return x._replace(carried=record(*(integrals.tolist() if state.dtype == float else integrals)))
 
 
@@ -159,8 +181,6 @@ class HybridDriver:
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
-        from .impacts import Impacts
-
         system, number = problem.system, problem.number
         self.problem, self.stop, self.number = problem, stop, number
         self.variables = len(problem.variables.names)
@@ -176,6 +196,7 @@ class HybridDriver:
         in_phases = [event for phase in self.phases.values() for event in phase.events]
         for event in in_phases:
             self.rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
+        self.lasting = {event.name for event in every if event.lasting}
         self.tallies = new_tallies(self.rows, 1)
         self.tallies.functions[SIGN] = 0.0  # not known
         self.row_times, self.tables = Wanted(), PhaseTables(problem)
@@ -185,12 +206,16 @@ class HybridDriver:
         self.parts: list[Part] = []
         self.world = SimpleNamespace(
             body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
-            rates=self._rates, struck=Impacts(problem, self.body[0].friction, stop).struck,
+            rates=self._rates,
         )  # fmt: skip
+        if problem.contact is not None:
+            from .impacts import Impacts
+
+            self.world.struck = Impacts(problem, self.body[0].friction, stop).struck
         start = problem.start()
         q, carried = problem.variables.split(start.tolist() if start.dtype == float else start)
         self.whole = start[problem.variables.moving :].copy()
-        x = system.phase.leave(q, carried)
+        x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
         try:
             n = system.begin(x, self.world) if system.begin else Next(next(iter(self.phases)), x, "start")
         except ArithmeticError as error:
@@ -220,10 +245,12 @@ class HybridDriver:
         """Return the equations of every phase: pairs of a variable and its rate."""
         return [pair for name in self.phases for pair in self.track_of(name).driver.equations()]
 
-    def _rates(self, phase: Phase, q: Any, carried: Any) -> list:
-        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it does not move."""
+    def _rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
+        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it does not move. `b` is
+        the body in the numbers of the state, if they are others."""
         integrals = Variables(phase.form, self.problem.orientation).integrals
-        rates, b = {integral.name: integral.rate for integral in integrals}, phase.parameters(self.body)
+        rates = {integral.name: integral.rate for integral in integrals}
+        b = b or phase.parameters(self.body)
         return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
     def _enter(self, n: Next, now: Any, before: np.ndarray | None) -> None:
@@ -231,11 +258,12 @@ class HybridDriver:
         old = None if before is None else (self.track, self.whole, before)
         track = self.track = self.track_of(n.phase)
         self.world.phase = track.phase
-        if n.cause:
-            self.tables.begin(track.phase, float(now + n.logged_after), n.cause)
+        if n.cause != "":
+            self.tables.begin(track.phase, float(now + n.logged_after), n.cause or "")
         self.tables.add(float(now), n.rows)
         time = min(now + self.number(n.delay), self.end)
-        self.whole = np.array([value * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
+        if hasattr(n.x, "carried"):
+            self.whole = np.array([self.number(value) * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
         state = track.state(n.x, self.whole)
         track.driver.put(state, (time, 0 * time))
         self._begin_events(n, track, state, now, old)
@@ -254,7 +282,7 @@ class HybridDriver:
         """Write on which side of their zeros the event functions of a phase begin."""
         functions, live = self.tallies.functions, set()
         q = track.record(*(state[: track.moving].tolist() if state.dtype == float else state[: track.moving]))
-        values = track.formulas.functions(q, n.x.carried, track.b)
+        values = track.formulas.functions(q, self._integrals(), track.b)
         if n.series is not None:
             self._fill(n, track, now)
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
@@ -268,14 +296,18 @@ class HybridDriver:
                 sign = known if abs(value) < BELOW else by_value
                 if sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
-                elif sign != known and event.sense and old is not None:  # theta has a corner, which ends a swing
-                    self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))
+                elif sign != known and old and (event.sense or (event.lasting and sign == event.direction)):
+                    self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))  # of theta: it has a corner
             else:
                 sign, zero = by_value, abs(value) < BELOW
             if name not in track.exits:
                 live.add(name)
             functions[SIGN, number, 0], functions[ON_ZERO, number, 0] = sign, zero
         self.live = live
+
+    def _integrals(self) -> Any:
+        """Return the integrals of the run as they are now, whole again."""
+        return self.carried._make(self.whole * self.number(1 / INTEGRAL_SCALE))
 
     # --- steps ----------------------------------------------------------------------------------------------------
 
@@ -334,6 +366,7 @@ class HybridDriver:
         self.world.left = self.end - now
         track = self.track
         x = track.common(state, self.whole, self.carried)
+        self.whole = track.integrals(state, self.whole)
         try:
             n = track.exits[ending](x, self.world)
         except ArithmeticError as error:
@@ -375,6 +408,8 @@ class HybridDriver:
         number = self.numbers[name]
         times = np.array([time], dtype=self.number)
         self.log.append((Passages(times, np.array([number]), np.array([sign]), np.zeros(1, bool), part.states), part))
+        if name in self.lasting:
+            self.tally["lasts_since"] = float(time)
         first, last = (int(self.rows.events[number][place]) for place in ("first", "last"))
         for place in range(first, last):
             what, direction = self.rows.numbers[place]
@@ -389,8 +424,11 @@ class HybridDriver:
     def _series(self, n: Next, track: Track, t: np.ndarray) -> Part:
         """Return states at times since the beginning of a jump that takes time."""
         q, carried = n.series(t)
-        states = np.array([np.broadcast_to(value, t.shape) for value in q], dtype=self.number).T
-        whole = np.array([np.broadcast_to(value, t.shape) for value in carried], dtype=self.number).T * INTEGRAL_SCALE
+        states, whole = (
+            np.array([[self.number(one) for one in np.broadcast_to(value, t.shape)] for value in record]).T
+            for record in (q, carried)
+        )
+        whole = whole * self.number(INTEGRAL_SCALE)
         return Part(track, whole, states)
 
     def _fill(self, n: Next, track: Track, now: Any) -> None:
@@ -400,8 +438,9 @@ class HybridDriver:
             left = self.row_times.left
             count = int(np.searchsorted(left, float(now + n.delay)))
             if count:
-                t = left[:count].astype(self.number) - now
-                self.asked.append((left[:count], self._series(n, track, np.clip(t, 0 * n.delay, n.delay))))
+                since = left[:count].astype(self.number) - now
+                t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
+                self.asked.append((left[:count], self._series(n, track, t)))
             self.row_times.made += count
             if count < len(left) or not count:
                 break
@@ -438,12 +477,13 @@ class HybridDriver:
                     carried[some_rows, track.theirs] = part.states[:, track.mine]
                 first += length
             q = track.record(*states.T)
-            with_units = split(*(carried / INTEGRAL_SCALE).T)
+            with_units = split(*(carried * self.number(1 / INTEGRAL_SCALE)).T)
             record = system.row(track.phase, q, with_units, self.body) if system.row else track.phase.leave(q, track.b)
             rows = np.empty((n, self.variables), self.number)
-            for k, value in enumerate(record):
+            moving = self.variables - len(self.whole)
+            for k, value in enumerate(record[:moving]):
                 rows[:, k] = value
-            rows[:, len(record) :] = carried
+            rows[:, moving:] = carried
             first = 0
             for part, length in zip(some, lengths, strict=True):
                 part.rows, first = rows[first : first + length], first + length
@@ -505,30 +545,35 @@ class HybridDriver:
         low, high = min(known, key=lambda one: one.least), max(known, key=lambda one: one.most)
         return Extremes(low.least, low.t_least, high.most, high.t_most)
 
+    @property
+    def width(self) -> int:
+        """The greatest number of variables of a phase."""
+        orientation = self.problem.orientation
+        return max(len(Variables(p.form, orientation).names) + len(self.rows.events) for p in self.phases.values())
+
     def snapshot(self) -> dict[str, Any]:
-        """Return what a run needs to continue bit by bit."""
+        """Return what a run needs to continue bit by bit: lists of the same lengths in every phase, but for `state`."""
+        under_way = self.tables.under_way or [math.nan] * 4
+        phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began, self.until is not None]
         return {
             **self.track.driver.snapshot(),
-            "phase": self.track.name,
-            "carried": [parts_of(value) for value in self.whole],
-            "live": sorted(self.live),
-            "changes": [self.changes, self.short, self.began],
-            "clock": None if self.until is None else parts_of(self.until),
-            "under_way": self.tables.under_way,
+            "phase": [*phase, *under_way, *(name in self.live for name in self.numbers)],
+            "carried": [*self.whole, self.number(0) if self.until is None else self.until],
         }
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        number = self.number
-        self.track = track = self.track_of(kept["phase"])
+        phase, self.changes, self.short, self.began, has_clock, *rest = kept["phase"]
+        under_way, live = rest[:4], rest[4:]
+        self.track = track = self.track_of(list(self.phases)[int(phase)])
         self.world.phase = track.phase
-        self.whole = np.array([sum_of(parts, number) for parts in kept["carried"]], dtype=number)
-        track.driver.restore(kept, state, clock)
-        self.live = set(kept["live"])
-        self._set_clock(None if kept["clock"] is None else sum_of(kept["clock"], number))
-        self.changes, self.short, self.began = kept["changes"]
+        *whole, until = kept["carried"]
+        self.whole = np.array(whole, dtype=self.number)
+        track.driver.restore(kept, state[: len(track.driver.state)], clock)
+        self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}
+        self._set_clock(until if has_clock else None)
         self.tables = PhaseTables(self.problem)
-        self.tables.under_way = kept["under_way"]
+        self.tables.under_way = None if math.isnan(under_way[0]) else [under_way[0], *map(int, under_way[1:])]
 
 
 def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:

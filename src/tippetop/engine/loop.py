@@ -261,7 +261,7 @@ class Loop:
 
     def fill(self, rows: Rows) -> None:
         """Write these rows from now on."""
-        if rows is self.records.get("output"):
+        if self.records.get("output") is rows:
             return
         self.records["output"] = rows
         self.structure.output = filled(rows._replace(length=len(rows.times), variables=len(rows.states)))

@@ -35,6 +35,8 @@ class PhaseTables:
     def begin(self, phase: Phase, time: float, cause: str) -> None:
         """Begin a phase at an internal time."""
         self.end(time)
+        if "phases" not in self.tables:
+            return
         words = self.tables["phases"]
         self.under_way = [time * self.second, words["phase"].index(phase.label), phase.ball]
         self.under_way.append(words["reason"].index(cause))

@@ -45,7 +45,7 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     -------
     Driver
     """
-    if problem.contact is not None:
+    if problem.system.is_hybrid:
         from .hybrid import HybridDriver  # a twentieth of a start, which other runs do without
 
         return HybridDriver(problem, stop)  # type: ignore[return-value]

@@ -123,7 +123,7 @@ def measure(
     measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
-    if len(numbers) and tops.base.contact is not None:
+    if len(numbers) and tops.base.system.is_hybrid:
         if alone is None:
             raise ValueError("a contact that may change its phase is followed by a driver of its own")
         one_by_one(measured, numbers, alone, progress)

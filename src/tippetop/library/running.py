@@ -187,7 +187,7 @@ def run(
 
     with _following(progress) as follow, in_python(), _resumable(place):
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
-    return StoredRun(place, problem.system if problem.contact is None else None)
+    return StoredRun(place, problem.system)
 
 
 def integrate(problem: Problem, *, progress: bool = False) -> Run:

@@ -64,11 +64,6 @@ def inconsistencies(system: System) -> list[str]:
 def unmet_requirements(system: System) -> list[str]:
     """Return what a run needs and a consistent system lacks: one message each."""
     of, phase, named = f"of `{system.name}`", system.phase, system.angles._fields
-    if len(system.phases) > 1 or phase.exits:
-        return [
-            f"`phases` {of} must be one Phase without exits, but are {', '.join(system.phases)}: "
-            "exits are not executed, so a run would stay in its first phase."
-        ]
     faults = [
         f"`angles` {of} must have the field `{name}`, which the event log reads, but has {', '.join(named)}."
         for name in ("theta", "theta_dot")

@@ -161,7 +161,8 @@ class Next:
     lasts
         Time after which the phase ends by the exit `CLOCK`, if no other one comes first; None: it has none.
     cause
-        Why the phase begins, as the table of phases has it; empty: the same phase goes on in other words.
+        Why the phase begins, as the table of phases has it; None: the event that ended the one before; empty: the same
+        phase goes on in other words.
     rows
         Rows for further tables of the run: records in internal units, by table.
     ends, message
@@ -170,7 +171,7 @@ class Next:
 
     phase: str
     x: Any
-    cause: str = ""
+    cause: str | None = None
     delay: Any = 0
     series: Any = None
     logged: tuple[str, ...] = ()

@@ -158,6 +158,7 @@ class System:
     opening: Opening | None = None  # of a body whose contact may open, see contact.opening.opened
     common: Phase | None = None  # forms, columns and events of the rows of all phases; None: those of the first phase
     row: Callable | None = None  # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
+    read: Callable | None = None  # read(phase, q, carried, b) -> the common state within a phase, and the body
     begin: Callable | None = None  # begin(x, world) -> Next, how a run begins; None: in the first phase
     assembled: Callable | None = None  # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # further tables: units or words by column
@@ -259,6 +260,11 @@ class System:
         """
         rivals = {rival for name in changed for rival in self.rivals(name)}
         return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
+
+    @property
+    def is_hybrid(self) -> bool:
+        """Whether runs go from phase to phase."""
+        return self.begin is not None or any(phase.exits for phase in self.phases.values())
 
     @property
     def phase(self) -> Phase:

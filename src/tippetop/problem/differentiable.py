@@ -17,7 +17,7 @@ MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 
 def derivative_faults(problem: "Problem") -> list[str]:
     """Why a run has no derivatives, or none that is computed; empty if it has."""
-    if problem.contact is not None:
+    if problem.system.is_hybrid:
         why = "sticks and slips under a set-valued law" if problem.law.set_valued else "may open and close"
         why = "is a disc, which may come to rest" if problem.law.regions else why
         return [

@@ -172,7 +172,8 @@ class EventLog:
 
     def finish(self, last: np.ndarray) -> list[int]:
         """Return the rows that the end of the run, in the state `last`, shows to be significant."""
-        marks = self._marks(np.array([-1]), np.array([0]), np.array([self.view.theta(last)]))
+        waits = self.tallies.lane["waiting"][0]
+        marks = self._marks(np.array([-1]), np.array([0]), np.array([self.view.theta(last)])) if waits else []
         return [*marks, self.lasting] if self.lasting >= 0 and self.settled_since(last) is not None else marks
 
     def open_rows(self) -> list[int]:

@@ -287,10 +287,13 @@ class Integration:
         number, driver = self.problem.number, kept["driver"]
         if kept["equations"] != fingerprint(self.driver):
             raise ValueError("the equations must be those of the checkpoint, but are others here")
-        state = np.array([hexfloat.from_hex(text, number) for text in driver["state"]], dtype=number)
-        clock = [hexfloat.from_hex(text, number) for text in driver["time"]]
-        rest = {name: hexfloat.decode(value) for name, value in driver.items() if name not in ("state", "time")}
-        self.driver.restore(rest, state, (clock[0], clock[1]))
+        exact = {
+            name: np.array([hexfloat.from_hex(text, number) for text in driver[name]], dtype=number)
+            for name in ("state", "time", "carried")
+            if name in driver
+        }
+        rest = {name: hexfloat.decode(value) for name, value in driver.items() if name not in exact}
+        self.driver.restore(rest | exact, exact["state"], tuple(exact["time"]))
         self.last = self.driver.present()
         self.filled, self.t_end = kept["filled"], hexfloat.decode(kept["t_end"])
         self.monitor.restore(hexfloat.decode(kept["monitor"]))

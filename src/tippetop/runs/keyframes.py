@@ -8,7 +8,7 @@ import numpy as np
 from ..columns import Column
 from ..engine.driver import Driver
 from ..engine.observables import Observables
-from ..engine.taylor import fingerprint
+from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.units import SECOND
 from ..problem import Problem
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from .integration import Integration
 
 PER_CHUNK = 1024  # keyframes: 1 MB of 120 numbers each
+EXACT = {"state": "state", "clock": "time", "carried": "carried"}
+"""Columns of numbers of any precision, by the names in a snapshot."""
+WORDS = {"state": "all that is integrated", "clock": "time in double length", "carried": "integrals between phases"}
+KNOWN = ("tally", "functions", "kept", "phase")
 PARTS = {"double": 1, "longdouble": 2, "quad": 3}  # doubles that add up to a number exactly
 
 
@@ -36,16 +40,22 @@ def columns(integration: "Integration") -> dict[str, Column]:
     """
     driver, precision = integration.driver, integration.problem.precision
     kept, number = driver.snapshot(), integration.problem.number
-    state, clock = (_parts(np.array(kept[name], dtype=number), PARTS[precision]) for name in ("state", "time"))
-    known = np.concatenate([np.ravel(np.array(kept[name], dtype=float)) for name in ("tally", "functions", "kept")])
+    kept["state"] = [*kept["state"], *[number(0)] * (driver.width - len(kept["state"]))]
+    exact = {
+        name: _parts(np.array(kept[source], dtype=number), PARTS[precision])
+        for name, source in EXACT.items()
+        if source in kept
+    }
+    known = np.concatenate([np.ravel(np.array(kept[name], dtype=float)) for name in KNOWN if name in kept])
     about = {
         "time": (np.array(integration.t_end), "time", {"units": SECOND.symbol}),
         "step": (np.array(integration.monitor.steps), "steps made", {}),
-        "state": (state, "all that is integrated: doubles to be added", {"equations": fingerprint(driver)}),
-        "clock": (clock, "time in double length: doubles to be added", {}),
-        "observer": (known, "what the observer of the events knows", {}),
+        "observer": (known, "numbers of the events, and of the phase of a contact", {}),
+        **{name: (value, f"{WORDS[name]}: doubles to be added", {}) for name, value in exact.items()},
     }
+    about["state"] = (*about["state"][:2], {"equations": fingerprint(driver)})
     dims = {"state": ("variable", "part"), "clock": ("half", "part"), "observer": ("number",)}
+    dims["carried"] = ("integral", "part")
     return {
         name: Column(("keyframe", *dims.get(name, ())), value[None], {"units": "1", "long_name": words, **more})
         for name, (value, words, more) in about.items()
@@ -58,8 +68,15 @@ def rows(path: Path, problem: Problem) -> dict[str, Column]:
 
     arrays = tables.read_member(path, "keyframes")
     start = problem.start()
-    states = _sum(arrays["state"][:], problem.number)[:, : len(start)]
     times = np.concatenate([[0.0], arrays["time"][:]])
+    if not problem.system.is_hybrid:
+        states = _sum(arrays["state"][:], problem.number)[:, : len(start)]
+    else:
+        driver, columns = driver_of(problem), {name: array[:] for name, array in arrays.items()}
+        states = np.zeros((0, len(start)), problem.number)
+        for k in range(len(times) - 1):
+            _restore(driver, {name: values[k] for name, values in columns.items()})
+            states = np.vstack([states, driver.present()])
     return Observables(problem).columns(times, np.vstack([start, states]))
 
 
@@ -78,12 +95,15 @@ def restore(integration: "Integration", row: dict[str, np.ndarray]) -> None:
     row
         Of each column the values of one keyframe.
     """
-    driver, number = integration.driver, integration.problem.number
-    state, clock = (_sum(row[name], number) for name in ("state", "clock"))
-    driver.restore(_known(driver, row["observer"]), state, (clock[0], clock[1]))
-    integration.last = state[None, : driver.variables].copy()
+    _restore(integration.driver, row)
+    integration.last = integration.driver.present()
     integration.t_end, integration.fresh = float(row["time"]), False
     integration.monitor.steps = int(row["step"])
+
+
+def _restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
+    exact = {EXACT[name]: _sum(row[name], driver.number) for name in EXACT if name in row}
+    driver.restore(_known(driver, row["observer"]) | exact, exact["state"], tuple(exact["time"]))
 
 
 def _known(driver: Driver, numbers: np.ndarray) -> dict[str, Any]:
@@ -92,10 +112,12 @@ def _known(driver: Driver, numbers: np.ndarray) -> dict[str, Any]:
     names = kinds.names or ()
     tally = [kinds[name].type(value).item() for name, value in zip(names, numbers, strict=False)]
     rest = numbers[len(tally) :]
+    last = functions.size + len(driver.tallies.kept)
     return {
         "tally": tally,
         "functions": rest[: functions.size].reshape(functions.shape),
-        "kept": rest[functions.size :],
+        "kept": rest[functions.size : last],
+        "phase": rest[last:].tolist(),
     }
 
 

@@ -51,7 +51,7 @@ def measured(problem: Problem, steps: float, clock: Callable[[], float] = time.p
     shortest = problem.until * min(1.0, FIRST_STEPS / max(steps, 1.0), FIRST_ROWS / max(len(problem.times), 1))
     try:
         began = clock()
-        if problem.contact is not None:  # later phases would be compiled on the way
+        if problem.system.is_hybrid:  # later phases would be compiled on the way
             driver_of(problem).prepare()  # type: ignore[attr-defined]  # it is a ContactDriver
         _piece(problem, shortest / FIRST_STEPS, steps, clock)
         middle = clock()

@@ -120,8 +120,7 @@ def checked(given: Problem) -> Problem:
         return given
     if faults := shape_faults(given):
         raise InputError(faults)
-    known = given.system if given.system.contact is None else None
-    return problem(plain(resolved(given)), known, given.origin)
+    return problem(plain(resolved(given)), given.system, given.origin)
 
 
 def _columns(asked: list[str] | None, all_columns: tuple[str, ...], known: System | None) -> tuple[str, ...] | None:

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from ..errors import InputError
-from ..mechanics.contact.opening import ABOVE, kind_of, opened
+from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import painleve_bound
@@ -12,6 +12,7 @@ from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of, that_open
 from ..problem import Problem
+from .own_records import own_records, with_records
 
 
 def system_with_contact(system: System, tables: dict[str, Any]) -> System:
@@ -45,14 +46,20 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     what = asked[0] if asked else f'`friction.law = "{name}"` without eps'
     if opening is None:
         raise InputError([f"{what} must be of a {' or '.join(bodies)}, but the system is {system.name}."])
-    if bodies[system.name] is not system:
-        raise InputError([f"{what} must stand without events and columns of one's own, but some are given."])
     if not any(kind_of(law)):
         raise InputError([f'`friction.law` must not be "{name}" where the contact may open, by {what}.'])
     if law.regions and name not in laws_of(system):
         must = " or ".join(spheres)
         raise InputError([f'`friction.law = "{name}"` must be of a {must}, but the system is {system.name}.'])
-    return opened(system, law, 2 if "stem" in tables else 1)
+    own = own_records(system)
+    contact = opened(bodies[system.name], law, 2 if "stem" in tables else 1)
+    taken = {event.name for event in contact.events} | {quantity.name for quantity in contact.quantities}
+    names = [*(event.name for event in own[0]), *(quantity.name for quantity in own[1])]
+    if clash := [name for name in names if name in taken]:
+        raise InputError([f"`{clash[0]}` must be a new name, but `{system.name}` with {what} has it."])
+    if isinstance(run, dict) and run.get("stop_when") == "settled":
+        contact = with_records(contact, (SETTLED,), ())
+    return with_records(contact, *own)
 
 
 def rules_of(scenario: Any, system: System) -> ContactLaw | None:
@@ -81,16 +88,8 @@ def contact_faults(problem: Problem) -> list[str]:
     if problem.contact is None:
         return []
     faults = []
-    if problem.stop_when == "settled":
-        faults.append('`run.stop_when` must be "until" where the contact may change its phase, but is "settled".')
-    if problem.output == "keyframes":
-        faults.append('`run.output` must not be "keyframes" where the contact may change its phase.')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
-    if problem.precision == "quad" and problem.law.set_valued and problem.friction.mu:
-        faults.append(
-            '`run.precision` must be "double" or "longdouble" under Coulomb\'s law without eps, but is "quad".'
-        )
     body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
     R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
     if gap > HIGHEST * R:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..mechanics.contact.opening import SETTLED, opened
 from ..mechanics.events import Event
 from ..mechanics.moment import PLACE, Moment
 from ..mechanics.operand import leaves, refill
@@ -53,7 +54,7 @@ def other_records(attrs: dict[str, Any], problem: Problem, known: System | None)
 
 def _more(attrs: dict[str, Any], known: System | None) -> list[str]:
     """Sentences on events and columns that were given, and the run has not."""
-    registered = None if known is None else find(known.name)
+    registered = None if known is None else registered_as(known)
     if known is None or registered is None:
         return []
     has = {"event": attrs["run"]["events"], "column": attrs["run"].get("columns", ())}
@@ -71,7 +72,7 @@ def _more(attrs: dict[str, Any], known: System | None) -> list[str]:
 
 @lru_cache(maxsize=64)
 def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, str]]:
-    registered, form = find(system.name), system.forms[form_name]
+    registered, form = registered_as(system), system.forms[form_name]
     known: list[Any] = [] if registered is None else [*registered.events, *registered.quantities]
     ours = {record.name for record in known}
     of: dict[str, Sequence[Any]] = {"event": system.events, "column": system.quantities}
@@ -80,6 +81,31 @@ def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, s
         for kind, records in of.items()
     }
     return {kind: names for kind, names in digests.items() if names}
+
+
+def registered_as(system: System) -> System | None:
+    """Return the registered system of the same name, opened where this one is; None if there is none."""
+    registered = find(system.name)
+    return registered and opened(registered, *system.contact) if system.contact else registered
+
+
+def own_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...]]:
+    """Return the events and columns of a system that the registered one has not."""
+    registered = registered_as(system)
+    if registered is None or registered is system:
+        return (), ()
+    return (
+        tuple(event for event in system.events if event not in (*registered.events, SETTLED)),
+        tuple(quantity for quantity in system.quantities if quantity not in registered.quantities),
+    )
+
+
+@lru_cache(maxsize=64)
+def with_records(system: System, events: tuple[Event, ...], quantities: tuple[Quantity, ...]) -> System:
+    """Return a system with more events and columns; the same one for the same records, so that it is compiled once."""
+    if not (events or quantities):
+        return system
+    return system.replace(events=(*system.events, *events), quantities=(*system.quantities, *quantities))
 
 
 def is_users(formula: Callable | None) -> bool:

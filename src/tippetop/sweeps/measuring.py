@@ -48,7 +48,7 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
         inferred: none if all were invalid.
     """
     chosen = np.unique(np.linspace(0, plan.n - 1, SOME).round().astype(int))
-    cost = (_alone if plan.base.contact is not None else _in_lanes)(plan, chosen, clock)
+    cost = (_alone if plan.base.system.is_hybrid else _in_lanes)(plan, chosen, clock)
     return {
         "core_seconds": round(plan.chunks * (WRITING + cost.chunk) + plan.n * cost.top, 3),
         "compiling": round(max(cost.compiling, 0.0), 2),

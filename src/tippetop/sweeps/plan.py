@@ -164,7 +164,7 @@ class Plan:
             return min(given, self.n)
         seconds = np.clip(self.n * self.seconds_per_top / LEAST_CHUNKS, *CHUNK_SECONDS)
         best = 2 ** round(math.log2(max(1.0, seconds / self.seconds_per_top)))
-        least = CHUNKS[0] if self.base.contact is None else 1
+        least = CHUNKS[0] if not self.base.system.is_hybrid else 1
         return min(max(best, least), CHUNKS[1], self.n)
 
     @property
@@ -204,7 +204,7 @@ class Plan:
                 steps.append(forecast.cost(self.problem(top))["steps"])
             except InputError:
                 steps.append(0)
-        least = 0.0 if self.base.contact is None else SECONDS_ALONE
+        least = 0.0 if not self.base.system.is_hybrid else SECONDS_ALONE
         return max(max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6, least)
 
 

@@ -143,6 +143,6 @@ def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
     plan, some = Plan.from_tables(document), invalid[:FAULTS]
     tops = ensemble.vary(plan.base, plan.columns(some))
     _, faults = tops.check()
-    if plan.base.contact is not None:  # whose contact is asked of each top by itself
+    if plan.base.system.is_hybrid:  # whose contact is asked of each top by itself
         faults += [(i, fault) for i in np.flatnonzero(tops.valid).tolist() for fault in singly.faults_of(tops, i)[:1]]
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

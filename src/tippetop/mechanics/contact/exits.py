@@ -14,7 +14,7 @@ import numpy as np
 
 from ..form import CLOCK, Next
 from ..friction import Law, named
-from ..operand import Vector, cross, dot, plus, sqrt, times
+from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, reaction_of_rolling_vector, slip_motion
@@ -336,10 +336,24 @@ def run_out(x: Moving, world: Any, v: Vector) -> tuple[Moving, Any]:
     return gained(x._replace(velocity=velocity, L=L), work=-(dot(p, v) / 2)), delay
 
 
+def eighty_bits(value: Any) -> Any:
+    """Return a number that is wider than 80 bits rounded to them, any other as it is."""
+    if isinstance(value, float | np.floating):
+        return value
+    high = float(value)
+    return np.longdouble(high) + np.longdouble(float(value - high))
+
+
+def rounded(record: Any) -> Any:
+    """Return a record of numbers of at most 80 bits."""
+    return refill(record, map(eighty_bits, leaves(record)))
+
+
 def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     """Return how long the first moments last of a slide that begins at the edge of the friction
-    cone, and its series: of times (n,), states and integrals."""
-    b, sliding = world.body[phase.ball], signed_slide if world.system.opening.planar else directed
+    cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits."""
+    x = Moving(*(rounded(v) if isinstance(v, tuple) else eighty_bits(v) for v in x))
+    b, sliding = rounded(world.body[phase.ball]), signed_slide if world.system.opening.planar else directed
 
     def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Vector, Vector, Any, Any]:
         u, L = Vector(*state[:3]), Vector(*state[3:6])
@@ -349,7 +363,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         u, L, q, carried = read(state, w, beta)
         F, P, Q = slip_motion(u, L, along(beta), b)
         turn = (*contact.axis_rate(u, L, b), *cross(contact.arm(u, b), F))
-        every = (*turn, *world.rates(phase, q, carried))
+        every = (*turn, *world.rates(phase, q, carried, b))
         return np.array([np.broadcast_to(rate, w.shape) for rate in every]), P, Q
 
     def turning(state: np.ndarray, beta: np.ndarray) -> Any:
@@ -367,6 +381,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         span = span / 2
 
     def series(t: np.ndarray) -> tuple[Any, Any]:
+        t = np.array([eighty_bits(one) for one in t])
         _, _, q, carried = read(*first.at(t))
         return q, carried._replace(jellett_reference=x.carried.jellett_reference + 0 * t)
 
@@ -419,8 +434,10 @@ def begin_slip(x: Moving, world: Any) -> Next:
     name = phase_name("slip", world.phase.ball)
     phase = world.phases[name]
     lasts, series = slide_from_cone(x, world, phase)
-    delay = min(lasts, world.left)
+    delay = min(lasts, eighty_bits(world.left))
     q, carried = (record._make(v[0] for v in record) for record in series(np.array([delay])))
+    number = type(world.left)
+    q, carried, delay = q._make(map(number, q)), carried._make(map(number, carried)), number(delay)
     x = phase.leave(q, world.body[phase.ball])._replace(carried=carried)
     return Next(name, x, "slip", delay, series, ("slip",))
 
@@ -440,7 +457,7 @@ def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Ne
     """Return the same motion in other words, or in the same: the event function `passed` has its
     root here, and goes to this side of it."""
     sides = {passed: side} if side else {}
-    return on_disc(Next(to, x, zeros={passed: 1} if passed else {}, sides=sides), world)
+    return on_disc(Next(to, x, "", zeros={passed: 1} if passed else {}, sides=sides), world)
 
 
 def on_disc(n: Next, world: Any) -> Next:

@@ -11,7 +11,7 @@ from typing import Any
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, Law, all_laws, is_frictionless
-from ..operand import leaves, refill
+from ..operand import formula, leaves, refill
 from ..parameter import Parameter
 from ..system import System
 from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
@@ -34,6 +34,7 @@ from .state import (
     columns,
     moving,
     row,
+    row_within,
 )
 
 
@@ -66,6 +67,16 @@ OCCURRENCES = (
     ),
 )
 """What jumps log, as events of a run."""
+
+SETTLED = Event(
+    "settled",
+    "friction takes no energy any more, and the body presses on the plane with more than half of its weight",
+    formula(lambda s, b: s.power - 1e-12 * (2 * s.force - b.m * b.g)),
+    direction=-1,
+    lasting=True,
+    kept=gliding.SETTLED.kept,
+)
+"""An event of runs that stop when they have settled."""
 
 REASONS = (
     "start",
@@ -185,9 +196,12 @@ def open_contact(system: System, law: Law, balls: int) -> System:
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
     form = DISC_ROW if law.torque else PLANAR_ROW if opening.planar else ROW
-    of_axis = (one for one in system.events if not one.lasting and one.ends != "liftoff")
+    of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     quantities = columns(opening.planar, opening.routh, balls > 1)
-    phases = phases_of(opening.planar, law, balls)
+    phases = {
+        name: phase if phase.axis_stays else replace(phase, events=(*of_axis, *phase.events))
+        for name, phase in phases_of(opening.planar, law, balls).items()
+    }
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -208,6 +222,7 @@ def open_contact(system: System, law: Law, balls: int) -> System:
         assembled=assembled,
         begin=begin,
         row=row,
+        read=partial(row_within, two=balls > 1),
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,

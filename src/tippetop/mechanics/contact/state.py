@@ -5,9 +5,11 @@ the ball in contact, or last in contact, and the phase. Columns and user-defined
 functions of the `Scalars` of a row.
 """
 
+import math
 from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
@@ -112,6 +114,15 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
     gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
     numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
     return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers)
+
+
+def row_within(phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool) -> tuple[Any, contact.Touch]:
+    """Return the row of a state of a phase and the body seen from its first ball, of a body seen from the ball of the
+    phase; the reference of Jellett's integral is not known there."""
+    other = b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
+    bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
+    known = SimpleNamespace(**{REFERENCE[0]: math.nan, **carried._asdict()})
+    return row(phase, q, known, bodies), bodies[0]
 
 
 def gained(x: Moving, **integrals: Any) -> Moving:
