@@ -6,7 +6,6 @@ import pytest
 from tippetop.mechanics.contact.restitution import stem_height
 
 
-
 def test_the_height_of_a_stem_is_that_of_its_lowest_point(rng: np.random.Generator) -> None:
     """Of points all over its ball, whose middle is `offset` along the axis from the centre of mass."""
     points = rng.normal(size=(200_000, 3))

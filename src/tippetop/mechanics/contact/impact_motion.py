@@ -95,7 +95,7 @@ class Sliding(NamedTuple):
     form: Form
     push: Callable  # push(q, b)
     events: tuple[Event, ...]  # formula(q, push, b)
-    follows: dict[str, Border]  # borders of the region, by event
+    follows: dict[str, str]  # the next region, by the event of a border
 
 
 @lru_cache
@@ -104,7 +104,7 @@ def sliding(region: Region | None, restitution: str) -> Sliding:
 
     @formula
     def disc_push(q, b):
-        by, mu = region.drag(*speeds(q)), b.friction.mu
+        by, mu = region.drag(*speeds(q)), b.friction.mu  # type: ignore[union-attr]
         return Push(-(mu * by.k * q.v_e), -(mu * by.k * q.v_2), -(mu * by.twist * q.turn))
 
     push = smooth_push if region is None else disc_push
@@ -116,21 +116,22 @@ def sliding(region: Region | None, restitution: str) -> Sliding:
         slips = (b.ratio * per * rate for rate in slip_rates(by, b))
         power = by.e * q.v_e + by.t * q.v_2 + by.turn * q.turn
         impulses = per * by.e, per * by.t, per, per * by.turn
-        return Motion(*slips, 1 / CLOCK_RATE + 0 * q.v_n, *impulses, per * q.v_n, per * power)
+        return Motion._make((*slips, 1 / CLOCK_RATE + 0 * q.v_n, *impulses, per * q.v_n, per * power))
+
+    def restored(q, push, b):
+        return getattr(q, RESTORED[restitution])
 
     def border(way: Border) -> Event:
-        formula = lambda q, push, b: way.beyond(speeds(q), b)  # noqa: E731
-        return Event(way.event, "", formula, way.direction, way.event)
+        return Event(way.event, "", lambda q, push, b: way.beyond(speeds(q), b), way.direction, way.event)
 
-    events, follows = (SLOWEST,), {}
+    events, follows = [SLOWEST], {}
     if restitution in RESTORED:
-        field = RESTORED[restitution]
-        formula = lambda q, push, b: getattr(q, field)  # noqa: E731
-        events += (Event("restored", "restitution ends", formula, 1, "restored"),)
+        events.append(Event("restored", "restitution ends", restored, 1, "restored"))
     if region is not None:
-        follows = {way.event: way for way in region.borders if way.direction > 0 or way.event != "slow"}
-        events += (STOPS, *map(border, follows.values()))
-    return Sliding(Form("impact", Motion(*(ONE,) * 10), rates, lambda q, b: q), push, events, follows)
+        follows = {way.event: way.follows for way in region.borders if way.event != "slow"}
+        events += [STOPS, *(border(way) for way in region.borders if way.event in follows)]
+    form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
+    return Sliding(form, push, tuple(events), follows)
 
 
 def held(q: Any, b: Any, until: Any, restitution: str) -> tuple[Any, str]:
