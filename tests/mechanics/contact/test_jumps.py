@@ -217,7 +217,7 @@ def test_a_body_comes_to_rest_on_both_balls(law: Any) -> None:
 def test_a_flight_begins_where_the_force_vanishes_and_goes_on() -> None:
     world = World("tippe-top", Viscous(1.3), 1)
     x, world.phase = state(world, 1), world.phases["slip"]
-    swing = exits.gap_rates(x, world.body[0])[2]
+    swing = exits.gap_rate(x, world.body[0], 3)
     n, back = (exits.lift_off(x._replace(L=times(k, x.L)), world) for k in (np.sign(swing), -np.sign(swing)))
     assert (n.phase, n.logged, n.zeros) == ("flight", ("liftoff",), {"land": 3})
     assert (back.ends, back.message) == ("stalled", exits.NO_WAY)

@@ -95,6 +95,7 @@ class Sliding(NamedTuple):
     form: Form
     push: Callable  # push(q, b)
     events: tuple[Event, ...]  # formula(q, push, b)
+    signs: tuple[int, ...]  # of their functions before they happen
     follows: dict[str, str]  # the next region, by the event of a border
 
 
@@ -131,7 +132,7 @@ def sliding(region: Region | None, restitution: str) -> Sliding:
         follows = {way.event: way.follows for way in region.borders if way.event != "slow"}
         events += [STOPS, *(border(way) for way in region.borders if way.event in follows)]
     form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
-    return Sliding(form, push, tuple(events), follows)
+    return Sliding(form, push, tuple(events), tuple(-event.direction for event in events), follows)
 
 
 def held(q: Any, b: Any, until: Any, restitution: str) -> tuple[Any, str]:
