@@ -64,17 +64,15 @@ JUDGES: dict[str, tuple[str, ...]] = {
                 "test_planar.py",
                 "test_first_slip.py",
                 "test_response.py",
-                "test_patch_impact.py",
                 "test_arrival.py",
             )
         ),
+        f"{RUNS}/test_impacts.py",
     ),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_response.py"),
     "mechanics.contact.disc_at_rest": (f"{CONTACT}/test_disc_held.py",),
     "mechanics.contact.impact": (f"{CONTACT}/test_arrival.py", f"{CONTACT}/test_impact.py", "-m", "not slow"),
-    "mechanics.contact.flight": (f"{CONTACT}/test_flight.py",),
-    "mechanics.contact.landing": (f"{CONTACT}/test_flight.py", f"{RUNS}/test_reference_cases.py"),
-    "mechanics.contact.patch_impact": (f"{CONTACT}/test_patch_impact.py",),
+    "mechanics.contact.impact_motion": (f"{RUNS}/test_impacts.py", "-m", "not slow"),
     "mechanics.contact.planar": (f"{CONTACT}/test_planar.py",),
     "mechanics.contact.phases.both": (f"{RUNS}/test_rows_of_phases.py", f"{RUNS}/test_both.py"),
     "mechanics.contact.phases.drilling": (f"{RUNS}/test_rows_of_phases.py", f"{RUNS}/test_phases_of_runs.py"),
@@ -90,15 +88,14 @@ JUDGES: dict[str, tuple[str, ...]] = {
     ),
     "mechanics.rotation": ("mechanics/test_rotation.py",),
     "mechanics.theory.least_energy": ("library/test_asymptotics.py",),
-    "engine.contact.smooth_impact": (f"{RUNS}/test_smooth_impact.py",),
-    "mechanics.contact.restitution": (f"{CONTACT}/test_flight.py", "-k", "stem"),
+    "mechanics.contact.restitution": (f"{CONTACT}/test_restitution.py",),
 }
 """Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge them."""
 COMPILED = (
     "test_both.py",
     "test_reference_cases.py",
     "test_phases_of_runs.py",
-    "test_smooth_impact.py",
+    "test_impacts.py",
     "test_asymptotics.py",
 )
 """Test files that drive whole runs; of the others numba compiles nothing, which would be most of their time."""
@@ -109,12 +106,6 @@ EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so
     "mechanics.contact.phases.both": ("sides: 1 + 0 * q.uz",),
     "mechanics.contact.phases.row": ("row_of_angles: b.R + none", "row_of_angles: b.c + none"),
     "mechanics.contact.impact": ("arrival: none + 1",),  # any direction does where nothing slides
-    "engine.contact.smooth_impact": (  # without the number zero would divide; of the sum abs is taken
-        "_sizes: speed + 1e-300",
-        "_sizes: impulse + 1e-300",
-        "_sizes: max(work, abs(h) * impulse) + 1e-300",
-        "_sweep_in_loops: total + values[f, i] * nodes.last[i, j]",
-    ),
 }
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}

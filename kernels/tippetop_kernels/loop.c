@@ -44,9 +44,9 @@ enum {
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
 
 /* What is known of an event function: its sign, +1 or -1; its least and greatest values; 1 if the
-   run starts on a zero of it, -k if the run starts where its first k Taylor coefficients vanish; in
-   the present step its bounds, and 1 if it is monotone; the times of its least and greatest
-   values. */
+   run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
+   begins; in the present step its bounds, and 1 if it is monotone; the times of its least and
+   greatest values. */
 enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST, KNOWN };
 
 /* What an event keeps of its passages: the time of the first or the last one, or their number. */

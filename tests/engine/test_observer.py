@@ -361,3 +361,18 @@ def test_extremes_of_a_rate_lie_at_the_roots_of_its_slope(rng: np.random.Generat
         size = np.abs(values).max()
         assert found[[LEAST, MOST]].tolist() == pytest.approx([values.min(), values.max()], abs=1e-13 * size)
         assert rate(found[[T_LEAST, T_MOST]]) == pytest.approx([values.min(), values.max()], abs=1e-12 * size)
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+@pytest.mark.parametrize("noise", [-1e-13, 1e-13])
+def test_roots_at_the_start_are_divided_out(k: int, noise: float, rng: np.random.Generator) -> None:
+    """Rounding moves them, or makes more of them: the first zero is that of t^k (a - t) at a."""
+    rows, zeros = rows_of((event("falls", direction=-1), 0, 0.0)), np.array([1e-9, 1e-6, 1e-3, 0.5])
+    exact = [Polynomial([0.0] * k + [a, -1.0]) for a in zeros]
+    times, tcs = slice_of([[p + Polynomial([noise] * k)] for p in exact], rng)
+    tallies = new_tallies(rows, LANES)
+    for lane in range(LANES):
+        reset(tallies, rows, lane, np.ones(1), np.array([-k]))
+    continued(tallies, rows, times, tcs)
+    np.testing.assert_allclose(tallies.kept[0], zeros, rtol=1e-9)
+    np.testing.assert_array_equal(tallies.kept[2], 1)

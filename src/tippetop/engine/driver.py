@@ -246,9 +246,11 @@ class Driver:
             if wanted.made == first or wanted.made < len(rows.times):
                 break
         log, count = self.log, int(self.log.filled[0])
-        order = np.argsort(log.time[:count], kind="stable") if count > 1 else slice(count)
-        columns = log.time, log.event, log.sign, log.at_pole, log.states
-        return self.samples.states[: int(self.samples.filled[0])].copy(), Passages(*(c[order].copy() for c in columns))
+        columns = [c[:count] for c in (log.time, log.event, log.sign, log.at_pole, log.states)]
+        if count > 0:
+            order = np.argsort(columns[0], kind="stable")
+            columns = [c[order] for c in columns]
+        return self.samples.states[: int(self.samples.filled[0])].copy(), Passages(*columns)
 
     def _filling(self, times: np.ndarray, steps: bool) -> Rows:
         """Rows at these times: the same ones as long as these times are wanted."""

@@ -41,7 +41,7 @@ from .taylor import compiled_when
 from .wide import WideDriver
 
 
-MOST_STEPS = 1_000_000
+MOST_STEPS = 200_000
 """Of an impact: some seconds."""
 
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
@@ -110,7 +110,7 @@ class SlidingImpacts:
             formulas = formulas_of_impact(self.law.record, region, self.restitution)
             code = compiled_when((formulas, self.precision, 0.0, 0, wide, False), self.stop)
             start, functions = np.zeros(len(Motion._fields), self.number), np.ones(len(formulas.events))
-            pars = [self.number(1)] * (len(Blow._fields) - 1 + len(self.law.record._fields))
+            pars = [self.number(1)] * len(code.integrator.pars)
             driver = (WideDriver if wide else Driver)(code, code.rows, pars, start, functions, 0.0)
             self.known[name] = sliding(region, self.restitution), driver
         return self.known[name]
@@ -145,7 +145,7 @@ class SlidingImpacts:
         moves = (value / mass for value in (*K, across, about))
         slip = v[0] / speed, v[1] / speed, patch * Omega_z / speed
         rest = RESTS_AT * self.eps * (abs(v[2]) / speed + speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5 + abs(slip[2]))
-        self.b = Blow(*moves, z, rising / speed, speed, rest, friction)
+        self.b = Blow._make((*moves, z, rising / speed, speed, rest, friction))
         none = 0 * rising
         q = Motion(*slip, v[2] / rising, *(none,) * 6)
         self.mode, self.left, self.reach = "", MOST_STEPS, -(2 * e_n * v[2] / rising)
@@ -177,19 +177,14 @@ class SlidingImpacts:
         """Return the motion where v_n is `until`, or, where that is None, its restitution ends."""
         b, passed = self.b, ""
         while True:
-            if self.mode or (self.region and sum(speeds(q)) <= b.rest**2):
-                if not self.mode:
-                    q = q._replace(v_e=0 * b.z, v_2=0 * b.z, turn=0 * b.z)
-                q, self.mode = held(q, b, until, self.restitution)
-                if not self.mode:
-                    raise ArithmeticError(UNSOLVED)
-                return q
+            if self.mode or passed == "stops" or (self.region and sum(speeds(q)) <= b.rest**2):
+                return self._held(q, until)
             slides, driver = self.motion(self.region)
             push = slides.push(q, b)
             if not 0 < lift(push, b) < np.inf:
                 raise ArithmeticError(UNSOLVED)
             end = until - q.v_n if until is not None else self.reach
-            piece = self._piece(slides, driver, q, push, end, passed)
+            piece, before = self._piece(slides, driver, q, push, end, passed), q
             q = Motion(*(piece.last[0].tolist() if self.precision == "double" else piece.last[0]))
             self.left -= piece.steps
             passed = ""
@@ -197,10 +192,8 @@ class SlidingImpacts:
                 passed = slides.events[int(piece.passages.events[-1])].name
                 if passed == "restored":
                     return q
-                if passed == "stops":
-                    q = q._replace(v_e=0 * b.z, v_2=0 * b.z, turn=0 * b.z)
-                elif passed in slides.follows:
-                    self.region, left = slides.follows[passed].follows, self.region
+                if passed in slides.follows:
+                    left, self.region = self.region, slides.follows[passed]
                     back = self.law.regions[self.region].borders
                     passed = next(way.event for way in back if way.follows == left)
             elif piece.status is Status.FINISHED and until is not None:
@@ -209,13 +202,24 @@ class SlidingImpacts:
                 self.reach = 2 * self.reach
             elif piece.status is Status.NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
+            elif piece.status is Status.STALLED and self.region and sum(speeds(q)) < sum(speeds(before)) / 4:
+                continue  # a disc comes to rest by ever shorter steps
             elif self.left <= 0 or piece.status is Status.STALLED:
                 raise ArithmeticError(ENDLESS if self.region else STIFF)
 
+    def _held(self, q: Any, until: Any) -> Any:
+        """Return the motion of a disc at rest there."""
+        if not self.mode:
+            none = 0 * q.v_e
+            q = q._replace(v_e=none, v_2=none, turn=none)
+        q, self.mode = held(q, self.b, until, self.restitution)
+        if not self.mode:
+            raise ArithmeticError(UNSOLVED)
+        return q
+
     def _piece(self, slides: Sliding, driver: Driver, q: Any, push: Any, end: Any, passed: str) -> Any:
         """Return the steps of a motion from q on, until v_n has risen by `end` or an event happens."""
-        signs = [-event.direction for event in slides.events]
-        zeros = [-float(event.name == passed) for event in slides.events]
+        signs, zeros = list(slides.signs), [-float(event.name == passed) for event in slides.events]
         signs[0] = 1 if passed == "slowest" or growth(q, push, self.b) >= 0 else -1
         if self.restitution in RESTORED:
             value = getattr(q, RESTORED[self.restitution])
@@ -239,13 +243,13 @@ class Impacts:
     ----------
     problem
         The run.
-    law
-        The record of the friction law.
+    friction
+        The record of the law.
     stop
         Set it to give up while a motion is being compiled.
     """
 
-    def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None):
+    def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None = None):
         rules: Any = problem.contact
         law = named(type(friction), problem.system.laws)[1]  # type: ignore[index]
         self.restitution, self.law = rules.restitution, law

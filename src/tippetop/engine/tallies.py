@@ -61,9 +61,8 @@ _LANE: dict[str, Any] = {
 
 SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_MOST = range(9)
 """What is known of an event function in a lane: its sign, +1 or -1; its least and greatest values, as it stands in the
-coefficients; 1 if the run starts on a zero of it,
--k if it starts where the first k Taylor coefficients vanish; of the present step bounds, and 1 if it is monotone there; and when
-it was least and greatest."""
+coefficients; 1 if the run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
+begins; of the present step bounds, and 1 if it is monotone there; and when it was least and greatest."""
 
 
 class Tallies(NamedTuple):

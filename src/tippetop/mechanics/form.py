@@ -159,7 +159,7 @@ class Next:
         The signs of event functions of the next phase, by name. Without, an event with an exit begins on the side from
         which it can happen.
     lasts
-        Time after which the phase ends by the exit `CLOCK`, where that is known; None: it is not.
+        Time after which the phase ends by the exit `CLOCK`, if no other one comes first; None: it has none.
     cause
         Why the phase begins, as the table of phases has it; None: the event that ended the one before; empty: the same
         phase continues in other words.

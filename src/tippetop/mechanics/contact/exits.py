@@ -94,7 +94,7 @@ def point(x: Moving, b: Touch) -> Vector:
 
 def rise(x: Moving, b: Touch) -> float:
     """Return its vertical component."""
-    return float(point(x, b).z)
+    return float(x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z)
 
 
 def size(v: Vector) -> Any:
@@ -111,7 +111,7 @@ def touching(x: Moving, world: Any) -> list[int]:
 def both_rest(x: Moving, world: Any) -> bool:
     """Return whether both balls touch the plane, and neither moves up or down."""
     slow = (abs(rise(x, b)) < BOTH_AT for b in world.body)
-    return len(touching(x, world)) > 1 and all(slow)
+    return len(world.body) > 1 and all(slow) and len(touching(x, world)) > 1
 
 
 def first_touch(n: Next, world: Any) -> Next:
@@ -153,28 +153,38 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
     derivatives vanish now."""
     roots = {}
     for k in touching(x, world):
-        rates = gap_rates(x, world.body[k])
         count = zeros if k == ball else 1
-        while count < 4 and rates[count - 1] == 0:
+        while count < 4 and (rate := gap_rate(x, world.body[k], count)) == 0:
             count += 1
-        if count == 4 or rates[count - 1] < 0:
+        if count == 4 or rate < 0:
             return ended(x, ball, cause, "stalled", NO_WAY)
         roots["land" if k == ball else "touch"] = count
-    return Next(phase_name("flight", ball), x, cause, zeros=roots)
+    lasts = min(longest_flight(x, b) for b in world.body)
+    return Next(phase_name("flight", ball), x, cause, zeros=roots, lasts=lasts)
 
 
-def gap_rates(x: Moving, b: Touch) -> tuple[Any, Any, Any]:
-    """Return the first three time derivatives of the gap of a ball in flight."""
-    turn = dot(x.L, x.L) / b.I1**2
-    swing = -(b.c * turn * contact.axis_rate(x.u, x.L, b).z)
-    return rise(x, b), bias_vector(x.u, x.L, b).z, swing
+def longest_flight(x: Moving, b: Touch) -> Any:
+    """Return a time before which a ball lands, however the body turns: a step that goes far beyond
+    it would find the landing less exactly."""
+    v, highest = x.velocity.z, abs(contact.gap(x.height, x.u.z, b)) + 2 * abs(b.c)
+    return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
+
+
+def gap_rate(x: Moving, b: Touch, order: int) -> Any:
+    """Return the first, second or third time derivative of the gap of a ball in flight."""
+    if order == 1:
+        return rise(x, b)
+    if order == 2:
+        return bias_vector(x.u, x.L, b).z
+    return -(b.c * dot(x.L, x.L) / b.I1**2 * contact.axis_rate(x.u, x.L, b).z)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
     """Return what follows where a ball touches the plane and its lowest point does not rise: the
     body slides, rolls or leaves."""
     b, law = world.body[ball], law_of(world)
-    zeros = {"touch": 1} if {*touching(x, world)} - {ball} else {}  # the other ball leaves
+    others = [k for k in touching(x, world) if k != ball] if len(world.body) > 1 else []
+    zeros = {"touch": 1} if others else {}  # the other ball leaves
     if not law.set_valued or size(point(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *regions_of(x, law.regions, b))
         phase = world.phases[name]
@@ -246,8 +256,8 @@ def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
         ball = pressed[0]
         x, hit, bounces, makes_energy = struck(x, world, ball)
         hits.append(hit)
-        others = (k for k in touching(x, world) if k != ball)
-        pressed = [k for k in others if rise(x, world.body[k]) < -CLOSES_AT]
+        others = (k for k, b in enumerate(world.body) if k != ball and rise(x, b) < -CLOSES_AT)
+        pressed = [k for k in others if k in touching(x, world)]
     if makes_energy:
         n = ended(x, ball, cause, "ended", MAKES_ENERGY)
     elif pressed:

@@ -17,6 +17,7 @@ from ..disc_friction import Border, Region
 from ..events import Event
 from ..form import Form
 from ..friction import slip_coefficient
+from ..operand import formula
 from ..units import ONE
 
 
@@ -40,22 +41,26 @@ Push: Any = namedtuple("Push", "e t turn")
 Speeds: Any = namedtuple("Speeds", "v2 U2")
 
 
+@formula
 def speeds(q):
     """Return the squares of sliding and turning."""
     return Speeds(q.v_e * q.v_e + q.v_2 * q.v_2, q.turn * q.turn)
 
 
+@formula
 def smooth_push(q, b):
     """Friction under a law with a coefficient."""
     k = b.speed * slip_coefficient(speeds(q).v2 * b.speed**2, b.z, b.friction)
     return Push(-(k * q.v_e), -(k * q.v_2), 0 * k)
 
 
+@formula
 def lift(push, b):
     """v_n per normal impulse. Where it is not positive, friction jams the contact."""
     return b.zz + b.ez * push.e
 
 
+@formula
 def slip_rates(push, b):
     """Rates of v_e, v_2 and turn by the normal impulse."""
     along = b.ez + b.ee * push.e
@@ -63,12 +68,14 @@ def slip_rates(push, b):
     return along, across, b.across * push.t + b.about * push.turn
 
 
+@formula
 def growth(q, push, b):
     """Half the rate of the square of the slip by the normal impulse."""
     along, across, turn = slip_rates(push, b)
     return q.v_e * along + q.v_2 * across + q.turn * turn
 
 
+@formula
 def beyond_rest(q, push, b):
     """Square of the slip beyond that of a disc at rest."""
     return sum(speeds(q)) - b.rest**2
@@ -88,40 +95,44 @@ class Sliding(NamedTuple):
     form: Form
     push: Callable  # push(q, b)
     events: tuple[Event, ...]  # formula(q, push, b)
-    follows: dict[str, Border]  # borders of the region, by event
+    signs: tuple[int, ...]  # of their functions before they happen
+    follows: dict[str, str]  # the next region, by the event of a border
 
 
 @lru_cache
 def sliding(region: Region | None, restitution: str) -> Sliding:
     """Return the motion in a region of a law; None: under a law with a coefficient."""
 
+    @formula
     def disc_push(q, b):
-        by, mu = region.drag(*speeds(q)), b.friction.mu
+        by, mu = region.drag(*speeds(q)), b.friction.mu  # type: ignore[union-attr]
         return Push(-(mu * by.k * q.v_e), -(mu * by.k * q.v_2), -(mu * by.twist * q.turn))
 
     push = smooth_push if region is None else disc_push
 
+    @formula
     def rates(q, b):
         by = push(q, b)
         per = 1 / (CLOCK_RATE * lift(by, b))
         slips = (b.ratio * per * rate for rate in slip_rates(by, b))
         power = by.e * q.v_e + by.t * q.v_2 + by.turn * q.turn
         impulses = per * by.e, per * by.t, per, per * by.turn
-        return Motion(*slips, 1 / CLOCK_RATE + 0 * q.v_n, *impulses, per * q.v_n, per * power)
+        return Motion._make((*slips, 1 / CLOCK_RATE + 0 * q.v_n, *impulses, per * q.v_n, per * power))
+
+    def restored(q, push, b):
+        return getattr(q, RESTORED[restitution])
 
     def border(way: Border) -> Event:
-        formula = lambda q, push, b: way.beyond(speeds(q), b)  # noqa: E731
-        return Event(way.event, "", formula, way.direction, way.event)
+        return Event(way.event, "", lambda q, push, b: way.beyond(speeds(q), b), way.direction, way.event)
 
-    events, follows = (SLOWEST,), {}
+    events, follows = [SLOWEST], {}
     if restitution in RESTORED:
-        field = RESTORED[restitution]
-        formula = lambda q, push, b: getattr(q, field)  # noqa: E731
-        events += (Event("restored", "restitution ends", formula, 1, "restored"),)
+        events.append(Event("restored", "restitution ends", restored, 1, "restored"))
     if region is not None:
-        follows = {way.event: way for way in region.borders if way.direction > 0 or way.event != "slow"}
-        events += (STOPS, *map(border, follows.values()))
-    return Sliding(Form("impact", Motion(*(ONE,) * 10), rates, lambda q, b: q), push, events, follows)
+        follows = {way.event: way.follows for way in region.borders if way.event != "slow"}
+        events += [STOPS, *(border(way) for way in region.borders if way.event in follows)]
+    form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
+    return Sliding(form, push, tuple(events), tuple(-event.direction for event in events), follows)
 
 
 def held(q: Any, b: Any, until: Any, restitution: str) -> tuple[Any, str]:

@@ -161,7 +161,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
         following = tuple(other for other, label in near.items() if label in labels)
         return Exit(event, following or tuple(bare), jump)
 
-    names = (*(event.name for event in phase.events), *((CLOCK,) if regions else ()))
+    names = (*(event.name for event in phase.events), *((CLOCK,) if regions or phase.label == "flight" else ()))
     exits = tuple(map(way_out, names))
     forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
     return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball)

@@ -26,7 +26,7 @@ from .response import bias_vector, contact_acceleration_vector, torque_accelerat
 from .rolling import catalogue as rolling
 from .rolling import vector as rolling_vector
 from .rolling.reaction import Kinematics, kinematics, normal_force, reaction
-from .state import LOST, VELOCITY, Moving, Reaction, state
+from .state import LOST, VELOCITY, Moving, Reaction, filled, state
 
 
 def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -71,7 +71,7 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=force_of)
 
 
 FREE = state(**VELOCITY, height=METRE)
-Free: Any = namedtuple("Free", (*Kinematics._fields, "height"))
+Free: Any = type(filled(**dict.fromkeys((*Kinematics._fields, "height"))))
 
 
 def free_rates(q, b):

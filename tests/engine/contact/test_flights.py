@@ -1,0 +1,203 @@
+"""Landings, the events of a flight: against its closed form, and the reference; none is missed, however short."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from nightly import at_night
+
+from tippetop.engine.compiled import compiled_from
+from tippetop.engine.driver import Driver
+from tippetop.engine.hybrid import formulas_of_phase
+from tippetop.engine.impacts import NO_ROWS
+from tippetop.engine.status import Status
+from tippetop.engine.tallies import ON_ZERO, SIGN
+from tippetop.engine.wide import WideDriver
+from tippetop.mechanics.contact.body import Touch, axis_rate, height
+from tippetop.mechanics.contact.exits import gap_rate, longest_flight
+from tippetop.mechanics.contact.gliding.chart import axis_and_momentum
+from tippetop.mechanics.contact.gliding.euler import Angles
+from tippetop.mechanics.contact.opening import opened
+from tippetop.mechanics.contact.state import Moving
+from tippetop.mechanics.friction import LAWS, Frictionless
+from tippetop.mechanics.operand import Vector, leaves
+from tippetop.mechanics.systems import SYSTEMS
+
+
+CASE = json.loads((Path(__file__).parents[2] / "reference" / "caseC3_liftoff_flight_plastic_landing.json").read_text())
+SYSTEM = opened(SYSTEMS["tippe-top"], LAWS["none"], 1)
+FLIGHT = SYSTEM.phases["flight"]
+FORMULAS = formulas_of_phase(SYSTEM, FLIGHT, Touch, Frictionless)
+NAMES = [event.name for event in FORMULAS.events]
+LANDINGS = "land", "touch"
+
+
+class Flights:
+    """Flights in the numbers of a precision."""
+
+    def __init__(self, precision: str = "double"):
+        wide = precision != "double"
+        self.number = np.longdouble if wide else np.float64
+        code = compiled_from(FORMULAS, precision, 0.0, 0, wide, True)
+        code.rows.events["ends"] *= np.isin(NAMES, LANDINGS)
+        start, pars = np.zeros(14, self.number), [self.number(1)] * len(code.integrator.pars)
+        self.driver = (WideDriver if wide else Driver)(code, code.rows, pars, start, np.ones(len(NAMES)), 1e9)
+
+    def landing(self, x: Moving, b: Touch, zeros: int) -> tuple[Any, str]:
+        """Return the time of the landing and its event; `zeros` of the gap and its derivatives vanish now."""
+        driver, tally = self.driver, self.driver.tally
+        q = FLIGHT.enter(x, b)
+        driver.state[:] = 0
+        driver.state[: len(q)] = q
+        driver.take(leaves(b)[: len(driver.motion.pars)])
+        driver.put(driver.state, (self.number(0), self.number(0)))
+        driver.end_at(longest_flight(x, b))
+        functions = driver.tallies.functions
+        functions[SIGN], functions[ON_ZERO] = 1, 0
+        functions[ON_ZERO, NAMES.index("land"), 0] = -zeros
+        tally["status"], tally["upto"], tally["steps"] = Status.RUNNING.code, 1.0, 0
+        piece = driver.advance(NO_ROWS, 10**6)
+        while piece.status is None:
+            piece = driver.advance(NO_ROWS, 10**6)
+        return piece.time, NAMES[int(piece.passages.events[-1])]
+
+
+@pytest.fixture(scope="module")
+def flights() -> Flights:
+    return Flights()
+
+
+def body(c: float, **other: float) -> Touch:
+    numbers = {"m": 1.0, "R": 1.0, "I1": 0.37, "I3": 0.35, "g": 1.0, "clearance": 1.0, "lever": 0.0} | other
+    return Touch(c=c, friction=Frictionless(), **numbers)
+
+
+def state(b: Touch, theta: float, L: Any, rise: float, gap: float = 0.0) -> Moving:
+    """A body in the air, or on the plane, whose lowest point rises."""
+    u, L = Vector(float(np.sin(theta)), 0.0, float(np.cos(theta))), Vector(*map(float, L))
+    return Moving(u, L, Vector(0.1, 0.2, rise - b.c * axis_rate(u, L, b).z), height(u.z, b) + gap)
+
+
+def gap_at(x: Moving, b: Touch, gap: float, t: Any) -> Any:
+    """The gap at times t, in the numbers of t: L stays, the axis turns about it, the centre falls. [contact 3.1]"""
+    sine, cosine = (mp.sin, mp.cos) if isinstance(t, mp.mpf) else (np.sin, np.cos)
+    number = type(t) if isinstance(t, mp.mpf) else np.longdouble
+    u, L = ([number(value) for value in vector] for vector in (x.u, x.L))
+    size = (L[0] ** 2 + L[1] ** 2 + L[2] ** 2) ** 0.5
+    along = sum(a * b for a, b in zip(L, u, strict=True)) / size**2
+    angle = size / b.I1 * t
+    turned = (u[2] - along * L[2]) * (cosine(angle) - 1) + (L[0] * u[1] - L[1] * u[0]) / size * sine(angle)
+    return gap + x.velocity.z * t - b.g * t * t / 2 + b.c * turned
+
+
+def random_flights(rng: np.random.Generator, zeros: int, count: int) -> list[tuple[Moving, Touch, float]]:
+    """Of tops that turn slowly or so fast that they come down tens of times before they would land."""
+    found: list[tuple[Moving, Touch, float]] = []
+    while len(found) < count:
+        b, L = body(rng.uniform(-0.6, 0.6)), rng.normal(size=3) * 10 ** rng.uniform(-1, 1.2)
+        theta, gap = rng.uniform(0.05, 3.1), 10 ** rng.uniform(-3, 0.3) if zeros == 0 else 0.0
+        rise = rng.normal() * 10 ** rng.uniform(-2, 0.5) if zeros < 2 else 0.0
+        x = state(b, theta, L, rise, gap)
+        if zeros == 3:  # L sets the second derivative
+            pull = gap_rate(x, b, 2) + b.g
+            x = state(b, theta, L * abs(b.g / pull) ** 0.5, rise)
+            if not abs(gap_rate(x, b, 2)) < 1e-12:
+                continue
+        if zeros == 0 or gap_rate(x, b, zeros) > 0:
+            found.append((x, b, gap))
+    return found
+
+
+def test_a_body_that_does_not_turn_lands_as_a_point_does(flights: Flights) -> None:
+    b = body(0.3)
+    assert flights.landing(state(b, 0.6, (0, 0, 0), 1.0), b, 1)[0] == pytest.approx(2 / b.g, rel=1e-15)
+
+
+@pytest.mark.parametrize("zeros", [0, 1, 2, 3])
+@pytest.mark.parametrize("count", [150, at_night(2500)])
+def test_no_landing_is_missed(zeros: int, count: int, flights: Flights, rng: np.random.Generator) -> None:
+    """The gap vanishes at the landing, falling, and nowhere before it."""
+    for x, b, gap in random_flights(rng, zeros, count):
+        t = np.longdouble(flights.landing(x, b, zeros)[0])
+        near = np.array([t - 1e-6, t + 1e-6])
+        speed = np.diff(gap_at(x, b, gap, near))[0] / 2e-6
+        assert speed < 0
+        assert abs(gap_at(x, b, gap, t)) <= 1e-16 + 1e-13 * abs(speed) * max(1, t)
+        assert gap_at(x, b, gap, np.linspace(0, t, 4002, dtype=np.longdouble)[1:-1]).min() > -1e-14
+
+
+def test_the_derivatives_of_the_gap_are_those_of_the_flight(rng: np.random.Generator) -> None:
+    for x, b, gap in random_flights(rng, 0, 5):
+        with mp.workdps(40):
+            exact = mp.taylor(lambda t, x=x, b=b, gap=gap: gap_at(x, b, gap, mp.mpf(t)), 0, 3)[1:]
+        expected = [float(c * mp.factorial(k)) for k, c in enumerate(exact, 1)]
+        assert [gap_rate(x, b, k) for k in (1, 2, 3)] == pytest.approx(expected, rel=1e-12, abs=1e-13)
+
+
+@pytest.mark.parametrize(("precision", "digits"), [("double", 3e-16), ("longdouble", 6e-19)])
+def test_the_reference_lands_where_it_does(precision: str, digits: float) -> None:
+    """A liftoff: a triple root at the start, which the rounding of the state must not move. SI units."""
+    liftoff, touch = CASE["events"][:2]
+    flights = Flights(precision)
+    n = flights.number
+    e = Angles(*(n(liftoff.get(name, "0")) for name in ("theta", "thetadot", "phidot", "omega3")), 0, 0, *[0] * 5)
+    e, I1, I3 = e._replace(phi=n(liftoff["phi"])), n(131) / 43750000, n(1) / 312500
+    u, L = axis_and_momentum(e, np.sin(e.theta), np.cos(e.theta), I1, I3)
+    b = Touch(n(1) / 50, n(1) / 50, n(6) / 1000, I1, I3, n(982) / 100, Frictionless(), n(1), n(0))
+    x = Moving(u, L, Vector(n(0), n(0), n(liftoff["sdot"][2])), height(u.z, b))
+    with mp.workdps(25):
+        expected = n(mp.nstr(mp.mpf(touch["t"]) - mp.mpf(liftoff["t"]), 22))
+    assert abs(flights.landing(x, b, 3)[0] - expected) < digits
+
+
+@pytest.mark.parametrize("share", [1e-2, 1e-6, 1e-10])
+def test_grazing_liftoffs_land_at_once(share: float, flights: Flights) -> None:
+    """Their hop lasts 4 gap'''/|gap''''|, to first order."""
+    b, z, Omega = body(-0.5), 0.3, 3.0
+    b = b._replace(g=0.5 * Omega**2 * z)  # no second derivative where L is horizontal and along the axis' rate
+    s = np.sqrt(1 - z * z)
+    L = b.I1 * Omega * np.array([0.0, np.cos(share * z / s), 0.0])
+    L[0] = b.I1 * Omega * np.sin(share * z / s)
+    x = Moving(Vector(0.0, s, z), Vector(*L.tolist()), Vector(0.0, 0.0, 0.0), height(z, b))
+    third = gap_rate(x, b, 3)
+    fourth = b.c * Omega**4 * z
+    x = x._replace(velocity=Vector(0.0, 0.0, -b.c * axis_rate(x.u, x.L, b).z))
+    assert third > 0 > fourth
+    assert flights.landing(x, b, 3)[0] == pytest.approx(-4 * third / fourth, rel=max(3 * share, 1e-9))
+
+
+@pytest.mark.parametrize("depth", [1e-4, 1e-8, 1e-12, -1e-12, -1e-8, -1e-4])
+def test_a_gap_that_all_but_closes_is_followed(depth: float, flights: Flights) -> None:
+    """Weight hardly acts: the gap is that of the turning, whose second minimum lies at -depth."""
+    b, Omega = body(0.5, g=1e-9), 1.0
+    x = state(b, np.pi / 2, (0.0, -b.I1 * Omega, 0.0), 0.0, 0.5 - depth)  # gap = 0.5 (1 + sin) - depth, less a fall
+    x = x._replace(velocity=Vector(0.0, 0.0, 0.0))
+    fallen = 3 * np.pi / 2
+    sag = b.g * fallen**2 / 2
+    t, _ = flights.landing(x, b, 0)
+    if depth + sag > 0:
+        assert t == pytest.approx(fallen - np.sqrt(2 * (depth + sag) / 0.5), abs=0.03 * np.sqrt(depth + sag) + 1e-7)
+    else:
+        assert t > fallen * 1.5
+
+
+def test_the_first_of_two_balls_lands(flights: Flights, rng: np.random.Generator) -> None:
+    """The other ball's gap exceeds that of this one by clearance + lever cos(theta)."""
+    ends = set()
+    for x, b, gap in random_flights(rng, 0, 40):
+        both = b._replace(clearance=0.5, lever=0.9)
+        if both.clearance + both.lever * x.u.z + gap < 0:
+            continue
+        alone, (t, event) = flights.landing(x, b, 0)[0], flights.landing(x, both, 0)
+        ends.add(event)
+        other = gap_at(x, b._replace(c=b.c + 0.9), gap + 0.5 + 0.9 * x.u.z, np.longdouble(t))
+        if event == "land":
+            assert t == alone
+            assert other > -1e-12
+        else:
+            assert t < alone
+            assert abs(other) < 1e-12
+    assert ends == set(LANDINGS)

@@ -1,0 +1,356 @@
+"""Impacts under laws that are smooth in the sliding velocity, or have regions: against laws that share no code with
+them, integrations of the whole body, and impacts of a point."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+import pytest
+from nightly import at_night
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from tippetop.engine import impacts
+from tippetop.engine.impacts import Impacts, SlidingImpacts
+from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.response import Mobility, mobility, spin_mobility
+from tippetop.mechanics.contact.state import Moving
+from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck
+from tippetop.mechanics.disc_friction import drag
+from tippetop.mechanics.friction import LAWS, Contensou, Coulomb, Latitude, Stribeck, Viscous, named
+from tippetop.mechanics.operand import Vector, leaves, refill
+
+
+PATCH = 5e-4
+DISC = Touch(0.006, 0.015, 0.003, 8e-7, 7e-7, 9.81, Contensou(0.3, PATCH, 0.0))
+STEM = DISC._replace(c=0.016, R=0.005)
+TOP = Touch(1.0, 1.0, 0.3, 131 / 350, 0.4, 1.0, Viscous(0.3))
+every_law = pytest.mark.parametrize("restitution", RESTITUTIONS)
+_motions: dict[tuple, SlidingImpacts] = {}
+
+
+def hit(
+    v: tuple, theta: float, b: Touch, e_n: Any, restitution: str = "energetic", Omega_z: Any = 0.0, precision="double"
+) -> Impact:
+    """The impact of a body that arrives with v = (v_e, v_2, v_n)."""
+    return hit_at(v, np.sin(theta), np.cos(theta), b, e_n, restitution, Omega_z, precision)
+
+
+def hit_at(v: tuple, s: Any, z: Any, b: Touch, e_n: Any, restitution: str, Omega_z: Any, precision: str) -> Impact:
+    law = type(b.friction)
+    key = law, restitution, precision
+    if key not in _motions:
+        _motions[key] = SlidingImpacts(named(law)[1], restitution, precision)
+    spin = spin_mobility(s, z, b) if law is Contensou else None
+    return _motions[key].struck(v, mobility(s, z, b), z, b.friction, e_n, spin, Omega_z)
+
+
+def under(mu: float, patch: float = PATCH) -> Touch:
+    """The disc under friction of another size."""
+    return DISC._replace(friction=Contensou(mu, patch, 0.0))
+
+
+def contacts(n: int = 20) -> list[tuple[float, tuple[float, float, float]]]:
+    """Angles of a body, and velocities before an impact."""
+    rng = np.random.default_rng(5)
+    angles = rng.uniform(0.1, 3.0, n)
+    return [(a, (rng.normal(), rng.normal(), -rng.uniform(0.01, 1.0))) for a in angles]
+
+
+def balance(v: tuple, made: Impact, Omega_z: Any = 0) -> Any:
+    """The energy that an impulse and an impulse of a torque give: p.(v- + v+)/2."""
+    p, after = (made.p_e, made.p_2, made.p_z), (made.v_e, made.v_2, made.v_n)
+    turned = made.twist * (Omega_z + made.Omega_z)
+    return sum((a * (b + c) for a, b, c in zip(p, v, after, strict=True)), turned) / 2
+
+
+# --- laws with a coefficient ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("k", [0.0, 0.1, 2.0])
+def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
+    """v' = A v + b by the normal impulse: the exponential of a matrix, to where v_n is -e_n of what it was."""
+    body = TOP._replace(friction=Viscous(k))
+    for theta, (v_e, v_2, v_n) in contacts():
+        K = mobility(np.sin(theta), np.cos(theta), body)
+        if K.zz - k * abs(K.ez * v_e) < 0.1:  # it jams, or nearly so
+            continue
+        A = np.zeros((4, 4))
+        A[:3] = [[-k * K.ee, 0, 0, K.ez], [0, -k * K.tt, 0, 0], [-k * K.ez, 0, 0, K.zz]]
+        start = np.array([v_e, v_2, v_n, 1.0])
+        for e_n in (0.0, 0.6):
+
+            def missing(p: float, A=A, start=start, goal=-e_n * v_n) -> float:
+                return float((expm(A * p) @ start)[2] - goal)
+
+            p_z = brentq(missing, 0.0, 20 * abs(v_n), xtol=1e-16, rtol=1e-15)
+            exact = expm(A * p_z) @ start
+            got = hit((v_e, v_2, v_n), theta, body, e_n, "newton")
+            assert got.p_z == pytest.approx(p_z, rel=1e-12)
+            assert (got.v_e, got.v_2, got.v_n) == pytest.approx(tuple(exact[:3]), abs=1e-12)
+
+
+LAWS_OF = (Viscous(0.3), Coulomb(0.3, 0.1), Coulomb(0.3, 1e-3), Stribeck(0.2, 0.4, 0.3, 0.05), Latitude(0.2, 0.7))
+
+
+@every_law
+@pytest.mark.parametrize("law", LAWS_OF)
+@pytest.mark.parametrize("size", [1.0, 1e-6, at_night(1e3)])
+def test_the_works_are_those_of_the_impulse(law: Any, restitution: str, size: float) -> None:
+    """The sum of the works is p.(v- + v+)/2, whatever the law and the speed; energetic: of the normal ones e_n^2 comes
+    back; Poisson: of the normal impulse e_n; Newton: of the velocity."""
+    fields = {"mu": size} if isinstance(law, Viscous) else {"mu": size, "mu_stem": size}
+    fields = fields if hasattr(law, "mu_stem") or isinstance(law, Viscous) else {"eps": 1 / size, "v_s": 1 / size}
+    body = TOP._replace(friction=law._replace(**{n: getattr(law, n) / f for n, f in fields.items() if hasattr(law, n)}))
+    for theta, v in contacts():
+        v = tuple(size * x for x in v)
+        got, scale = hit(v, theta, body, 0.5, restitution), size**2
+        assert got.energy == pytest.approx(balance(v, got), abs=2e-15 * scale)
+        assert got.work_t < 0
+        ends = {
+            "energetic": got.work_n / got.compression - 0.75,
+            "poisson": got.p_z / hit(v, theta, body, 0.0, restitution).p_z - 1.5,
+            "newton": got.v_n / v[2] + 0.5,
+        }
+        assert ends[restitution] == pytest.approx(0, abs=1e-13)
+
+
+def test_the_regularised_law_tends_to_coulombs() -> None:
+    """Sliding that does not stop differs from that under the law itself by the square of eps."""
+    theta, mu, v = contacts()[0][0], 0.2, (3.0, 1.0, -0.5)
+    exact = struck(*v, mobility(np.sin(theta), np.cos(theta), TOP), mu, 0.4)
+    assert exact.mode == "slip"
+    errors = []
+    for eps in (4e-3, 2e-3, 1e-3):
+        got = hit(v, theta, TOP._replace(friction=Coulomb(mu, eps)), 0.4)
+        errors.append(np.hypot(got.p_e - exact.p_e, got.p_2 - exact.p_2))
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.01)
+
+
+@pytest.mark.parametrize("eps", [1e-3, 1e-5])
+def test_slip_that_turns_back_in_a_line_sticks_as_coulombs_does(eps: float) -> None:
+    """Friction reverses within eps, which a longer step would pass over."""
+    v = (-0.02, 0.0, -0.3)
+    exact = struck(*v, mobility(np.sin(0.9), np.cos(0.9), TOP), 0.3, 0.0)
+    assert exact.mode == "stick"
+    got = hit(v, 0.9, TOP._replace(friction=Coulomb(0.3, eps)), 0.0)
+    assert got[:6] == pytest.approx(exact[:6], abs=2 * eps)
+
+
+@pytest.mark.parametrize("law", [Viscous(np.nan), Viscous(1e3)])
+def test_a_law_that_jams_the_contact_is_refused(law: Any) -> None:
+    """v_e K_ez > 0 and k beyond K_zz/(K_ez v_e)."""
+    with pytest.raises(ArithmeticError, match="no solution"):
+        hit((3.0, 0.0, -1.0), 0.9, TOP._replace(friction=law), 0.0)
+
+
+def test_a_law_that_is_too_stiff_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(impacts, "MOST_STEPS", 100)
+    with pytest.raises(ArithmeticError, match="too stiff"):
+        hit((0.02, 0.01, -0.3), 0.9, TOP._replace(friction=Coulomb(0.3, 1e-6)), 0.0)
+
+
+@pytest.mark.parametrize("e_n", [0.0, 0.6])
+def test_a_body_moves_as_its_impulse_says(e_n: float) -> None:
+    """The axis vertical, too: then e is the direction of the slip, or any where nothing slips."""
+    b = Touch(0.02, 0.02, 0.006, 3e-6, 3.2e-6, 9.82, Viscous(0.3))
+    rules = SimpleNamespace(restitution="energetic")
+    world = Impacts(SimpleNamespace(contact=rules, system=SimpleNamespace(laws=LAWS), precision="double"), b.friction)
+    tilted, upright = Vector(0.48, 0.36, 0.8), Vector(0.0, 0.0, 1.0)
+    starts = [(tilted, Vector(1e-4, 2e-4, 9e-4)), (upright, Vector(0.0, 1e-5, 9e-4)), (upright, Vector(0.0, 0.0, 9e-4))]
+    for u, L in starts:
+        velocity = Vector(0.02, -0.01, -0.3) if L.y else Vector(0.0, 0.0, -0.3)
+        v, impact, after = world.struck(Moving(u, L, velocity, 0.0), b, e_n)
+        gained = np.dot(after.p, np.add(v, after.v)) / 2
+        assert after.gained == pytest.approx(gained, rel=1e-13)
+        assert impact.energy == pytest.approx(gained, rel=1e-13)
+        assert after.v.z == pytest.approx(impact.v_n, abs=1e-15)
+        assert np.hypot(after.v.x, after.v.y) == pytest.approx(np.hypot(impact.v_e, impact.v_2), abs=1e-15)
+        assert np.hypot(after.p.x, after.p.y) == pytest.approx(np.hypot(impact.p_e, impact.p_2), rel=1e-13)
+
+
+@pytest.mark.parametrize(("precision", "digits"), [("longdouble", 1e-18), pytest.param("quad", 1e-32)])
+@pytest.mark.parametrize("law", [Coulomb(0.3, 0.1), DISC.friction])
+def test_an_impact_has_the_digits_of_its_numbers(precision: str, digits: float, law: Any) -> None:
+    """The works and impulses are integrated; p.(v- + v+)/2 joins them."""
+    number = {"longdouble": np.longdouble, "quad": hy.real128}[precision]
+    v, body = tuple(number(x) for x in (0.1, -0.1, -0.3)), DISC._replace(friction=law)
+    turn = number(80) if isinstance(law, Contensou) else number(0)
+    b = refill(body._replace(clearance=0.0, lever=0.0), map(number, leaves(body._replace(clearance=0.0, lever=0.0))))
+    made = hit_at(v, number(0.8), number(0.6), b, number(0.5), "energetic", turn, precision)
+    assert abs(made.energy - balance(v, made, turn)) < 100 * digits * abs(made.compression)
+    assert abs(made.work_n - made.compression * 3 / 4) < digits * abs(made.compression)
+
+
+# --- a contact disc that slides and turns -----------------------------------------------------------------------------
+
+
+def body_struck(v: tuple, omega: np.ndarray, theta: float, ball: Touch, until: float) -> tuple:
+    """Contact velocity, omega and gain of L after the normal impulse `until`: the free body, by Newton and Euler."""
+    u = np.array([np.sin(theta), 0, np.cos(theta)])
+    a = ball.c * u - np.array([0, 0, ball.R])
+    inverse = np.eye(3) / ball.I1 + (1 / ball.I3 - 1 / ball.I1) * np.outer(u, u)
+    V, L = np.array(v) - np.cross(omega, a), np.linalg.solve(inverse, omega)
+
+    def rate(p: float, y: np.ndarray) -> np.ndarray:
+        omega = inverse @ y[3:]
+        v = y[:3] + np.cross(omega, a)
+        k, twist = drag(v[0] ** 2 + v[1] ** 2, (PATCH * omega[2]) ** 2)
+        F = np.array([-ball.friction.mu * k * v[0], -ball.friction.mu * k * v[1], 1])
+        torque = np.array([0, 0, -ball.friction.mu * PATCH**2 * twist * omega[2]])
+        return np.concatenate([F / ball.m, np.cross(a, F) + torque])
+
+    y = solve_ivp(rate, (0, until), np.concatenate([V, L]), "DOP853", rtol=1e-12, atol=1e-16).y[:, -1]
+    omega = inverse @ y[3:]
+    return y[:3] + np.cross(omega, a), omega, y[3:] - L
+
+
+@every_law
+@pytest.mark.parametrize("ball", [DISC, STEM])
+def test_the_whole_body_moves_so(ball: Touch, restitution: str, rng: np.random.Generator) -> None:
+    for theta in rng.uniform(0.2, 2.9, 3):
+        omega, v = rng.normal(0, 100, 3), (*rng.normal(0, 0.2, 2), -0.1)
+        made = hit(v, theta, ball, 0.6, restitution, omega[2])
+        after, turned, gained = body_struck(v, omega, theta, ball, made.p_z)
+        np.testing.assert_allclose((made.v_e, made.v_2, made.v_n), after, rtol=0, atol=1e-10)
+        assert made.Omega_z == pytest.approx(turned[2], abs=1e-8)
+        a = np.array([ball.c * np.sin(theta), 0, ball.c * np.cos(theta) - ball.R])
+        p = np.array([made.p_e, made.p_2, made.p_z])
+        np.testing.assert_allclose(np.cross(a, p) + np.array([0, 0, made.twist]), gained, rtol=0, atol=1e-14)
+        assert made.energy == pytest.approx(balance(v, made, omega[2]), rel=1e-13)
+        assert made.work_t < 0
+        ends = {"energetic": made.work_n / made.compression - 0.64, "poisson": 0, "newton": made.v_n - 0.06}
+        assert ends[restitution] == pytest.approx(0, abs=1e-13)
+
+
+def test_poissons_impulse_is_that_of_compression_and_its_share() -> None:
+    v = (0.1, -0.1, -0.3)
+    whole, pressed = (hit(v, 0.9, STEM, e, "poisson", 80.0) for e in (0.6, 0.0))
+    assert whole.p_z == pytest.approx(1.6 * pressed.p_z, rel=1e-13)
+    assert pressed.v_n == 0
+
+
+def test_a_point_is_a_disc_of_no_size() -> None:
+    """Where the slip does not stop; the difference is of the order of the disc squared."""
+    v = (0.4, -0.3, -0.2)
+    point = struck(*v, mobility(np.sin(1.0), np.cos(1.0), DISC), DISC.friction.mu, 0.5)
+    errors = []
+    for patch in (1e-4, 1e-5, 1e-9):
+        made = hit(v, 1.0, under(0.3, patch), 0.5, Omega_z=50.0)
+        errors.append(abs(made.v_2 - point.v_2) + abs(made.p_e - point.p_e))
+    assert errors[1] < errors[0] / 5
+    assert errors[2] < 1e-13
+
+
+@pytest.mark.parametrize("theta", [0.8, 1.2])
+def test_a_velocity_whose_square_underflows_is_none(theta: float) -> None:
+    """Where friction can hold the disc, and where it cannot."""
+    least, none = (hit((v, 0.0, -1.0), theta, under(0.05), 0.5, Omega_z=v) for v in (1e-170, 0.0))
+    assert least == none
+
+
+def test_a_velocity_that_is_not_a_number_is_refused() -> None:
+    with pytest.raises(ArithmeticError, match="no solution"):
+        hit((np.nan, 0.0, -1.0), 0.8, DISC, 0.5)
+
+
+@every_law
+@pytest.mark.parametrize("Omega_z", [0.0, 0.1])
+def test_a_disc_that_hardly_turns_comes_to_rest_as_a_point_does(Omega_z: float, restitution: str) -> None:
+    v, b, e_n = (0.02, -0.03, -0.3), under(0.3, 2e-5), 0.5
+    made = hit(v, 1.0, b, e_n, restitution, Omega_z)
+    point = struck(*v, mobility(np.sin(1.0), np.cos(1.0), b), b.friction.mu, e_n, restitution)
+    assert (point.v_e, point.v_2) == (0, 0)
+    assert (made.v_e, made.v_2) == pytest.approx((0, 0), abs=1e-5)
+    assert (made.v_n, made.p_z) == pytest.approx((point.v_n, point.p_z), rel=1e-5)
+    assert made.energy == pytest.approx(point.energy, rel=1e-4)
+
+
+def test_a_disc_that_turns_slower_than_rounding_sticks() -> None:
+    law = Contensou(0.9346531257483076, 4.1999305207395505e-05, 0.0)
+    ball = Touch(1, 1, 0.7425928153483007, 0.3419806519259723, 0.24520041071791776, 1, law)
+    s, z = 0.1426718256813278, -0.9897700491309872
+    v = (0.0, 1.2958642370572142e-06, -8.767114515652006)
+    made = hit_at(v, s, z, ball, 1.0, "newton", -6.56e-11, "double")
+    point = struck(*v, mobility(s, z, ball), ball.friction.mu, 1.0, "newton")
+    assert made.mode == point.mode == "stick"
+    assert made[:3] == pytest.approx(point[:3], rel=1e-9, abs=1e-12)
+
+
+def test_slip_and_drilling_that_stop_together_stick() -> None:
+    """At a pole, where friction gives no Omega_z."""
+    made = hit((0.01, 0.01, -1.0), 0.0, DISC, 0.5)
+    point = struck(0.01, 0.01, -1.0, mobility(0.0, 1.0, DISC), DISC.friction.mu, 0.5)
+    assert made.mode == "stick"
+    assert (made.v_e, made.v_2, made.Omega_z) == (0, 0, 0)
+    assert made[:3] == pytest.approx(point[:3], rel=1e-12)
+    assert made.energy == pytest.approx(point.energy, rel=1e-12)
+
+
+@every_law
+@pytest.mark.parametrize("theta", [0.5, 2.0])
+def test_what_does_not_slide_is_pushed_so_that_it_stays_at_rest(theta: float, restitution: str) -> None:
+    """Of a slanted body the normal impulse would move the contact, too."""
+    ball = under(0.6)
+    made, K = hit((0.0, 0.0, -1.0), theta, ball, 0.5, restitution), mobility(np.sin(theta), np.cos(theta), ball)
+    assert made.mode == "stick"
+    assert (made.v_e, made.v_2, made.Omega_z) == (0, 0, 0)
+    assert abs(K.ez * made.p_z) > 0.1
+    assert K.ee * made.p_e + K.ez * made.p_z == pytest.approx(0, abs=1e-12)
+    assert K.ez * made.p_e + K.zz * made.p_z == pytest.approx(made.v_n + 1, rel=1e-12)
+    assert made.energy == pytest.approx(made.p_z * (made.v_n - 1) / 2, rel=1e-12)
+
+
+@every_law
+@pytest.mark.parametrize("theta", [0.5, 2.6])
+@pytest.mark.parametrize("v_e", [0.0, 1e-3, -1e-3])
+def test_what_friction_cannot_hold_slips_as_a_point_does(v_e: float, theta: float, restitution: str) -> None:
+    """Without drilling, from rest or back out of it: the normal impulse pushes a slanted body to one side."""
+    ball = under(0.02)
+    point = struck(v_e, 0.0, -1.0, mobility(np.sin(theta), np.cos(theta), ball), ball.friction.mu, 0.5, restitution)
+    made = hit((v_e, 0.0, -1.0), theta, ball, 0.5, restitution)
+    assert made.mode == "slip"
+    assert abs(point.v_e) > 0.01
+    for name in ("p_e", "p_z", "v_e", "v_n", "work_n", "work_t"):
+        assert getattr(made, name) == pytest.approx(getattr(point, name), rel=1e-10), name
+    assert (made.v_2, made.Omega_z, made.p_2, made.twist) == (0, 0, 0, 0)
+
+
+@every_law
+@pytest.mark.parametrize(
+    ("v", "Omega_z", "mu"),
+    [
+        ((0.1, -0.2, -0.1), 90.0, 0.3),  # slides
+        ((0.0, 0.0, -1.0), 0.0, 0.02),  # from rest
+        ((0.001, 0.0, -0.3), 0.0, 0.6),  # comes to rest
+        ((-0.01, 0.0, -0.3), 0.0, 0.02),  # slides back
+    ],
+)
+def test_units_do_not_show(v: tuple, Omega_z: float, mu: float, restitution: str) -> None:
+    """Powers of two, which no rounding sees."""
+    ball, (L, T, M) = under(mu), (2.0**9, 2.0**-7, 2.0**13)
+    expected = hit_at(v, 0.6, 0.8, ball, 0.5, restitution, Omega_z, "double")
+    law, inertia = ball.friction._replace(patch=ball.friction.patch * L), M * L**2
+    other = Touch(ball.m * M, ball.R * L, ball.c * L, ball.I1 * inertia, ball.I3 * inertia, ball.g * L / T**2, law)
+    made = hit_at(tuple(x * L / T for x in v), 0.6, 0.8, other, 0.5, restitution, Omega_z / T, "double")
+    p, speed, energy = M * L / T, L / T, M * L**2 / T**2
+    units = (p, p, p, speed, speed, speed, energy, energy, energy)
+    for name, unit in zip(Impact._fields, units, strict=False):
+        assert getattr(made, name) == getattr(expected, name) * unit, name
+    assert (made.mode, made.twist, made.Omega_z) == (expected.mode, expected.twist * p * L, expected.Omega_z / T)
+
+
+def test_an_impact_has_no_kinks_at_borders_of_regions() -> None:
+    """Shares of sliding and turning, across all regions: differences of impulses are smooth."""
+    turns = 10 ** np.linspace(0.5, 3.5, 61)
+    made = np.array([hit((0.1, -0.05, -0.2), 1.0, DISC, 0.5, Omega_z=t)[:6] for t in turns])
+    jumps = np.abs(np.diff(made, 4, axis=0)).max(axis=0)
+    assert np.all(jumps < 3e-3 * np.ptp(made, axis=0))
+
+
+def test_impacts_of_a_mobility_are_those_of_the_body() -> None:
+    K = Mobility(*mobility(0.6, 0.8, TOP))
+    direct = SlidingImpacts(LAWS["viscous"], "energetic").struck((0.3, 0.1, -0.2), K, 0.8, Viscous(0.3), 0.4)
+    assert direct == hit_at((0.3, 0.1, -0.2), 0.6, 0.8, TOP, 0.4, "energetic", 0.0, "double")
