@@ -18,11 +18,12 @@ from ..operand import Vector, cross, dot, plus, sqrt, times
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, reaction_of_rolling_vector, slip_motion
+from .disc_at_rest import Held, direction, impulses, jumped, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
 from .planar import signed_slide
 from .response import bias_vector, jumps, mobility_inverse_times
-from .single_contact import RESTS, STOPS_AT, directed, regions_of, stays_at_rest
+from .single_contact import RESTS, RESTS_BELOW, STOPS_AT, directed, regions_of, rest_speed2
 from .state import LOST, Moving, gained
 
 
@@ -44,8 +45,8 @@ PRESSES = 1e-12
 LEAVES_FOR = 1e-3
 """Internal time in which a ball that leaves cannot touch: its gap has a multiple root."""
 
-ASKED_AFTER = 3e-3
-"""Internal time after which a disc that passes its rest may be held by friction after all."""
+SOON = 0.1
+"""Part of the time in which friction that a disc at rest lacks may vanish."""
 
 MOST_STRIKES = 16
 """Impacts at one instant."""
@@ -59,7 +60,6 @@ MOST_HALVINGS = 10
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 BOTH = "the body stands on its sphere and its stem at once, which is not followed under Coulomb's law itself"
-AT_REST = "the contact's disc comes to rest, where friction can hold it; rolling without turning is not followed"
 
 
 class Impact(NamedTuple):
@@ -409,17 +409,6 @@ def begin_slip(x: Moving, world: Any) -> Next:
     return Next(name, x, "slip", delay, series, ("slip",))
 
 
-JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
-    "liftoff": (lift_off, ("flight",)),
-    "stick": (stick, ("roll", "slip", "flight")),
-    "slip": (begin_slip, ("slip",)),
-    "touch": (change_ball, ()),
-    "sphere-leaves": (partial(stay_on, ball=1), ()),
-    "stem-leaves": (partial(stay_on, ball=0), ()),
-}
-"""The jump at an event, and the labels of phases on the same ball that may follow; empty: all."""
-
-
 def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:
     """Return the same motion in other words, or in the same: the event function `passed` has its
     root here, and goes to this side of it."""
@@ -427,24 +416,82 @@ def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Ne
     return on_disc(Next(to, x, zeros={passed: 1} if passed else {}, sides=sides), world)
 
 
-def on_disc(n: Next, world: Any) -> Next:
-    """Return a phase that begins, under a law with regions.
+def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
+    """Return what follows where a disc that slides in a phase neither slides nor turns any more."""
+    n = on_disc(Next(slides, x, zeros={RESTS.name: 1}, sides={RESTS.name: -1}), world)
+    n.logged = ("stick",) if world.phases[n.phase].label == "rest" else ()
+    return n
 
-    Where sliding and turning stop together the run ends, unless friction cannot hold the disc: then
-    it passes its rest and turns on, and may turn back unseen by a step.
-    """
+
+def give_way(x: Moving, world: Any) -> Next:
+    """Return what follows where friction can no longer hold a disc at rest."""
+    n = slide_from_rest(x, world, world.phase.ball, "gives")
+    n.logged = ("slip",)
+    return n
+
+
+def on_disc(n: Next, world: Any) -> Next:
+    """Return a phase that begins, under a law with regions: where sliding and turning have stopped
+    together, the disc rests, passes its rest, or begins to slide."""
     phase = world.phases[n.phase]
-    staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
-    if n.ends or not staying:
+    if phase.label != "slip" or not law_of(world).regions:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
+    staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
     for event in phase.events:
-        if event.name in staying and event.direction * event.formula(s, b) > 0:
+        if event.name in (*staying, RESTS.name) and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
-    if RESTS.name in n.sides:
-        if stays_at_rest(n.x, b):
-            n.ends, n.message = "ended", AT_REST
-        else:
-            n.lasts = ASKED_AFTER
-    return n
+    return at_rest(n, world, phase.ball) if RESTS.name in n.sides else n
+
+
+def at_rest(n: Next, world: Any, ball: int) -> Next:
+    """Return what follows where sliding and turning of a disc have stopped together.
+
+    A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
+    to slide with a speed of its own, so that it is known when it comes to rest again.
+    """
+    b, rest = world.body[ball], phase_name("rest", ball)
+    x = kicked(n.x, stopping(n.x.u, n.x.L, n.x.velocity, b), b)
+    s = world.phases[rest].form.scalars(world.phases[rest].enter(x, b), b)
+    left = margin(s.held, s.torque.z, b.friction)
+    if left > 0:
+        return Next(rest, x, n.cause or "rests", zeros=n.zeros)
+    gains = SOON * left**2 * float(turning(x.u, b).own * b.friction.mu * s.force * b.friction.patch)
+    if b.friction.mu == 0 or gains > RESTS_BELOW:
+        return n
+    return slide_from_rest(x, world, ball, n.cause or "gives")
+
+
+def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
+    """Return the slide of a disc at rest that friction cannot hold; it begins at twice the speed
+    below which it rests."""
+    b = world.body[ball]
+    rest = world.phases[phase_name("rest", ball)]
+    s = rest.form.scalars(rest.enter(x, b), b)
+    (v, edge), speed = direction(s.held, s.torque.z, b.friction), 2 * sqrt(rest_speed2(b))
+    x = kicked(x, impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b), b)
+    names = regions_of(x, law_of(world).regions, b)
+    return on_disc(Next(phase_name("slip", ball, *names), x, cause), world)
+
+
+def kicked(x: Moving, by: Held, b: Touch) -> Moving:
+    """Return the body after impulses on its disc."""
+    L, velocity = jumped(x.u, x.L, x.velocity, by, b)
+    after = x._replace(L=L, velocity=velocity)
+    turns = (contact.angular_velocity(x.u, one, b).z for one in (x.L, L))
+    work = -(dot(by.force, plus(point(x, b), point(after, b))) + by.torque * sum(turns)) / 2
+    lost = by.torque * contact.arm(x.u, b).z
+    return gained(after, work=work, impulse=by.force.z, jellett_lost=lost)
+
+
+JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
+    "liftoff": (lift_off, ("flight",)),
+    "stick": (stick, ("roll", "slip", "flight")),
+    "slip": (begin_slip, ("slip",)),
+    "gives": (give_way, ("slip",)),
+    "touch": (change_ball, ()),
+    "sphere-leaves": (partial(stay_on, ball=1), ()),
+    "stem-leaves": (partial(stay_on, ball=0), ()),
+}
+"""The jump at an event, and the labels of phases on the same ball that may follow; empty: all."""

@@ -17,10 +17,10 @@ from ..system import System
 from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
 from .body import Ball, Body, Touch, touch
 from .double_contact import double_contact
-from .exits import JUMPS, Impact, begin, go_on, land, phase_name
+from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
 from .planar import IN_PLANE, SIGNED_SLIP
-from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, RESTS, ROLL, SLIP, STICK, disc_slip
+from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, REST, RESTS, ROLL, SLIP, STICK, disc_slip
 from .state import (
     ANGLES,
     BALLS,
@@ -76,6 +76,8 @@ REASONS = (
     "other-ball",
     "opens-at-once",
     "other-leaves",
+    "rests",
+    "gives",
 )
 TABLES = {
     "phases": {
@@ -109,6 +111,8 @@ def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
     for ball in range(balls):
         for name, region in law.regions.items():
             place(disc_slip(region, law.torque), ball, name)
+        if law.regions:
+            place(REST, ball)
         if law.set_valued:
             place(SIGNED_SLIP if planar else DIRECTED_SLIP, ball)
             place(of_any["roll"], ball)
@@ -130,7 +134,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
     near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
-    ways = {RESTS.name: (name, RESTS.name, RESTS.direction), CLOCK: (name, "", 0)}
+    ways = {CLOCK: (name, "", 0)}
     for at, region in enumerate(regions):
         for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
@@ -143,6 +147,9 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
     def way_out(event: str) -> Exit:
         if phase.label == "flight":
             return Exit(event, tuple(bare), land)
+        if event == RESTS.name:
+            rest = next(other for other, label in near.items() if label == "rest")
+            return Exit(event, (name, rest), partial(come_to_rest, slides=name))
         if event in ways:
             to, passed, side = ways[event]
             return Exit(event, (to,), partial(go_on, to=to, passed=passed, side=side))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from ..disc_friction import STOPS_ROLLING, Region, drilling_force, rolling_torque
+from ..disc_friction import Region, drilling_force, rolling
 from ..events import Event
 from ..form import Form, Integral, Phase
 from ..friction import slip_coefficient
@@ -16,14 +16,14 @@ from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height
 from .coulomb import loaded_normal_force, slip_force_vector, slip_motion
-from .disc_at_rest import holding, holds, stopped
+from .disc_at_rest import holding, margin
 from .gliding import catalogue as gliding
 from .gliding import vector as gliding_vector
 from .gliding.vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along
 from .response import bias_vector, contact_acceleration_vector, torque_acceleration
-from .rolling import catalogue as rolling
+from .rolling import catalogue
 from .rolling import vector as rolling_vector
 from .rolling.reaction import kinematics, normal_force, reaction
 from .state import LOST, VELOCITY, Moving, Reaction, state
@@ -144,9 +144,9 @@ def cone(s, b):
 
 CONE = ending("slip", "rolling needs more friction than there is: the contact slides", cone)
 ROLL = Phase(
-    {"vector": replace(rolling.VECTOR, domains=())},
+    {"vector": replace(catalogue.VECTOR, domains=())},
     (),
-    (rolling.LIFTOFF, TOUCH, CONE),
+    (catalogue.LIFTOFF, TOUCH, CONE),
     enter=lambda x, b: rolling_vector.VectorState(*x.u, *x.L),
     leave=roll_leave,
     reaction=roll_reaction,
@@ -228,11 +228,11 @@ STILL = 1e-9
 smooth. Where such a disc begins to slide, or turns back, the motion differs from that under
 Coulomb's law itself by about so much."""
 
-RESTS_BELOW = 1e-4
-"""Angular velocity, internal units, below which a disc comes to rest, if friction can hold it: what
-is left of its turning lasts some hundredths of internal time."""
+RESTS_BELOW = 1e-6
+"""Angular velocity, internal units, below which a disc comes to rest, if friction can hold it. An
+impulse takes what is left of its turning, which would last some thousandths of internal time."""
 
-LEAST_PATCH = STILL / RESTS_BELOW
+LEAST_PATCH = 1e-5
 """Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than
 STILL, where smooth friction lets it creep: it would never come to rest."""
 
@@ -264,10 +264,15 @@ def disc_friction(drag: Callable, torque: Callable) -> Callable:
     return friction
 
 
+def rest_speed2(b):
+    """Square of the speed of its edge below which a disc rests."""
+    return STILL**2 + (b.friction.patch * RESTS_BELOW) ** 2
+
+
 RESTS = ending(
     "rests",
     "the contact's disc neither slides nor turns",
-    lambda s, b: s.v2 + s.U2 - STILL**2 - (b.friction.patch * RESTS_BELOW) ** 2,
+    lambda s, b: s.v2 + s.U2 - STILL**2 - rest_speed2(b),
 )
 
 
@@ -346,8 +351,56 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
     return tuple(found)
 
 
-def stays_at_rest(x: Moving, b: Touch) -> bool:
-    """Return whether friction can hold the disc of a body, once it is at rest."""
-    L, _ = stopped(x.u, x.L, x.velocity, b)
-    rolls = rolling_torque(1, angular_velocity(x.u, L, b), b.friction.mu_r, STOPS_ROLLING)
-    return holds(holding(x.u, L, rolls, b), b.friction.mu, b.friction.patch)
+# --- a disc at rest, which rolls without turning --------------------------------------------------
+
+
+Resting: Any = namedtuple("Resting", "z z_dot force held torque omega")
+"""`held` is the force (3,), `torque` that of rolling resistance and about the vertical, (3,)."""
+
+GIVES = ending(
+    "gives",
+    "friction can no longer hold the contact's disc: it slides and turns",
+    lambda s, b: margin(s.held, s.torque.z, b.friction),
+)
+GIVES = replace(GIVES, sampled=True)
+
+
+def resting(q, b):
+    """What the plane does to a disc at rest."""
+    u, L = axis(q), momentum(q)
+    omega = angular_velocity(u, L, b)
+    rolls = rolling(omega, b.friction)
+    held = holding(u, L, rolls, b)
+    N = held.force.z
+    torque = Vector(N * rolls.x, N * rolls.y, held.torque)
+    return Resting(u.z, axis_rate(q, b).z, N, held.force, torque, omega)
+
+
+def resting_rates(q, b):
+    """3hat' = L x 3hat/I1, L' = a x F + tau."""
+    s = resting(q, b)
+    return type(ROLLING)(*axis_rate(q, b), *plus(cross(arm(axis(q), b), s.held), s.torque))
+
+
+def resting_power(q, b):
+    """What rolling resistance takes [W]; Omega_z = 0."""
+    s = resting(q, b)
+    return -(s.torque.x * s.omega.x + s.torque.y * s.omega.y)
+
+
+ROLLING = state()
+REST = phase_of(
+    "rest",
+    ROLLING,
+    (LIFTOFF, TOUCH, GIVES),
+    (
+        resting_rates,
+        resting,
+        lambda x, b: type(ROLLING)(*x.u, *x.L),
+        roll_leave,
+        lambda q, b: Reaction(resting(q, b).held, resting_power(q, b)),
+    ),
+    work=resting_power,
+    impulse=lambda q, b: resting(q, b).force,
+    jellett_lost=lambda q, b: dot(resting(q, b).torque, arm(axis(q), b)),
+)
