@@ -1,8 +1,6 @@
 """What is said of a run before it is made: quantities of the start from first principles, and what it will take."""
 
 import math
-from dataclasses import replace
-from unittest.mock import ANY
 
 import pytest
 
