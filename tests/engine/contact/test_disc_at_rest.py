@@ -56,14 +56,14 @@ def test_a_disc_at_rest_rolls_without_turning(mu_r):
 
 
 def test_where_a_disc_comes_to_rest_its_velocities_are_continuous():
-    """To 1e-5, that is 2.6e-4 rad/s. The force on it and its torque are not, as where a point sticks."""
+    """To 1e-6, that is 2.6e-5 rad/s. The force on it and its torque are not, as where a point sticks."""
     done = solve(scenario(initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}, run={"output": "steps"}))
     c = columns_of(done)
     k = np.flatnonzero(c.phase == REST)[0]
     dt = c.time[k] - c.time[k - 1]
     for name in ("theta_dot", "omega3", "phi_dot"):
         before, after = getattr(c, name)[k - 1 : k + 1]
-        assert abs(after - before) < 3e-4 + 1e3 * dt, name
+        assert abs(after - before) < 3e-5 + 1e3 * dt, name
 
 
 def held(done, c):
@@ -147,7 +147,7 @@ def test_a_disc_that_turns_back_after_its_rest_rests():
     disc = LAW | {"mu": 0.431, "patch": 2.8332e-3}
     done = solve(scenario(until=0.7, friction=disc, parameters=body, initial=start))
     assert done.report["contact_phases"]["counts"]["rest"] >= 1
-    assert done.report["steps"] < 20_000
+    assert done.report["steps"] < 40_000
     assert max(done.report["drift"].values()) < 1e-13
 
 

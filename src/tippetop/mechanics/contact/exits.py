@@ -23,7 +23,7 @@ from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
 from .planar import signed_slide
 from .response import bias_vector, jumps, mobility_inverse_times
-from .single_contact import RESTS, RESTS_BELOW, STOPS_AT, directed, regions_of, rest_speed2
+from .single_contact import RESTS, STOPS_AT, directed, regions_of, rest_speed2
 from .state import LOST, Moving, gained
 
 
@@ -46,7 +46,8 @@ LEAVES_FOR = 1e-3
 """Internal time in which a ball that leaves cannot touch: its gap has a multiple root."""
 
 SOON = 0.1
-"""Part of the time in which friction that a disc at rest lacks may vanish."""
+"""A disc that passes its rest has its speed again within this part of the time in which the lack of
+friction may vanish."""
 
 MOST_STRIKES = 16
 """Impacts at one instant."""
@@ -457,8 +458,9 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     left = margin(s.held, s.torque.z, b.friction)
     if left > 0:
         return Next(rest, x, n.cause or "rests", zeros=n.zeros)
-    gains = SOON * left**2 * float(turning(x.u, b).own * b.friction.mu * s.force * b.friction.patch)
-    if b.friction.mu == 0 or gains > RESTS_BELOW:
+    limit = b.friction.mu * s.force
+    gains = 1 / b.m if size(s.held) > limit else turning(x.u, b).own * b.friction.patch**2
+    if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives")
 

@@ -228,9 +228,9 @@ STILL = 1e-9
 smooth. Where such a disc begins to slide, or turns back, the motion differs from that under
 Coulomb's law itself by about so much."""
 
-RESTS_BELOW = 1e-5
+RESTS_BELOW = 1e-6
 """Angular velocity, internal units, below which a disc comes to rest, if friction can hold it. An
-impulse takes what is left of its turning, which would last some thousandths of internal time."""
+impulse takes what is left of its turning, which would last less than a thousandth of internal time."""
 
 LEAST_PATCH = 1e-5
 """Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than
