@@ -113,7 +113,8 @@ def margin(force: Any, torque: Any, law: Any) -> float:
     limit = float(law.mu * force.z)
     if not limit > 0:
         return -1.0
-    push, turn = math.hypot(force.x, force.y) / limit, abs(float(torque)) / (limit * float(law.patch))
+    push, torque = math.hypot(force.x, force.y) / limit, abs(float(torque))
+    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (limit * float(law.patch))
     if not push < 1:
         return 1 - push - turn
     return float(drag(sliding_at(push) ** 2, 1.0).twist) - turn

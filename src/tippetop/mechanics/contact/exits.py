@@ -17,12 +17,12 @@ from ..friction import Law, named
 from ..operand import Vector, cross, dot, plus, sqrt, times
 from . import body as contact
 from .body import Touch
-from .coulomb import cone, reaction_of_rolling_vector, slip_motion
+from .coulomb import cone, slip_motion, sticking
 from .disc_at_rest import Held, direction, impulses, jumped, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
 from .planar import signed_slide
-from .response import bias_vector, jumps, mobility_inverse_times
+from .response import jumps, mobility_inverse_times
 from .single_contact import RESTS, STOPS_AT, directed, regions_of, rest_speed2
 from .state import LOST, Moving, gained
 
@@ -176,7 +176,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
         return fly(x, world, ball, 2, "opens-at-once")
     none = 0 * b.m
     x = x._replace(velocity=contact.centre_velocity(x.u, x.L, Vector(none, none, none), b))
-    F = reaction_of_rolling_vector(x.u, bias_vector(x.u, x.L, b), b)
+    F = sticking(x.u, x.L, b)[0]
     if F.z > 0 and cone(F.x, F.y, F.z, b.friction.mu) >= 0:
         return Next(phase_name("roll", ball), x, cause, zeros=zeros)
     beta = first_directions(lambda beta: pushed(x.u, x.L, beta, b))
@@ -195,7 +195,7 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
         name = phase_name("both", 0, *names)
         phase = world.phases[name]
         regions = tuple(law.regions[one] for one in names)
-        x = brought_to_rest(x, double_contact(regions, law.torque).sides, b, bool(names))
+        x = brought_to_rest(x, double_contact(regions, law.torque).sides, b, law.torque is not None)
         s = phase.form.scalars(phase.enter(x, b), b)
         if min(s.force, s.stem_force) > PRESSES * b.m * b.g:
             return Next(name, x, cause)
@@ -282,8 +282,8 @@ def along(beta: Any) -> Vector:
 
 def pushed(u: Vector, L: Vector, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta."""
-    F, P, Q = slip_motion(u, L, along(beta), b)
-    return P, Q, F.z
+    by = slip_motion(u, L, along(beta), b)
+    return by.P, by.Q, by.force.z
 
 
 def moved(record: Any, rates: Any, time: Any) -> Any:
@@ -297,11 +297,11 @@ def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
     phase, b, n = world.phases[phase_name("slip", ball)], world.body[ball], along(beta)
     if world.system.opening.planar:
         n = Vector(np.sign(n.x), 0 * b.m, 0 * b.m)
-    F, P, _ = slip_motion(x.u, x.L, n, b)
-    speed = min(type(P)(BEGINS_AT), P * world.left)
-    delay = speed / P
+    by = slip_motion(x.u, x.L, n, b)
+    speed = min(type(by.P)(BEGINS_AT), by.P * world.left)
+    delay = speed / by.P
     u = plus(x.u, times(delay, contact.axis_rate(x.u, x.L, b)))
-    L = plus(x.L, times(delay, cross(contact.arm(x.u, b), F)))
+    L = plus(x.L, times(delay, by.turn))
     end = Moving(u, L, contact.centre_velocity(u, L, times(speed, n), b), contact.height(u.z, b))
     rates = world.rates(phase, phase.enter(end, b), x.carried)
     return end._replace(carried=moved(x.carried, rates, delay)), delay
@@ -311,8 +311,8 @@ def run_out(x: Moving, world: Any, v: Vector) -> tuple[Moving, Any]:
     """Return the last of a slide, which is so slow that its rates stay; and the time that it
     takes."""
     phase, b, w = world.phase, world.body[world.phase.ball], size(v)
-    _, P, _ = slip_motion(x.u, x.L, Vector(v.x / w, v.y / w, 0 * w), b)
-    delay, q = -w / P, phase.enter(x, b)
+    by = slip_motion(x.u, x.L, Vector(v.x / w, v.y / w, 0 * w), b)
+    delay, q = -w / by.P, phase.enter(x, b)
     carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
     x = phase.leave(moved(q, phase.form.rates(q, b), delay), b)._replace(carried=carried)
     v = point(x, b)
@@ -332,15 +332,15 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
     def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any, Any]:
         u, L, q, carried = read(state, w, beta)
-        F, P, Q = slip_motion(u, L, along(beta), b)
-        turn = (*contact.axis_rate(u, L, b), *cross(contact.arm(u, b), F))
+        by = slip_motion(u, L, along(beta), b)
+        turn = (*contact.axis_rate(u, L, b), *by.turn)
         every = (*turn, *world.rates(phase, q, carried))
-        return np.array([np.broadcast_to(rate, w.shape) for rate in every]), P, Q
+        return np.array([np.broadcast_to(rate, w.shape) for rate in every]), by.P, by.Q
 
     def turning(state: np.ndarray, beta: np.ndarray) -> Any:
         return pushed(Vector(*state[:3]), Vector(*state[3:6]), beta, b)[1]
 
-    F = reaction_of_rolling_vector(x.u, bias_vector(x.u, x.L, b), b)
+    F = sticking(x.u, x.L, b)[0]
     omega = contact.angular_velocity(x.u, x.L, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
     state = np.array([*x.u, *x.L, *x.carried])
@@ -455,11 +455,11 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     b, rest = world.body[ball], phase_name("rest", ball)
     x = kicked(n.x, stopping(n.x.u, n.x.L, n.x.velocity, b), b)
     s = world.phases[rest].form.scalars(world.phases[rest].enter(x, b), b)
-    left = margin(s.held, s.torque.z, b.friction)
+    left = margin(s.by.force, s.by.torque.z, b.friction)
     if left > 0:
         return Next(rest, x, n.cause or "rests", zeros=n.zeros)
     limit = b.friction.mu * s.force
-    gains = 1 / b.m if size(s.held) > limit else turning(x.u, b).own * b.friction.patch**2
+    gains = 1 / b.m if size(s.by.force) > limit else turning(x.u, b).own * b.friction.patch**2
     if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives")
@@ -471,7 +471,8 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
     b = world.body[ball]
     rest = world.phases[phase_name("rest", ball)]
     s = rest.form.scalars(rest.enter(x, b), b)
-    (v, edge), speed = direction(s.held, s.torque.z, b.friction), 2 * sqrt(rest_speed2(b))
+    v, edge = direction(s.by.force, s.by.torque.z, b.friction)
+    speed = 2 * sqrt(rest_speed2(b))
     x = kicked(x, impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b), b)
     names = regions_of(x, law_of(world).regions, b)
     return on_disc(Next(phase_name("slip", ball, *names), x, cause), world)

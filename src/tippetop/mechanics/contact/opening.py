@@ -10,7 +10,7 @@ from typing import Any
 
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
-from ..friction import LAWS, Law, all_laws, is_frictionless
+from ..friction import LAWS, PARTS, Law, all_laws, has_parts, is_frictionless
 from ..operand import leaves, refill
 from ..parameter import Parameter
 from ..system import System
@@ -20,7 +20,7 @@ from .double_contact import double_contact
 from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
 from .planar import IN_PLANE, SIGNED_SLIP
-from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, REST, RESTS, ROLL, SLIP, STICK, disc_slip
+from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, REST, RESTS, ROLL, SLIP, STICK, WITH_PARTS, disc_slip
 from .state import (
     ANGLES,
     BALLS,
@@ -92,9 +92,9 @@ TABLES = {
 """Units or words of the columns of further tables; the place of a word is its number in a store."""
 
 
-def kind_of(law: Law) -> tuple[bool, ...]:
+def kind_of(law: Law) -> tuple:
     """Return what decides the phases of a contact, of a law."""
-    return law.set_valued, bool(law.regions), law.coefficient is not None
+    return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
 # --- phases and exits -----------------------------------------------------------------------------
@@ -103,6 +103,8 @@ def kind_of(law: Law) -> tuple[bool, ...]:
 def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name."""
     of_any = IN_PLANE if planar else {phase.label: phase for phase in (SLIP, ROLL, FLIGHT)}
+    if law.torque:
+        of_any = of_any | WITH_PARTS
     bare: dict[str, Bare] = {}
 
     def place(phase: Phase, ball: int, *regions: str) -> None:
@@ -114,7 +116,8 @@ def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
         if law.regions:
             place(REST, ball)
         if law.set_valued:
-            place(SIGNED_SLIP if planar else DIRECTED_SLIP, ball)
+            directed = WITH_PARTS["directed"] if law.torque else DIRECTED_SLIP
+            place(SIGNED_SLIP if planar else directed, ball)
             place(of_any["roll"], ball)
         elif not law.regions:
             place(of_any["slip"], ball)
@@ -200,11 +203,13 @@ def open_contact(system: System, law: Law, balls: int) -> System:
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
     def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
-        free = (law.set_valued or law.regions) and is_frictionless(b.friction)
-        none = LAWS["none"]
-        b = b._replace(friction=none.record()) if free else b
-        bodies = seen_from_balls(b, rules, internal)
-        return bodies, opened(system, none, balls).phases if free else phases
+        of_disc = bool(law.regions) and not is_frictionless(b.friction)
+        if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
+            return seen_from_balls(b, rules, internal), phases
+        none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
+        numbers = {name: getattr(b.friction, name) for name in none.parameters}
+        bodies = seen_from_balls(b._replace(friction=none.record(**numbers)), rules, internal)
+        return bodies, opened(system, none, balls).phases
 
     return replace(
         system,

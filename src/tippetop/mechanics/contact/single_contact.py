@@ -5,17 +5,17 @@ from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..disc_friction import Region, drilling_force, rolling
 from ..events import Event
 from ..form import Form, Integral, Phase
-from ..friction import slip_coefficient
+from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height
-from .coulomb import loaded_normal_force, slip_force_vector, slip_motion
+from .coulomb import loaded_normal_force, slip_motion, sticking
 from .disc_at_rest import holding, margin
 from .gliding import catalogue as gliding
 from .gliding import vector as gliding_vector
@@ -46,6 +46,40 @@ def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Ca
     turn = carried_along(axis, axis_rate, rolling_vector.spin)
     form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
     return Phase({"vector": form}, (), events, (), enter, leave, reaction, label=label)
+
+
+class Acts(NamedTuple):
+    """What the plane does to a body, and how the contact moves, (3,) each."""
+
+    force: Vector
+    torque: Vector
+    velocity: Vector
+    omega: Vector
+
+
+def loaded_phase(label: str, units: Any, events: tuple, formulas: tuple, acts: Callable) -> Phase:
+    """Return a phase of a contact with a torque.
+
+    `formulas` are those of `phase_of` without `reaction`; acts(q, b) -> Acts.
+    """
+
+    def power(q, b):
+        F, torque, v, omega = acts(q, b)
+        return -(F.x * v.x + F.y * v.y + dot(torque, omega))
+
+    def reaction(q, b):
+        by = acts(q, b)
+        return Reaction(by.force, -dot(by.torque, by.omega))
+
+    return phase_of(
+        label,
+        units,
+        events,
+        (*formulas, reaction),
+        work=power,
+        impulse=lambda q, b: acts(q, b).force.z,
+        jellett_lost=lambda q, b: dot(acts(q, b).torque, arm(axis(q), b)),
+    )
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
@@ -172,15 +206,20 @@ def direction(q):
     return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 
+def directed_slide(q, b):
+    """Force and torque of sliding, and what they do. [contact 2.1]"""
+    return slip_motion(axis(q), momentum(q), direction(q), b)
+
+
 def directed_force(q, b):
-    """F = N (zhat - mu v_A/|v_A|), (3,) [N]. [contact 2.1]"""
-    return slip_force_vector(axis(q), bias_vector(axis(q), momentum(q), b), direction(q), b)
+    """F = N (zhat - mu v_A/|v_A|), (3,) [N]."""
+    return directed_slide(q, b).force
 
 
 def directed_rates(q, b):
     """3hat' = L x 3hat/I1, L' = a x F, and w', w beta' of v_A' = b + K F. [contact 1, 2.1]"""
-    F, P, Q = slip_motion(axis(q), momentum(q), direction(q), b)
-    return type(DIRECTED)(*axis_rate(q, b), *cross(arm(axis(q), b), F), Q / q.w, P)
+    by = directed_slide(q, b)
+    return type(DIRECTED)(*axis_rate(q, b), *by.turn, by.Q / q.w, by.P)
 
 
 def on_plane(u, L, v, b):
@@ -199,6 +238,11 @@ def directed_enter(x, b):
     return directed(x.u, x.L, sqrt(v.x * v.x + v.y * v.y), atan2(v.y, v.x), b)
 
 
+def directed_leave(q, b):
+    """The common state of a body that slides."""
+    return on_plane(axis(q), momentum(q), times(q.w, direction(q)), b)
+
+
 STICK = ending(
     "stick",
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
@@ -212,7 +256,7 @@ DIRECTED_SLIP = phase_of(
         directed_rates,
         lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
         directed_enter,
-        lambda q, b: on_plane(axis(q), momentum(q), times(q.w, direction(q)), b),
+        directed_leave,
         lambda q, b: Reaction(directed_force(q, b)),
     ),
     work=lambda q, b: -(q.w * dot(direction(q), directed_force(q, b))),
@@ -242,7 +286,6 @@ DISC = state(vx=METRE_PER_SECOND, vy=METRE_PER_SECOND)
 Disc: Any = namedtuple("Disc", "z z_dot force v2 U2")
 """v2 is |v_A|^2, U2 is (patch Omega_z)^2."""
 
-Loaded: Any = namedtuple("Loaded", "force torque U2 omega")
 Speeds: Any = namedtuple("Speeds", "v2 U2")
 
 
@@ -253,15 +296,23 @@ def patch_speed2(omega, b):
 
 
 def disc_friction(drag: Callable, torque: Callable) -> Callable:
-    """Return friction(omega, v, b) of a disc: minus the horizontal force, and the torque, per
+    """Return friction(omega, v, z, b) of a disc: minus the horizontal force, and the torque, per
     normal force."""
 
-    def friction(omega: Vector, v: Vector, b: Any) -> tuple[Vector, Vector]:
+    def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
         by = drag(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
         force = drilling_force(1, v, by, b.friction.mu)
         return Vector(-force.x, -force.y, 0 * omega.z), torque(by, omega, b.friction)
 
     return friction
+
+
+def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
+    """Return minus the horizontal force, and the torque, per normal force, of a law of the sliding
+    velocity."""
+    none = 0 * z
+    push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
+    return push._replace(z=none), load(omega, b.friction) or Vector(none, none, none)
 
 
 def rest_speed2(b):
@@ -288,52 +339,41 @@ def disc_enter(x, b):
     return type(DISC)(*x.u, *x.L, v.x, v.y)
 
 
-@lru_cache
-def disc_slip(region: Region, torque: Callable) -> Phase:
-    """Return the phase of sliding in a region of a law."""
-    friction = disc_friction(region.drag, torque)
+def slip_under(friction: Callable, events: tuple, edge_speed2: Callable) -> Phase:
+    """Return the phase of sliding under a law with a torque; edge_speed2(omega, b) -> U^2."""
 
-    def loaded(q, b):
-        u, L = axis(q), momentum(q)
+    def acts(q, b):
+        u, L, v = axis(q), momentum(q), Vector(q.vx, q.vy, 0 * q.uz)
         omega = angular_velocity(u, L, b)
-        push, torque = friction(omega, Vector(q.vx, q.vy, 0 * q.uz), b)
+        push, torque = friction(omega, v, u.z, b)
         N = loaded_normal_force(u, bias_vector(u, L, b), push, torque, b)
-        force = Vector(-(N * push.x), -(N * push.y), N)
-        return Loaded(force, times(N, torque), patch_speed2(omega, b), omega)
+        return Acts(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), v, omega)
 
     def scalars(q, b):
-        c = loaded(q, b)
-        return Disc(q.uz, axis_rate(q, b).z, c.force.z, q.vx * q.vx + q.vy * q.vy, c.U2)
+        by = acts(q, b)
+        U2 = edge_speed2(by.omega, b)
+        return Disc(q.uz, axis_rate(q, b).z, by.force.z, q.vx * q.vx + q.vy * q.vy, U2)
 
     def rates(q, b):
-        u, c = axis(q), loaded(q, b)
+        u, by = axis(q), acts(q, b)
         G = plus(
-            contact_acceleration_vector(u, bias_vector(u, momentum(q), b), c.force, b),
-            torque_acceleration(u, c.torque, b),
+            contact_acceleration_vector(u, bias_vector(u, momentum(q), b), by.force, b),
+            torque_acceleration(u, by.torque, b),
         )
-        turn = plus(cross(arm(u, b), c.force), c.torque)
+        turn = plus(cross(arm(u, b), by.force), by.torque)
         return type(DISC)(*axis_rate(q, b), *turn, G.x, G.y)
-
-    def power(q, b):
-        c = loaded(q, b)
-        return -(c.force.x * q.vx + c.force.y * q.vy + dot(c.torque, c.omega))
-
-    def reaction(q, b):
-        c = loaded(q, b)
-        return Reaction(c.force, -dot(c.torque, c.omega))
 
     def leave(q, b):
         return on_plane(axis(q), momentum(q), Vector(q.vx, q.vy, 0 * q.uz), b)
 
-    return phase_of(
-        "slip",
-        DISC,
-        (LIFTOFF, TOUCH, RESTS, *borders(region)),
-        (rates, scalars, disc_enter, leave, reaction),
-        work=power,
-        impulse=lambda q, b: loaded(q, b).force.z,
-        jellett_lost=lambda q, b: dot(loaded(q, b).torque, arm(axis(q), b)),
-    )
+    return loaded_phase("slip", DISC, events, (rates, scalars, disc_enter, leave), acts)
+
+
+@lru_cache
+def disc_slip(region: Region, torque: Callable) -> Phase:
+    """Return the phase of sliding in a region of a law."""
+    events = (LIFTOFF, TOUCH, RESTS, *borders(region))
+    return slip_under(disc_friction(region.drag, torque), events, patch_speed2)
 
 
 def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tuple[str, ...]:
@@ -354,53 +394,82 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
 # --- a disc at rest, which rolls without turning --------------------------------------------------
 
 
-Resting: Any = namedtuple("Resting", "z z_dot force held torque omega")
-"""`held` is the force (3,), `torque` that of rolling resistance and about the vertical, (3,)."""
+Resting: Any = namedtuple("Resting", "z z_dot force by")
+"""`by` is what the plane does."""
 
 GIVES = ending(
     "gives",
     "friction can no longer hold the contact's disc: it slides and turns",
-    lambda s, b: margin(s.held, s.torque.z, b.friction),
+    lambda s, b: margin(s.by.force, s.by.torque.z, b.friction),
 )
 GIVES = replace(GIVES, sampled=True)
+ROLLING = state()
 
 
-def resting(q, b):
-    """What the plane does to a disc at rest."""
-    u, L = axis(q), momentum(q)
-    omega = angular_velocity(u, L, b)
-    rolls = rolling(omega, b.friction)
+def without_slip(label: str, events: tuple, holds: Callable) -> Phase:
+    """Return a phase in which the contact point stays at rest, under a law with a torque:
+    holds(u, L, b) -> force and torque."""
+
+    def acts(q, b):
+        u, L, none = axis(q), momentum(q), 0 * q.uz
+        return Acts(*holds(u, L, b), Vector(none, none, none), angular_velocity(u, L, b))
+
+    def rates(q, b):
+        by = acts(q, b)
+        turn = plus(cross(arm(axis(q), b), by.force), by.torque)
+        return type(ROLLING)(*axis_rate(q, b), *turn)
+
+    def scalars(q, b):
+        by = acts(q, b)
+        return Resting(q.uz, axis_rate(q, b).z, by.force.z, by)
+
+    def enter(x, b):
+        return type(ROLLING)(*x.u, *x.L)
+
+    return loaded_phase(label, ROLLING, events, (rates, scalars, enter, roll_leave), acts)
+
+
+def disc_held(u: Vector, L: Vector, b: Touch) -> tuple[Vector, Vector]:
+    """Return the force and the torque on a disc that neither slides nor turns."""
+    rolls = rolling(angular_velocity(u, L, b), b.friction)
     held = holding(u, L, rolls, b)
     N = held.force.z
-    torque = Vector(N * rolls.x, N * rolls.y, held.torque)
-    return Resting(u.z, axis_rate(q, b).z, N, held.force, torque, omega)
+    return held.force, Vector(N * rolls.x, N * rolls.y, held.torque)
 
 
-def resting_rates(q, b):
-    """3hat' = L x 3hat/I1, L' = a x F + tau."""
-    s = resting(q, b)
-    return type(ROLLING)(*axis_rate(q, b), *plus(cross(arm(axis(q), b), s.held), s.torque))
+REST = without_slip("rest", (LIFTOFF, TOUCH, GIVES), disc_held)
 
 
-def resting_power(q, b):
-    """What rolling resistance takes [W]; Omega_z = 0."""
-    s = resting(q, b)
-    return -(s.torque.x * s.omega.x + s.torque.y * s.omega.y)
+# --- laws with rolling resistance and a drilling torque -------------------------------------------
 
 
-ROLLING = state()
-REST = phase_of(
-    "rest",
-    ROLLING,
-    (LIFTOFF, TOUCH, GIVES),
-    (
-        resting_rates,
-        resting,
-        lambda x, b: type(ROLLING)(*x.u, *x.L),
-        roll_leave,
-        lambda q, b: Reaction(resting(q, b).held, resting_power(q, b)),
+def loaded_cone(s, b):
+    """mu^2 N^2 - |F_h|^2."""
+    F = s.by.force
+    return (b.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
+
+
+def directed_acts(q, b):
+    """What the plane does to a body that slides under a set-valued law."""
+    by = directed_slide(q, b)
+    omega = angular_velocity(axis(q), momentum(q), b)
+    return Acts(by.force, by.torque, times(q.w, direction(q)), omega)
+
+
+WITH_PARTS = {
+    "slip": slip_under(smooth_friction, (LIFTOFF, TOUCH), lambda omega, b: 0 * omega.z),
+    "directed": loaded_phase(
+        "slip",
+        DIRECTED,
+        (LIFTOFF, TOUCH, STICK),
+        (
+            directed_rates,
+            lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
+            directed_enter,
+            directed_leave,
+        ),
+        directed_acts,
     ),
-    work=resting_power,
-    impulse=lambda q, b: resting(q, b).force,
-    jellett_lost=lambda q, b: dot(resting(q, b).torque, arm(axis(q), b)),
-)
+    "roll": without_slip("roll", (LIFTOFF, TOUCH, replace(CONE, formula=loaded_cone)), sticking),
+}
+"""The phases of contacts under laws with parts, apart from those of discs."""
