@@ -25,6 +25,7 @@ from ..problem import Problem
 from .driver import Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
 from .expressions import Formulas
 from .phase_tables import PhaseTables
+from .sampled import Sampler
 from .status import Status
 from .tallies import ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
 
@@ -42,7 +43,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     form = phase.form
     of_phases = {event.name for other in system.phases.values() for event in other.events}
     common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
-    own = tuple(event for event in phase.events if event.formula is not None)
+    own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
     events = (*own, *common)
     template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
@@ -101,6 +102,12 @@ class Track:
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
         self.driver.wanted = run.row_times
+        sampled = [event for event in phase.events if event.sampled]
+        self.sampler = Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
+
+    def _value(self, state: np.ndarray, event: Event) -> Any:
+        """Return the value of an event in a state of the phase."""
+        return event.formula(self.phase.form.scalars(self.record(*state[: self.moving].tolist()), self.b), self.b)
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase are looked for."""
@@ -328,18 +335,21 @@ class HybridDriver:
             driver = self.track.driver
             if self.waits:
                 self._rows_before()
-            piece = driver.advance(self, most - steps)
+            sampled = self._sample()
+            piece = driver.advance(self, 1 if self.track.sampler else most - steps)
             steps += piece.steps
             when, status, state = piece.time, piece.status, piece.last
-            ending = self._ending(piece)
+            ending = sampled if sampled and piece.status is Status.FINISHED else self._ending(piece)
             if len(piece.samples):
                 self.samples.append(self._part(piece.samples))
-            count = len(piece.passages.times) - (ending not in (None, CLOCK))
+            count = len(piece.passages.times) - (ending not in (None, CLOCK, sampled))
             if count:
                 passages = Passages(*(column[:count] for column in piece.passages))
                 self.log.append((passages, self._part(passages.states)))
-            if ending is None:
+            if ending is None and (status is not None or steps >= most or not self.track.sampler):
                 break
+            if ending is None:
+                continue
             status = self._jump(ending, state[0], when)
             full = steps >= most or self.changes % PER_SLICE == 0
             if status is not None or (full and self.clock[0] < self.end):
@@ -349,6 +359,17 @@ class HybridDriver:
         last = self.present() if status is None else self._rows([self._part(state)])[0]
         passages = self._hand_over()
         return Slice(steps, when, last, self._joined(self.samples), passages, status, self.tables.take())
+
+    def _sample(self) -> str:
+        """Let the phase end where a sampled event happens in its next step. Return that event, or nothing."""
+        driver, found = self.track.driver, self.track.sampler and self.track.sampler.next()
+        if not self.track.sampler:
+            return ""
+        driver.end_at(self.until if self.clocked else self.end)
+        if not found or not found[1] < driver.end:
+            return ""
+        driver.end_at(found[1])
+        return str(found[0])
 
     def _ending(self, piece: Slice) -> str | None:
         """Return the exit by which the present phase ends; None if it does not, or ends the run."""

@@ -12,7 +12,7 @@ WORDS = {
     "inverted": "inverted spin, which is stable",
     "lifted-off": "lifted off",
     "under-way": "under way: this is not yet where the motion ends",
-    "rolling": "rolling: nothing slides, and nothing is lost",
+    "rolling": "rolling: nothing slides",
     "on-stem": "on its stem",
     "bouncing": "in the air",
     "nutating": "nutates for ever: without friction nothing is lost",
@@ -80,7 +80,13 @@ COUNTED = {
 }
 """What is passed, in words."""
 
-VERBS = {"slip": "slips", "roll": "rolls", "flight": "flies", "both": "stands on body and stem"}
+VERBS = {
+    "slip": "slips",
+    "roll": "rolls",
+    "rest": "rolls without turning about the vertical",
+    "flight": "flies",
+    "both": "stands on body and stem",
+}
 TIMES = {1: "once", 2: "twice"}
 
 
@@ -102,8 +108,8 @@ def contact(phases: Mapping[str, Any]) -> str:
 
 def _does(phase: Mapping[str, Any]) -> str:
     """What the body does in a phase."""
-    stem = " on its stem" if phase["ball"] == "stem" and phase["phase"] in ("slip", "roll") else ""
-    return VERBS[phase["phase"]] + stem
+    on_stem = phase["ball"] == "stem" and phase["phase"] in ("slip", "roll", "rest")
+    return VERBS[phase["phase"]] + (" on its stem" if on_stem else "")
 
 
 def _until(phase: Mapping[str, Any]) -> str:

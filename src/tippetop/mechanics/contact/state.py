@@ -36,7 +36,7 @@ from .rolling.reaction import Kinematics, kinematics
 from .rolling.vector import spin
 
 
-PHASES = ("slip", "roll", "flight", "both")
+PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 BALLS = ("body", "stem")
