@@ -29,7 +29,7 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         asked.append('`run.on_liftoff = "fly"`')
     if law.regions:
         asked.append(f'`friction.law = "{name}"`')
-    parts = [f"`friction.{part}`" for part in PARTS if law.torque and part in friction]
+    parts = [f"`friction.{part}`" for part in PARTS if law.torque and part in (friction or ())]
     asked += parts
     if not (asked or (law.set_valued and opening)):
         initial = tables.get("initial")

@@ -412,7 +412,8 @@ def without_slip(label: str, events: tuple, holds: Callable) -> Phase:
 
     def acts(q, b):
         u, L, none = axis(q), momentum(q), 0 * q.uz
-        return Acts(*holds(u, L, b), Vector(none, none, none), angular_velocity(u, L, b))
+        force, torque = holds(u, L, b)
+        return Acts(force, torque, Vector(none, none, none), angular_velocity(u, L, b))
 
     def rates(q, b):
         by = acts(q, b)
