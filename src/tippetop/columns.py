@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 GREEK = {
     "mu": "μ",
     "mu_r": "μᵣ",
+    "mu_d": "μ_d",
     "eps": "ε",
     "pi": "π",
     "lambda_s": "λₛ",

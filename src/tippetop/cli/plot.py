@@ -111,10 +111,12 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
 
 def _states(scenario: str, look: Look) -> Any:
     """The diagram of states of the body of a scenario, with lambda of its start."""
+    from ..landscape import along_run
     from ..runs import forecast
     from ..scenario import build
 
     problem = build.load(scenario)
+    along_run.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
     parameters = {name: float(value) for name, value in problem.parameters.items()}
     return drawing.states_of(problem.system.name, parameters, lam, look, scenario)

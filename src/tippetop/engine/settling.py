@@ -6,7 +6,7 @@ import numpy as np
 
 from ..mechanics.contact.body import Touch
 from ..mechanics.contact.state import BALLS, PHASES
-from ..mechanics.friction import takes_nothing
+from ..mechanics.friction import has_parts, takes_nothing
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding, will_leave
@@ -78,6 +78,7 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
 
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under way, for it will
     leave. Tumbling is one in which nothing slides any more. Without friction a motion ends nowhere: it nutates.
+    Under rolling resistance or a drilling torque no spin lasts, and every top is under way.
 
     Parameters
     ----------
@@ -91,6 +92,8 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
         The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has no modes.
     """
     known = isinstance(body, Touch)
+    if known and has_parts(body.friction):
+        return np.full(len(theta), CLASSES.index("under-way"))
     if known and system.frictional:
         settled = settled & shows_sliding(body, np.cos(theta))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}

@@ -8,7 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError, a_system
 from ..mechanics.contact import body as contact
-from ..mechanics.friction import is_frictionless
+from ..mechanics.friction import has_parts, is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..problem import Problem
@@ -97,13 +97,15 @@ def _cannot(problem: Problem) -> tuple[float, list[str]]:
         mu = 0.0
     elif problem.law.set_valued:
         pass
-    elif problem.law.without is not None:
+    elif "eps" in law._fields and problem.law_name == "coulomb":
         sentences.append(f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own")
     elif problem.system.frictional:
         long_name = problem.law.long_name
         sentences.append(
             f"the friction law {long_name}: here Coulomb friction with the number mu = {mu:g}, another law"
         )
+    if has_parts(law):
+        sentences.append("rolling resistance and the drilling torque of the law: here neither")
     body = problem.body()
     if body.R == 0 and problem.system.name != "heavy-top":
         sentences.append(f"a tip that is a point: here a ball of radius {TIP * abs(body.c):.3g} m")

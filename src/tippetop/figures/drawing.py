@@ -143,9 +143,10 @@ def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
     """The attributes of a run, with the units of the numbers of its friction law among its units."""
     from ..mechanics.systems import find
 
-    system, name = find(attrs["system"]), attrs.get("friction", {}).get("law", "")
-    law = system.laws.get(name) if system is not None else None
-    units = {name: parameter.unit.symbol for name, parameter in law.parameters.items()} if law is not None else {}
+    system, friction = find(attrs["system"]), attrs.get("friction", {})
+    law = system.laws.get(friction.get("law", "")) if system is not None else None
+    rules = law.given(friction).parameters if law is not None else {}
+    units = {name: parameter.unit.symbol for name, parameter in rules.items()}
     return attrs | {"units": attrs.get("units", {}) | units}
 
 

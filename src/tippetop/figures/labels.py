@@ -24,6 +24,7 @@ SYMBOLS = {
     "alpha": "α",
     "mu": "μ",
     "mu_r": "$\\mu_r$",
+    "mu_d": "$\\mu_d$",
     "eps": "ε",
     "kappa": "κ",
     "v_k": "$v_k$",

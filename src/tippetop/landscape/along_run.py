@@ -1,5 +1,6 @@
 """A run seen in its landscape: what the figures of the band, the surface, the potential and the inversion show."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ import xarray as xr
 
 from ..columns import flagged, on_sphere
 from ..errors import InputError, a_system
-from ..mechanics.friction import Frictionless
+from ..mechanics.friction import PARTS, Frictionless
 from ..mechanics.system import Landscape
 from ..mechanics.systems import SYSTEMS, find
 from ..mechanics.theory import thresholds, tumbling
@@ -57,7 +58,7 @@ def band(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> t
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
     """The minimal surface around a run, the marked lines, the run while it is on its sphere, and its title."""
-    parameters, *_ = _body(attrs, SPINNING)
+    parameters, *_ = _lasting(attrs)
     lam = float(trajectory["jellett"][0])
     lambdas = np.linspace(0, 1.25 * lam, 201) if lam > 0 else np.linspace(1.25 * lam, 0, 201) if lam < 0 else None
     if lambdas is None:
@@ -97,7 +98,7 @@ def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
 
     Raises InputError where lambda is 0, or does not stay what it is: then there is no such section.
     """
-    parameters, *_ = _body(attrs, SPINNING)
+    parameters, *_ = _lasting(attrs)
     lam = float(trajectory["jellett"][0])
     if lam == 0:
         raise InputError(["the inversion is drawn of a run with lambda other than 0, but it is 0."])
@@ -117,6 +118,7 @@ def states(
 ) -> tuple[list[tumbling.Branch], dict[str, float], str, tuple[np.ndarray, np.ndarray]]:
     """The asymptotic states of the body of a run as branches over lambda, values of lambda to be marked, a title, and
     the run as cos(theta) with its lambda [kg m^3/s] while it is on its sphere."""
+    _lasting(attrs)
     seen = _on_sphere(trajectory)
     lam = seen["jellett"].values
     branches, marks = diagram(attrs["system"], attrs["parameters"], float(np.nanmax(np.abs(lam))))
@@ -143,6 +145,19 @@ def _on_sphere(trajectory: xr.Dataset) -> xr.Dataset:
         return trajectory
     names = [name for name in ("theta", "routh", "jellett", "modified_energy") if name in trajectory]
     return trajectory[names].where(xr.DataArray(~flagged(trajectory["ball"], "stem"), dims="time"))
+
+
+def refuse_parts(friction: Mapping[str, Any]) -> None:
+    """Raise InputError if numbers of a friction law are those of torques under which no spinning state lasts."""
+    if acts := [f"friction.{name}" for name in PARTS if friction.get(name)]:
+        words = "this figure shows spinning states, which must last, but none does under"
+        raise InputError([f"{words} `{acts[0]}`: draw theta or energy."])
+
+
+def _lasting(attrs: dict[str, Any]) -> tuple[dict[str, float], str, Landscape]:
+    """Parameters, system and landscape of a run whose spinning states last. Raises InputError for another one."""
+    refuse_parts(attrs.get("friction", {}))
+    return _body(attrs, SPINNING)
 
 
 def _body(attrs: dict[str, Any], momenta: tuple[str, str] | None = None) -> tuple[dict[str, float], str, Landscape]:

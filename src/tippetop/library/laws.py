@@ -327,7 +327,7 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
         return {"law": law.law, **law.numbers()}
     load_entry_points()
     if isinstance(law, str):
-        kinds: tuple[Any, ...] = (*WithParts.__subclasses__(), Contensou, Modified)
+        kinds: list[type[Friction]] = [*WithParts.__subclasses__(), Contensou, Modified]
         record = next((kind.__name__ for kind in kinds if kind.law == law), "Viscous")
         raise InputError([f"the friction law must be a record such as {record}(...), but is {law!r:.60}."])
     if isinstance(law, type):

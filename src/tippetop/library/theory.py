@@ -9,6 +9,7 @@ import numpy as np
 from ..arguments import instance
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
+from ..mechanics.friction import has_parts
 from ..mechanics.systems.spinning import thresholds_of_surface
 from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import nutation as one_dimensional
@@ -134,6 +135,8 @@ def linear_modes(
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
     friction = problem.friction if problem is not None and problem.system.frictional else None
     friction = friction if law is None else record_of(law, body.system())
+    if friction is not None and has_parts(friction):
+        raise InputError(["the friction law must be without mu_r and mu_d: under them no spin lasts."])
     if friction is None:
         rates = modes.rolling_modes(spin, body.body(), inverted=inverted)
     else:

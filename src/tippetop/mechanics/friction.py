@@ -212,8 +212,7 @@ def with_parts(law: Law) -> Law:
     if law.record not in _with_parts:
         more = {name: rule for name, rule in PARTS.items() if name not in law.parameters}
         name = f"{law.record.__name__}WithParts"
-        fields: Any = law.record
-        record: Any = namedtuple(name, (*fields._fields, *more), module=__name__)  # type: ignore[misc]
+        record: Any = namedtuple(name, (*law.record._fields, *more), module=__name__)  # type: ignore[attr-defined, misc]
         globals()[name] = record  # pickles look for it here
         _with_parts[law.record] = replace(
             law,

@@ -79,7 +79,8 @@ def headline_of(attrs: dict[str, Any]) -> str:
         law, *numbers = attrs["friction"].items()
         system = find(attrs["system"])
         known = system.laws.get(law[1]) if system else None  # None: of a package that is not installed here
-        units = {name: known.parameters[name].unit.symbol if known else "" for name, _ in numbers}
+        rules = known.given(dict(numbers)).parameters if known else {}
+        units = {name: rules[name].unit.symbol if known else "" for name, _ in numbers}
         parts = [f"{name} = {value:g} {units[name]}".removesuffix(" 1").rstrip() for name, value in numbers]
         words.append(", ".join([f"{law[1]} friction", *parts]) if numbers else "no friction")
     return " · ".join(words)

@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from ..errors import InputError
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
@@ -30,7 +32,7 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         asked.append('`run.on_liftoff = "fly"`')
     if law.regions:
         asked.append(f'`friction.law = "{name}"`')
-    parts = [f"`friction.{part}`" for part in PARTS if law.torque and part in (friction or {})]
+    parts = [f"`friction.{part}`" for part in PARTS if law.torque and part in (friction or ())]
     asked += parts
     if not (asked or (law.set_valued and opening)):
         initial = tables.get("initial")
@@ -120,6 +122,8 @@ def contact_faults(problem: Problem) -> list[str]:
         return faults  # which are found already
     if problem.law.set_valued or problem.law.regions:
         faults += _unique(problem)
+    if not faults and (mu_r := getattr(problem.friction, "mu_r", 0.0)):
+        faults += _pressing(problem, mu_r)
     return faults + _under(problem)
 
 
@@ -159,6 +163,25 @@ def _under(problem: Problem) -> list[str]:
     if not gap < least - UNDER * R:
         return []
     return [f"`initial.gap` must be at least {least:.17g}, but is {gap:g}: the stem would be under the plane."]
+
+
+def _pressing(problem: Problem, mu_r: float) -> list[str]:
+    """Rolling resistance presses a body into the plane or lifts it; where it lifts more than the force presses there is
+    no normal force."""
+    body, rules = problem.body(), problem.contact
+    assert rules is not None
+    mu = problem.friction.mu if problem.law.set_valued or problem.law.regions else 0.0
+    s = np.sin(np.linspace(0, np.pi, 2001)[1:-1])
+    z = np.cos(np.linspace(0, np.pi, 2001)[1:-1])
+    bounds = []
+    for R, c in [(body.R, body.c), *([(rules.r, body.c + rules.h)] if rules.stem else [])]:
+        lever = c * s
+        bounds.append(float(((body.I1 / body.m + lever * (lever - mu * (R - c * z))) / lever).min()))
+    if mu_r < min(bounds):
+        return []
+    return [
+        f"`friction.mu_r` must be less than {min(bounds):.3g}, or the contact force is not unique, but is {mu_r:g}."
+    ]
 
 
 def _unique(problem: Problem) -> list[str]:

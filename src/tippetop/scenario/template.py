@@ -60,7 +60,7 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
     ]
     if system.frictional:
         given = tables["friction"]
-        law = system.laws[given["law"]]
+        law = system.laws[given["law"]].given(given)
         lines += ["", "[friction]", _line("law", given["law"], f"one of {', '.join(laws_of(system))}")]
         lines += _keys(given, _rules(law.parameters), {})
     flags = {a.name: "true: the centre of mass does not move sideways" for a in system.alternatives if a.flag}

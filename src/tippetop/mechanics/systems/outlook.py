@@ -11,7 +11,7 @@ import numpy as np
 
 from ..contact.body import Touch, tip_inertia
 from ..contact.restitution import ContactLaw
-from ..friction import is_frictionless, is_linear, named, nowhere_vanishes
+from ..friction import has_parts, is_frictionless, is_linear, named, nowhere_vanishes
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
@@ -36,7 +36,7 @@ UNLESS = ", unless it lifts off"
 STAYS = "stays at the pole until it is disturbed"
 FREE = "no friction: nothing is lost, and no state attracts"
 SOMEWHERE_FREE = "friction vanishes somewhere on the body or in fast sliding: no state is known to attract"
-ROLLING_ALONE = "rolling resistance alone, without sliding friction: no state is known to attract"
+PARTS_TAKE = "rolling resistance or drilling takes energy and Jellett's integral: no state is known to attract"
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -61,6 +61,8 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
     """A tippe top whose contact may open or stick: what holds while it slides on a ball. [contact 4.1]"""
+    if has_parts(b.friction):
+        return Outlook(PARTS_TAKE)
     limits = thresholds(b)
     on_stem = b._replace(R=law.r, c=b.c + law.h)
     if law.stem and on_stem.c > 0:  # else the centre of mass is not above the stem's ball
@@ -75,8 +77,6 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
         return Outlook(FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
     known = named(type(b.friction))
-    if known and known[1].regions and b.friction.mu == 0:
-        return Outlook(ROLLING_ALONE, "", limits)
     if known and known[1].set_valued:
         sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
     elif known and known[1].regions:

@@ -1,0 +1,192 @@
+"""Rolling resistance and a drilling torque beside any friction law: closed forms, and Newton and Euler by DOP853."""
+
+import pickle
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import tippetop as tt
+from tippetop.mechanics.friction import PARTS
+from tippetop.runs import forecast
+from tippetop.runs.run import solve
+from tippetop.scenario.build import problem
+
+
+BODY = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
+MU_R, MU_D = 2e-4, 1e-4
+LAWS = {
+    "viscous": {"law": "viscous", "mu": 0.3},
+    "coulomb": {"law": "coulomb", "mu": 0.3},
+    "stribeck": {"law": "stribeck", "mu": 0.2, "mu_static": 0.3, "v_s": 0.1, "eps": 0.01},
+    "none": {"law": "none"},
+    "contensou": {"law": "contensou", "mu": 0.3, "patch": 2e-3},
+}
+SLIDING = {"theta": 1.0, "omega3": 50.0, "phi_dot": 3.0, "nu_x": 0.3, "nu_y": -0.1}
+
+
+def scenario(friction, until=0.2, parameters=BODY, parts=True, **tables):
+    """A run under a law, with both parts unless it has others."""
+    more = {"mu_r": MU_R, "mu_d": MU_D} if parts is True else parts or {}
+    run = {"until": until} | tables.pop("run", {})
+    return problem({"system": "tippe-top", "parameters": parameters, "friction": friction | more, "run": run} | tables)
+
+
+def columns_of(done):
+    return {name: column.values for name, column in done.columns().items()}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_balances_of_a_run_count_what_the_torques_take(law):
+    """Sliding, flying and standing on the stem."""
+    starts = [SLIDING, SLIDING | {"gap": 0.002}]
+    for start in starts:
+        stem = {} if law == "coulomb" else {"stem": {"r": 0.005, "h": 0.013}}
+        done = solve(scenario(LAWS[law], initial=start, contact={"e_n": 0.3}, **stem))
+        assert max(done.report["drift"].values()) < 1e-13
+        assert columns_of(done)["jellett_lost"][-1] != 0
+
+
+@pytest.mark.parametrize("law", ["viscous", "coulomb", "none"])
+def test_an_upright_spin_falls_linearly(law):
+    """I3 omega3' = -mu_d m g."""
+    done = solve(scenario(LAWS[law], initial={"omega3": 50.0}))
+    c = columns_of(done)
+    expected = 50.0 - MU_D * BODY["m"] * BODY["g"] / BODY["I3"] * c["time"]
+    np.testing.assert_allclose(c["omega3"], expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("law", "mu"), [("viscous", 50.0), ("coulomb", 0.5)])
+def test_a_ball_that_rolls_in_a_straight_line_slows_down(law, mu):
+    """(m + I/R^2) v' = -mu_r m g/R, whatever friction makes it roll; viscous friction lets it slide a little."""
+    ball = BODY | {"alpha": 1e-9, "I1": 7e-7}
+    start = {"theta": np.pi / 2, "omega3": 40.0}
+    done = solve(scenario(LAWS[law] | {"mu": mu}, 0.1, ball, {"mu_r": MU_R}, initial=start))
+    c = columns_of(done)
+    slowing = MU_R * ball["m"] * ball["g"] / ball["R"] / (ball["m"] + ball["I3"] / ball["R"] ** 2)
+    rate = np.gradient(c["omega3"] * ball["R"], c["time"])[-100:]
+    np.testing.assert_allclose(rate, -slowing, rtol=1e-7)
+
+
+def newton_euler(friction, start, until, times):
+    """theta, by the state u, omega, V in space and forces from linear equations in N."""
+    m, R, I1, I3, g = (BODY[name] for name in ("m", "R", "I1", "I3", "g"))
+    offset, still = BODY["alpha"] * R, 1e-6 * np.sqrt(g / R)
+    z = np.array([0.0, 0.0, 1.0])
+
+    def torque(omega):
+        rolling = -MU_R / np.sqrt(omega[0] ** 2 + omega[1] ** 2 + still**2)
+        return np.array([rolling * omega[0], rolling * omega[1], -MU_D * omega[2] / np.hypot(omega[2], still)])
+
+    def rates(t, y):
+        u, omega, V = y[:3], y[3:6], y[6:]
+        inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(u, u)
+        a, a_rate = offset * u - R * z, offset * np.cross(omega, u)
+        v, tau = V + np.cross(omega, a), torque(omega)
+
+        def motion(F, N):
+            turn = np.linalg.solve(inertia, np.cross(a, F) + N * tau - np.cross(omega, inertia @ omega))
+            centre = F / m - g * z
+            return centre + np.cross(turn, a) + np.cross(omega, a_rate), turn, centre
+
+        free = motion(np.zeros(3), 0.0)[0]
+        if friction is None:  # it rolls: v_A' = 0
+            matrix = np.array([motion(F, F[2])[0] - free for F in np.eye(3)]).T
+            F = np.linalg.solve(matrix, -free)
+            N = F[2]
+        else:
+            push = z - friction(v)
+            N = -free[2] / (motion(push, 1.0)[0][2] - free[2])
+            F = N * push
+        _, turn, centre = motion(F, N)
+        return [*np.cross(omega, u), *turn, *centre]
+
+    s, c = np.sin(start["theta"]), np.cos(start["theta"])
+    phi_dot, omega3 = start["phi_dot"], start["omega3"]
+    u = np.array([s, 0.0, c])
+    omega = np.array([s * (omega3 - phi_dot * c), 0.0, c * omega3 + phi_dot * s**2])
+    v = np.array([start.get("nu_x", 0.0), start.get("nu_y", 0.0), 0.0])
+    y = [*u, *omega, *(v - np.cross(omega, offset * u - R * z))]
+    return solve_ivp(rates, (0.0, until), y, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=times).y[2]
+
+
+ROLLING = {"theta": 1.0, "omega3": 20.0, "phi_dot": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("law", "start", "phase", "push"),
+    [
+        ("viscous", SLIDING, 0, lambda v: 0.3 * v * [1, 1, 0]),
+        ("coulomb", SLIDING | {"nu_x": 1.0}, 0, lambda v: 0.3 * v * [1, 1, 0] / np.hypot(v[0], v[1])),
+        ("coulomb", ROLLING, 1, None),
+    ],
+)
+def test_a_phase_is_the_motion_of_newton_and_euler(law, start, phase, push):
+    done = solve(scenario(LAWS[law], until=0.05, initial=start))
+    c = columns_of(done)
+    assert (c["phase"] == phase).all()
+    np.testing.assert_allclose(np.cos(c["theta"]), newton_euler(push, start, 0.05, c["time"]), rtol=0, atol=2e-11)
+
+
+def test_a_drilling_torque_holds_a_disc_that_friction_cannot_hold_alone():
+    """Omega_z is 0 at the start."""
+    z, s = np.cos(0.5), np.sin(0.5)
+    start = {"theta": 0.5, "omega3": 4.0, "theta_dot": 8.0, "phi_dot": -4.0 * z / s**2}
+    law = LAWS["contensou"] | {"patch": 2e-4}
+    alone, held = (solve(scenario(law, 0.02, initial=start, parts={"mu_d": mu_d})) for mu_d in (0.0, 5e-3))
+    assert held.report["contact_phases"]["counts"] == {"rest": 1}
+    assert alone.report["contact_phases"]["counts"] == {"slip": 1}
+    assert max(*held.report["drift"].values(), *alone.report["drift"].values()) < 1e-13
+
+
+def test_a_rolling_resistance_that_lifts_the_body_is_refused():
+    with pytest.raises(tt.InputError, match=r"`friction.mu_r` must be less than 0.04"):
+        scenario(LAWS["coulomb"], parts={"mu_r": 0.1})
+
+
+def test_laws_without_parts_keep_their_bits():
+    """Parts of zero give the same motion by other formulas."""
+    plain = solve(scenario(LAWS["viscous"], parts=None, initial=SLIDING, contact={}))
+    zero = solve(scenario(LAWS["viscous"], parts=dict.fromkeys(PARTS, 0.0), initial=SLIDING))
+    np.testing.assert_allclose(columns_of(zero)["theta"], columns_of(plain)["theta"], rtol=1e-12)
+    assert "jellett_lost" not in columns_of(plain)
+    assert max(zero.report["drift"].values()) < 1e-13
+
+
+def test_records_take_parts_by_name():
+    top = tt.TippeTop(**BODY)
+    law = tt.Viscous(0.3, mu_r="0.2 mm", mu_d=MU_D)
+    run = tt.run(top, law, start=SLIDING, until=0.01)
+    table = tt.run(top, LAWS["viscous"] | {"mu_r": MU_R, "mu_d": MU_D}, start=SLIDING, until=0.01)
+    assert run.trajectory.theta.identical(table.trajectory.theta)
+    assert run.summary.friction.to_dict() == {"law": "viscous", "mu": 0.3, "mu_r": MU_R, "mu_d": MU_D}
+    assert tt.Contensou(0.3, 5e-4, 1e-5, mu_d=1e-5).record()._fields == ("mu", "patch", "mu_r", "mu_d")
+    with pytest.raises(tt.InputError, match="mu_r"):
+        tt.Coulomb(0.3, mu_r=-1e-5)
+
+
+def test_a_problem_with_parts_can_be_pickled():
+    made = scenario(LAWS["viscous"], initial=SLIDING)
+    assert pickle.loads(pickle.dumps(made)).friction == made.friction
+
+
+@pytest.mark.parametrize("system", ["gliding-cylinder", "gliding-heavy-top"])
+def test_parts_are_those_of_a_ball(system):
+    with pytest.raises(tt.InputError, match=r"`friction.mu_r` must be of a tippe-top, but the system is"):
+        problem({"system": system, "friction": LAWS["viscous"] | {"mu_r": 1e-5}})
+
+
+def test_no_statement_about_lasting_spins_is_made():
+    """Thresholds, fates and stable states are those of tops that lose nothing but by sliding."""
+    made = scenario(LAWS["viscous"], until=0.05, initial={"theta": 0.01, "omega3": 150.0})
+    found = forecast.assessment(made)
+    assert "thresholds" not in found
+    assert "no state is known to attract" in found["regime"]
+    assert solve(made, keep=False).report["outcome"] == "under-way"
+    top = tt.TippeTop(**BODY)
+    with pytest.raises(tt.InputError, match="no spin lasts"):
+        tt.linear_modes(top, omega3=100.0, law=tt.Viscous(0.3, mu_r=1e-5))
+    run = tt.run(top, tt.Viscous(0.3, mu_r=1e-5), start={"theta": 0.3, "omega3": 100.0}, until=0.01)
+    for kind in ("states", "surface", "inversion"):
+        with pytest.raises(tt.InputError, match=r"none does under `friction.mu_r`"):
+            run.plot(kind)
