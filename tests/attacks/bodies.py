@@ -23,6 +23,8 @@ def parameters(system: Any, rng: np.random.Generator, scale: float) -> dict[str,
     if rng.random() < 0.3:
         g *= spread(rng, 1 / scale, scale)
     numbers = {"m": m, "R": R, "l": R * spread(rng, 0.3, 3.0), "g": g, "alpha": float(rng.uniform(0.02, 0.9))}
+    if "alpha" in system.parameters and system.parameters["alpha"].nonzero:
+        numbers["alpha"] *= float(rng.choice([-1, 1]))  # a peg as often as a top
     numbers["I3"] = m * R * R * spread(rng, 0.2, 1.0)
     numbers["I1"] = numbers["I3"] * float(rng.uniform(0.55, 3.0))  # I3 <= 2 I1 holds of every body
     numbers["I"] = m * R * R * float(rng.uniform(0.2, 0.9))

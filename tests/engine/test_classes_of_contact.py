@@ -10,6 +10,7 @@ def test_the_phase_and_the_ball_say_what_a_motion_under_way_is() -> None:
     cases = [
         ("under-way", 1.0, "slip", "body", "under-way"),
         ("under-way", 1.0, "roll", "body", "rolling"),
+        ("under-way", 1.0, "rest", "body", "rolling"),
         ("under-way", 0.0, "roll", "body", "rolling"),
         ("upright", 0.0, "roll", "body", "upright"),
         ("upright", 0.05, "roll", "body", "rolling"),

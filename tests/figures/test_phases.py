@@ -106,7 +106,7 @@ def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None
     assert list(changes) == [0, 0, 1.5, 1.5]
     drilling = trajectory.assign(jellett_lost=("time", np.array([0.0, 0.0, -3.0, -3.0])))
     ((words, changes, _),) = conserved.changes(drilling, attrs)
-    assert (words, list(changes)) == ("λ + what drilling took", [0, 0, 0, 0])
+    assert (words, list(changes)) == ("λ + what torques took", [0, 0, 0, 0])
 
 
 @pytest.fixture(scope="module")

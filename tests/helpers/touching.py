@@ -33,6 +33,16 @@ STANDING: dict[str, Any] = {
 """A top that strikes the plane with its stem, hops from one ball to the other, and stands on both."""
 
 
+ROCKING: dict[str, Any] = {
+    "system": "tippe-top",
+    "parameters": STANDING["parameters"],
+    "friction": {"law": "contensou", "mu": 0.06, "patch": 2e-3},
+    "initial": {"theta": 0.5, "omega3": 0.3, "theta_dot": 1.0},
+    "run": {"until": 0.5},
+}
+"""A top on a large disc, which rests, gives way, and rests again."""
+
+
 def reference(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The tables of a case of the reference, with rows at its times, and the case."""
     case = json.loads((Path(__file__).parent.parent / "reference" / f"{name}.json").read_text())

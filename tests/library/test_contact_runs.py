@@ -93,3 +93,12 @@ def test_runs_under_coulombs_law_in_quad_agree_with_80_bits(start: dict, until: 
     assert kinds[0] == kinds[1]
     np.testing.assert_allclose(ends[0].events.time, ends[1].events.time, rtol=0, atol=1e-16)
     assert max(ends[1].summary.drift.values()) < 1e-16
+
+
+def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> None:
+    """Its first steps are so short that their polynomials mean nothing before them."""
+    body = {"m": 0.006, "R": 0.015, "alpha": 0.45773133498543367, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
+    start = {"theta": 1.4074573419766757, "phi_dot": 7.937053797883742, "omega3": 41.604276802429794}
+    rows = tt.run(scenario({"law": "coulomb", "mu": 0.2}, start, 0.003, body), output_step=0.001).trajectory
+    assert rows.omega3.values[0] == pytest.approx(start["omega3"], rel=1e-7)
+    assert np.ptp(rows.normal_force.values) < 1e-3

@@ -12,7 +12,7 @@ import tippetop as tt
 from tippetop.ensembles import outcomes
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.form import Exit, Integral
+from tippetop.mechanics.form import Integral
 from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, NEWTON, ONE, SECOND_PER_METRE
 
@@ -198,8 +198,6 @@ def without(record: Any) -> Any:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"phases": {"slip": PHASE, "fly": PHASE}}, "`phases` of `own-top` must be one Phase without exits, but are s"),
-        ({"exits": (Exit("liftoff", ("slip",), None),)}, "`phases` of `own-top` must be one Phase without exits"),
         ({"laws": tt.LAWS}, "`laws` of `own-top` must be a dict of Law records by name, but is viscous"),
         ({"forms": {"vector": VECTORIAL}, "vectors": {}}, "of the form `vector` .* must be numbers, .* `u` is Vector"),
         ({"long_names": {}}, "`long_names` of `own-top` must describe each .* but lacks theta, theta_dot"),

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from stores import assert_same
-from touching import BOUNCE, STANDING, THROWN, TURNING
+from touching import BOUNCE, ROCKING, STANDING, THROWN, TURNING
 
 from tippetop.problem import Problem
 from tippetop.runs import extending, recording, resuming, saving
@@ -30,7 +30,10 @@ def gathered(memory: Memory) -> list[np.ndarray]:
 
 
 IN_WIDER_NUMBERS = [
-    *(pytest.param(tables, "longdouble", marks=pytest.mark.slow) for tables in (BOUNCE, THROWN, TURNING, STANDING)),
+    *(
+        pytest.param(tables, "longdouble", marks=pytest.mark.slow)
+        for tables in (BOUNCE, THROWN, TURNING, STANDING, ROCKING)
+    ),
 ]
 
 
@@ -40,6 +43,7 @@ IN_WIDER_NUMBERS = [
         pytest.param(BOUNCE, "double", id="bounce"),
         pytest.param(THROWN, "double", id="thrown"),
         pytest.param(TURNING, "double", id="turning"),
+        pytest.param(ROCKING, "double", id="rocking"),
         pytest.param(STANDING, "double", id="standing", marks=pytest.mark.slow),  # 7 s, most of it compiling
         *IN_WIDER_NUMBERS,
     ],

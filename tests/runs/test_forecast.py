@@ -1,8 +1,6 @@
 """What is said of a run before it is made: quantities of the start from first principles, and what it will take."""
 
 import math
-from dataclasses import replace
-from unittest.mock import ANY
 
 import pytest
 
@@ -42,13 +40,12 @@ def test_steps_are_foretold_to_an_order_of_magnitude(preset: str) -> None:
 
 @pytest.mark.parametrize("speed", [1.0, 6.0])
 def test_steps_of_friction_that_drills_grow_as_its_disc_slows(speed: float) -> None:
-    """Until it comes to rest; measured: 0.5 to 2 times what the run takes, of presets and of discs at rest."""
+    """Until it comes to rest, after which it takes few; measured: 0.4 to 2 times what the run takes."""
     disc = ["friction.patch=2e-3", "initial.centre_at_rest=", "initial.theta=1.0", f"initial.omega3={speed}", "stem="]
     problem = build.load("leine-glocker-drilling", disc, until=1.0)
     made = solve(problem, keep=False)
-    assert "rest" in made.reason
+    assert made.report["contact_phases"]["last"]["phase"] == "rest"
     assert 0.4 < forecast.cost(problem)["steps"] / made.report["steps"] < 2.5
-    assert forecast.cost(replace(problem, until=100.0)) == forecast.cost(problem) | {"megabytes": ANY}
 
 
 def test_a_disc_without_sliding_friction_costs_what_one_with_hardly_any_does() -> None:

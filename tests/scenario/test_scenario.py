@@ -26,7 +26,7 @@ def sentences(*assignments: str) -> str:
     ("assignment", "said"),
     [
         ("parameters.alpha=1", "`parameters.alpha` must be less than 1.0, but is 1."),
-        ("parameters.alpha=0.0", "`parameters.alpha` must be greater than 0.0, but is 0.0."),
+        ("parameters.alpha=0.0", "`parameters.alpha` must be other than 0.0, but is 0.0."),
         ("parameters.m=nan", "`parameters.m` must be a finite number, but is nan."),
         ("parameters.g=inf", "`parameters.g` must be a finite number, but is inf."),
         ("parameters.I3=7e-6", "`parameters.I3` must be at most 2*I1"),

@@ -80,6 +80,7 @@ def _unknown_option(error: UnknownOptionError, command: str, help_: str) -> str:
 
 def scenario_key(word: str) -> str | None:
     """The dotted key of a scenario that a word stands for: theta -> initial.theta; None if there is none."""
+    from ..mechanics.friction import PARTS
     from ..mechanics.systems import SYSTEMS
 
     tables: dict[str, Any] = {}
@@ -87,7 +88,7 @@ def scenario_key(word: str) -> str | None:
         for table, names in (("parameters", system.parameters), ("initial", system.initial)):
             tables |= {name: f"{table}.{name}" for name in names if name not in tables}
         for law in system.laws.values():
-            tables |= {name: f"friction.{name}" for name in law.parameters if name not in tables}
+            tables |= {name: f"friction.{name}" for name in (*law.parameters, *PARTS) if name not in tables}
     tables |= {name: f"run.{name}" for name in RUN}
     tables |= {"centre_at_rest": "initial.centre_at_rest", "law": "friction.law", "friction": "friction.law"}
     tables |= {"system": "system", "form": "form"}

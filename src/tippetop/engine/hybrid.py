@@ -25,6 +25,7 @@ from ..problem import Problem
 from .driver import Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
 from .expressions import Formulas
 from .phase_tables import PhaseTables
+from .sampled import Sampler
 from .status import Status
 from .tallies import ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
 
@@ -42,7 +43,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     form = phase.form
     of_phases = {event.name for other in system.phases.values() for event in other.events}
     common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
-    own = tuple(event for event in phase.events if event.formula is not None)
+    own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
     events = (*own, *common)
     template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
@@ -101,6 +102,12 @@ class Track:
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
         self.driver.wanted = run.row_times
+        sampled = [event for event in phase.events if event.sampled]
+        self.sampler = Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
+
+    def _value(self, state: np.ndarray, event: Event) -> Any:
+        """Return the value of an event in a state of the phase."""
+        return event.formula(self.phase.form.scalars(self.record(*state[: self.moving].tolist()), self.b), self.b)
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase are looked for."""
@@ -266,6 +273,7 @@ class HybridDriver:
             self.whole = np.array([self.number(value) * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
         state = track.state(n.x, self.whole)
         track.driver.put(state, (time, 0 * time))
+        self.waits = n.delay > 0 and n.series is None
         self._begin_events(n, track, state, now, old)
         lane = self.tallies.lane
         lane["status"], lane["upto"], lane["tiny"], lane["steps"] = Status.RUNNING.code, 1.0, 0, 0
@@ -325,18 +333,23 @@ class HybridDriver:
                 self.tally["upto"] = 0.0
                 break
             driver = self.track.driver
-            piece = driver.advance(self, most - steps)
+            if self.waits:
+                self._rows_before()
+            sampled = self._sample()
+            piece = driver.advance(self, 1 if self.track.sampler else most - steps)
             steps += piece.steps
             when, status, state = piece.time, piece.status, piece.last
-            ending = self._ending(piece)
+            ending = sampled if sampled and piece.status is Status.FINISHED else self._ending(piece)
             if len(piece.samples):
                 self.samples.append(self._part(piece.samples))
-            count = len(piece.passages.times) - (ending not in (None, CLOCK))
+            count = len(piece.passages.times) - (ending not in (None, CLOCK, sampled))
             if count:
                 passages = Passages(*(column[:count] for column in piece.passages))
                 self.log.append((passages, self._part(passages.states)))
-            if ending is None:
+            if ending is None and (status is not None or steps >= most or not self.track.sampler):
                 break
+            if ending is None:
+                continue
             status = self._jump(ending, state[0], when)
             full = steps >= most or self.changes % PER_SLICE == 0
             if status is not None or (full and self.clock[0] < self.end):
@@ -346,6 +359,17 @@ class HybridDriver:
         last = self.present() if status is None else self._rows([self._part(state)])[0]
         passages = self._hand_over()
         return Slice(steps, when, last, self._joined(self.samples), passages, status, self.tables.take())
+
+    def _sample(self) -> str:
+        """Let the phase end where a sampled event happens in its next step. Return that event, or nothing."""
+        driver, found = self.track.driver, self.track.sampler and self.track.sampler.next()
+        if not self.track.sampler:
+            return ""
+        driver.end_at(self.until if self.clocked else self.end)
+        if not found or not found[1] < driver.end:
+            return ""
+        driver.end_at(found[1])
+        return str(found[0])
 
     def _ending(self, piece: Slice) -> str | None:
         """Return the exit by which the present phase ends; None if it does not, or ends the run."""
@@ -430,6 +454,19 @@ class HybridDriver:
         )
         whole = whole * self.number(INTEGRAL_SCALE)
         return Part(track, whole, states)
+
+    def _rows_before(self) -> None:
+        """Give the rows that are wanted of a jump that is too short for a series: the state at its end."""
+        self.waits = False
+        while not self.steps:
+            self.row_times.ask(self)
+            left = self.row_times.left
+            count = int(np.searchsorted(left, self.began))
+            if count:
+                self.asked.append((left[:count], self._part(np.repeat(self.state[None, :], count, axis=0))))
+            self.row_times.made += count
+            if count < len(left) or not count:
+                break
 
     def _fill(self, n: Next, track: Track, now: Any) -> None:
         """Give the rows that are wanted of a jump that takes time."""
@@ -554,7 +591,8 @@ class HybridDriver:
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase, but for `state`."""
         under_way = self.tables.under_way or [math.nan] * 4
-        phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began, self.until is not None]
+        phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began]
+        phase += [self.until is not None, self.waits]
         return {
             **self.track.driver.snapshot(),
             "phase": [*phase, *under_way, *(name in self.live for name in self.numbers)],
@@ -563,7 +601,7 @@ class HybridDriver:
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        phase, self.changes, self.short, self.began, has_clock, *rest = kept["phase"]
+        phase, self.changes, self.short, self.began, has_clock, self.waits, *rest = kept["phase"]
         under_way, live = rest[:4], rest[4:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
         self.world.phase = track.phase

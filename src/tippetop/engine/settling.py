@@ -128,7 +128,8 @@ def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) ->
     phase, on_stem = values["phase"], values["ball"] == BALLS.index("stem")
     flies = phase == PHASES.index("flight")
     away = np.minimum(theta, np.pi - theta) >= LINEAR
-    rolls = (phase == PHASES.index("roll")) & (away | (kinds == CLASSES.index("under-way")))
+    at_rest = (phase == PHASES.index("roll")) | (phase == PHASES.index("rest"))
+    rolls = at_rest & (away | (kinds == CLASSES.index("under-way")))
     kinds = np.where(rolls, CLASSES.index("rolling"), kinds)
     kinds = np.where(on_stem, CLASSES.index("on-stem"), kinds)
     return np.where(flies, CLASSES.index("bouncing"), kinds)

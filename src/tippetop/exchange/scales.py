@@ -48,6 +48,8 @@ def scale_of(rule: Parameter, value: float) -> Scale:
     """Return the scale of a number, by its interval and where it starts."""
     low = max((b for b in (rule.above, rule.least) if b is not None), default=-np.inf)
     high = min((b for b in (rule.below, rule.most) if b is not None), default=np.inf)
+    if rule.nonzero:  # the sign stays that of the start
+        low, high = (max(low, 0.0), high) if value > 0 else (low, min(high, 0.0))
     if low == 0 and not np.isfinite(high) and value > 0:
         return Scale(True, 1.0, float(np.log(value)) - WIDEST, float(np.log(value)) + WIDEST)
     size = abs(value) or 1.0

@@ -105,7 +105,7 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
         values = trajectory[name].values
         handed = _handed_over(trajectory, attrs) if name == "jellett" else np.empty(0, dtype=int)
         if name == "jellett" and "jellett_lost" in trajectory and trajectory["jellett_lost"].values.any():
-            values, words = values + trajectory["jellett_lost"].values, "λ + what drilling took"
+            values, words = values + trajectory["jellett_lost"].values, "λ + what torques took"
         words += ", since its ball touched first" if len(handed) else ""
         pieces = np.split(values, handed)
         start = [None if "ball" in trajectory else first.get(name)] + [None] * (len(pieces) - 1)

@@ -11,7 +11,8 @@ from matplotlib.patches import Patch
 from .style import ink, legend
 
 
-ORDER = ("slip", "roll", "flight", "both")
+ORDER = ("slip", "roll", "rest", "flight", "both")
+ON_ONE = ("slip", "roll", "rest")  # ball
 BALLS = ("body", "stem")
 MOST_SHADES = 100  # with more phases, cells of equal width have the mean of their shades
 CELLS = 500  # each wider than a pixel
@@ -90,7 +91,7 @@ def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.n
 def _kinds(phases: Any) -> list[tuple[str, str]]:
     """Phase and ball of each row; in flight and on both, the ball means nothing."""
     rows = zip(_names(phases["phase"]), _names(phases["ball"]), strict=True)
-    return [(str(phase), str(ball) if phase in ("slip", "roll") else "body") for phase, ball in rows]
+    return [(str(phase), str(ball) if phase in ON_ONE else "body") for phase, ball in rows]
 
 
 def _names(flags: Any) -> np.ndarray:

@@ -39,6 +39,7 @@ LIGHT = Ink(
     {
         "slip": ("#f4f1e4", "#e2d9b4"),
         "roll": ("#ddf2e5", "#a3d9ba"),
+        "rest": ("#fbe2de", "#efb7ae"),
         "flight": ("#d3e2fb", "#d3e2fb"),
         "both": ("#ecdcf7", "#ecdcf7"),
     },
@@ -49,6 +50,7 @@ DARK = Ink(
     {
         "slip": ("#2a281f", "#4a442b"),
         "roll": ("#1c3227", "#2b5a41"),
+        "rest": ("#3d2422", "#6b3b36"),
         "flight": ("#1e2d47", "#1e2d47"),
         "both": ("#35264a", "#35264a"),
     },

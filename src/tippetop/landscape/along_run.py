@@ -76,9 +76,10 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     theta = trajectory["theta"].values
     if not theta.size:
         raise InputError(["the potential is that of a top on its sphere, and this one is on its stem or in the air."])
-    reached = np.maximum.accumulate(theta)
-    picks = np.unique(np.searchsorted(reached, np.linspace(theta[0], reached[-1], TIMES)))
-    if picks.size < TIMES:  # theta does not rise: evenly spread in time
+    risen = -theta if parameters.get("alpha", 0) < 0 else theta
+    reached = np.maximum.accumulate(risen)
+    picks = np.unique(np.searchsorted(reached, np.linspace(risen[0], reached[-1], TIMES)))
+    if picks.size < TIMES:  # the top does not rise: evenly spread in time
         picks = np.unique(np.linspace(0, theta.size - 1, TIMES).round().astype(int))
     kept = all(np.ptp(v) <= KEPT * np.abs(v).max() for v in (trajectory[name].values for name in landscape.columns))
     z = np.cos(np.linspace(np.pi, 0, 4003)[1:-1])

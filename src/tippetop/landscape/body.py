@@ -34,8 +34,8 @@ class Top:
 
     @property
     def upright(self) -> int:
-        """z = cos(theta) at q = 0."""
-        return self.landscape.upright
+        """z = cos(theta) at q = 0, where the centre of mass is lowest."""
+        return 1 if self.body.c > 0 else -1
 
 
 def landscape_of(system: str | System) -> tuple[System, Landscape]:

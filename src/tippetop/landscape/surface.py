@@ -130,10 +130,10 @@ def minimal_surface(
     -------
     xarray.Dataset
         F [J], z = cos(theta) and theta [rad] of the minimum, status, and the gradient, over first x second. `status`:
-        attained; at_lower_end, at_upper_end: an infimum that is approached at theta = 0, pi (exchanged for heavy tops),
-        the momenta being on a marked line to within four roundings; lower_of_two; unsettled; undefined (an argument is
-        not finite: NaN). D = lambda = 0 is on the line theta = 0. A momentum that is a number, not an array, is no
-        dimension.
+        attained; at_lower_end, at_upper_end: an infimum that is approached at theta = 0, pi (exchanged for heavy tops
+        and pegs), the momenta being on a marked line to within four roundings; lower_of_two; unsettled; undefined (an
+        argument is not finite: NaN). D = lambda = 0 is on the line theta = 0 (of a peg theta = pi). A momentum that
+        is a number, not an array, is no dimension.
 
     Raises
     ------

@@ -44,7 +44,8 @@ def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray, theta: np.n
         kernels.wells(ALLOWANCE, x, y, energy, at, c, low, high, other, *filled)
     else:
         kernels.turnings(t.two_wells, ALLOWANCE, x, y, energy, c, low, high, *filled)
-    kernels.periods(t.system.theta_inertia)(low, high, x, y, energy, c, t.body, period)
+    turned = t.body._replace(c=abs(t.body.c))  # kernels have z = 1 at q = 0
+    kernels.periods(t.system.theta_inertia)(low, high, x, y, energy, c, turned, period)
     return Swing(low, high, q, F, curvature, level, period, other)
 
 

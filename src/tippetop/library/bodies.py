@@ -61,7 +61,7 @@ class Top:
 
 @dataclass(frozen=True)
 class TippeTop(Top):
-    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre.
+    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; with alpha < 0, a peg, above it.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class TippeTop(Top):
     R : float
         Radius of the sphere [m], positive.
     alpha : float
-        Eccentricity, in (0, 1), without unit.
+        Eccentricity, in (-1, 1) and not 0, without unit.
     I1, I3 : float
         Transverse and axial moment of inertia about the centre of mass [kg m^2], positive, I3 <= 2 I1.
     g : float

@@ -1,7 +1,7 @@
 """Friction laws as checked frozen records: F_h = -k g_n v_A, with v_A the velocity of the contact point."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from ..arguments import refuse_unknown
@@ -44,14 +44,24 @@ class Friction:
         return self._law().record(**self.numbers())
 
 
+@dataclass(frozen=True, kw_only=True)
+class WithParts(Friction):
+    """A friction law to which parts can be added."""
+
+    mu_r: float | None = None
+    mu_d: float | None = None
+
+
 @dataclass(frozen=True)
-class Viscous(Friction):
+class Viscous(WithParts):
     """Viscous friction, F = -mu g_n v_A: the law of Rutstam's thesis (2010).
 
     Parameters
     ----------
     mu : float
         Friction coefficient [s/m], at least 0.
+    mu_r, mu_d : float, optional
+        Rolling resistance and drilling torque [m], of a tippe top: docs/contact.md.
 
     Raises
     ------
@@ -67,13 +77,13 @@ class Viscous(Friction):
 
     if TYPE_CHECKING:
 
-        def __init__(self, mu: Given) -> None: ...
+        def __init__(self, mu: Given, *, mu_r: Given | None = None, mu_d: Given | None = None) -> None: ...
 
     law: ClassVar[str] = "viscous"
 
 
 @dataclass(frozen=True)
-class Coulomb(Friction):
+class Coulomb(WithParts):
     """Dry friction: Coulomb's law itself, F = -mu g_n v_A/|v_A| where the contact slides and as much as rolling takes
     where it does not; with eps the regularised one, F = -mu g_n v_A/sqrt(|v_A|^2 + eps^2).
 
@@ -84,6 +94,8 @@ class Coulomb(Friction):
     eps : float, optional
         Regularisation speed [m/s], positive; it decides when a top inverts. Without it the contact slips, rolls and
         flies, and the tables `phases` and `impacts` say when.
+    mu_r, mu_d : float, optional
+        Rolling resistance and drilling torque [m], of a tippe top: docs/contact.md.
 
     Raises
     ------
@@ -100,7 +112,9 @@ class Coulomb(Friction):
 
     if TYPE_CHECKING:
 
-        def __init__(self, mu: Given, eps: Given | None = None) -> None: ...
+        def __init__(
+            self, mu: Given, eps: Given | None = None, *, mu_r: Given | None = None, mu_d: Given | None = None
+        ) -> None: ...
 
     law: ClassVar[str] = "coulomb"
 
@@ -117,6 +131,8 @@ class Contensou(Friction):
         Radius of the disc [m], positive.
     mu_r : float, optional
         Rolling resistance [m]: torque per normal force, at least 0; none by default. Impacts leave it out.
+    mu_d : float, optional
+        Drilling torque [m] per normal force besides that of the disc, at least 0. Impacts leave it out.
 
     Raises
     ------
@@ -131,16 +147,17 @@ class Contensou(Friction):
     mu: float
     patch: float
     mu_r: float = 0.0
+    mu_d: float | None = field(default=None, kw_only=True)
 
     if TYPE_CHECKING:
 
-        def __init__(self, mu: Given, patch: Given, mu_r: Given = 0.0) -> None: ...
+        def __init__(self, mu: Given, patch: Given, mu_r: Given = 0.0, *, mu_d: Given | None = None) -> None: ...
 
     law: ClassVar[str] = "contensou"
 
 
 @dataclass(frozen=True)
-class Mixed(Friction):
+class Mixed(WithParts):
     """Viscous and dry friction together, F = -[mu + mu_coulomb/sqrt(|v_A|^2 + eps^2)] g_n v_A.
 
     Parameters
@@ -151,6 +168,8 @@ class Mixed(Friction):
         Dry friction coefficient, without unit, at least 0.
     eps : float
         Regularisation speed [m/s], positive.
+    mu_r, mu_d : float, optional
+        Rolling resistance and drilling torque [m], of a tippe top: docs/contact.md.
 
     Raises
     ------
@@ -168,13 +187,15 @@ class Mixed(Friction):
 
     if TYPE_CHECKING:
 
-        def __init__(self, mu: Given, mu_coulomb: Given, eps: Given) -> None: ...
+        def __init__(
+            self, mu: Given, mu_coulomb: Given, eps: Given, *, mu_r: Given | None = None, mu_d: Given | None = None
+        ) -> None: ...
 
     law: ClassVar[str] = "mixed"
 
 
 @dataclass(frozen=True)
-class Stribeck(Friction):
+class Stribeck(WithParts):
     """Dry friction that weakens with speed: mu_static at rest falls to mu over the speed v_s.
 
     Parameters
@@ -185,6 +206,8 @@ class Stribeck(Friction):
         Stribeck speed [m/s], positive.
     eps : float
         Regularisation speed [m/s], positive.
+    mu_r, mu_d : float, optional
+        Rolling resistance and drilling torque [m], of a tippe top: docs/contact.md.
 
     Raises
     ------
@@ -203,13 +226,22 @@ class Stribeck(Friction):
 
     if TYPE_CHECKING:
 
-        def __init__(self, mu: Given, mu_static: Given, v_s: Given, eps: Given) -> None: ...
+        def __init__(
+            self,
+            mu: Given,
+            mu_static: Given,
+            v_s: Given,
+            eps: Given,
+            *,
+            mu_r: Given | None = None,
+            mu_d: Given | None = None,
+        ) -> None: ...
 
     law: ClassVar[str] = "stribeck"
 
 
 @dataclass(frozen=True)
-class Latitude(Friction):
+class Latitude(WithParts):
     """Viscous friction of a body of two materials, linear in cos(theta) between them.
 
     Parameters
@@ -218,6 +250,8 @@ class Latitude(Friction):
         Coefficient on the heavy cap [s/m] (contact at cos(theta) = 1), at least 0.
     mu_stem : float
         Coefficient on the side of the stem [s/m] (contact at cos(theta) = -1), at least 0.
+    mu_r, mu_d : float, optional
+        Rolling resistance and drilling torque [m], of a tippe top: docs/contact.md.
 
     Raises
     ------
@@ -230,7 +264,9 @@ class Latitude(Friction):
 
     if TYPE_CHECKING:
 
-        def __init__(self, mu: Given, mu_stem: Given) -> None: ...
+        def __init__(
+            self, mu: Given, mu_stem: Given, *, mu_r: Given | None = None, mu_d: Given | None = None
+        ) -> None: ...
 
     law: ClassVar[str] = "latitude"
 
@@ -267,8 +303,13 @@ class Modified(Friction):
 
 
 @dataclass(frozen=True)
-class Frictionless(Friction):
+class Frictionless(WithParts):
     """No friction: the plane pushes vertically only. `[friction] law = "none"`.
+
+    Parameters
+    ----------
+    mu_r, mu_d : float, optional
+        Rolling resistance and drilling torque [m], of a tippe top: docs/contact.md.
 
     Notes
     -----
@@ -286,7 +327,8 @@ def table_of(law: Any, laws: Mapping[str, Law]) -> dict[str, Any]:
         return {"law": law.law, **law.numbers()}
     load_entry_points()
     if isinstance(law, str):
-        record = next((kind.__name__ for kind in Friction.__subclasses__() if kind.law == law), "Viscous")
+        kinds: tuple[Any, ...] = (*WithParts.__subclasses__(), Contensou, Modified)
+        record = next((kind.__name__ for kind in kinds if kind.law == law), "Viscous")
         raise InputError([f"the friction law must be a record such as {record}(...), but is {law!r:.60}."])
     if isinstance(law, type):
         raise InputError([f"the friction law must be a record such as {law.__name__}(...), but is the class itself."])

@@ -147,7 +147,13 @@ STOPS_ROLLING = 1e-6
 
 
 @formula
+def rolling(omega, law):
+    """The torque of rolling resistance per normal force, (3,) [m]."""
+    return rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
+
+
+@formula
 def torque(drag, omega, law):
     """The torque of drilling and of rolling resistance per normal force, (3,) [m]."""
-    rolling = rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
-    return Vector(rolling.x, rolling.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))
+    resisting = rolling(omega, law)
+    return Vector(resisting.x, resisting.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))

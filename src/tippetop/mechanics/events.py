@@ -75,6 +75,10 @@ class Event:
         The quantity that the function is, if its least and greatest values are to be reported.
     kept : tuple of Kept
         What is kept of its passages.
+    sampled : bool
+        Whether `formula` is a plain function of numbers, without a Taylor series, positive until it happens. It is
+        evaluated in the middle and at the end of each step, so that a shorter passage is missed. Only an exit of a
+        phase whose motion is slow may be sampled: the phase `rest` of a disc has the only one of this package.
 
     Notes
     -----
@@ -91,6 +95,7 @@ class Event:
     lasting: bool = False
     extremes: str = ""
     kept: tuple[Kept, ...] = ()
+    sampled: bool = False
 
 
 def kinds(events: Sequence[Event]) -> tuple[str, ...]:

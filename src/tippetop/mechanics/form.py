@@ -162,11 +162,11 @@ class Next:
         Time after which the phase ends by the exit `CLOCK`, if no other one comes first; None: it has none.
     cause
         Why the phase begins, as the table of phases has it; None: the event that ended the one before; empty: the same
-        phase goes on in other words.
+        phase continues in other words.
     rows
         Rows for further tables of the run: records in internal units, by table.
     ends, message
-        The status with which the run ends, and why; empty: it goes on.
+        The status with which the run ends, and why; empty: it continues.
     """
 
     phase: str

@@ -5,8 +5,9 @@ The fields of a `Law` decide how its contact behaves: no code tests its name or 
 """
 
 import re
+from collections import namedtuple
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import and_
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, names_its_faults
-from .disc_friction import REGIONS, Region, inside, torque
+from .disc_friction import REGIONS, STOPS_ROLLING, Region, inside, rolling, torque
 from .operand import Operand, Vector, exp, formula, select, sqrt
 from .parameter import rules_faults
 from .readonly import freeze
@@ -142,7 +143,8 @@ class Law:
     regions : dict of Region
         The formulas of a law that has several, by the name of the region of w/U in which each holds.
     torque : callable
-        torque(drag, omega, law) -> (3,) [m], per normal force, in the region of this drag.
+        torque(drag, omega, law) -> (3,) [m], per normal force, in the region of this drag; it ignores the drag under a
+        law without regions.
     without : Law
         The law of the same name where the numbers that this one has more are left out.
     """
@@ -160,10 +162,10 @@ class Law:
         freeze(self, "parameters", "regions")
 
     def given(self, names: Collection[str]) -> "Law":
-        """Return the law that these numbers belong to: `without`, if no optional one is among them."""
-        if self.without is None or any(name in names for name in self.optional):
-            return self
-        return self.without
+        """Return the law that these numbers belong to: `without`, if no optional one is among them; with parts, if
+        numbers of PARTS are."""
+        law = self if self.without is None or any(name in names for name in self.optional) else self.without
+        return with_parts(law) if any(name in names for name in PARTS if name not in law.parameters) else law
 
     @property
     def optional(self) -> list[str]:
@@ -173,6 +175,64 @@ class Law:
     def units(self) -> Any:
         """The law's record filled with units."""
         return self.record(**{name: p.unit for name, p in self.parameters.items()})
+
+
+PARTS = {
+    "mu_r": Parameter(METRE, "rolling resistance: torque per normal force; none within impacts", least=0, default=0.0),
+    "mu_d": Parameter(METRE, "drilling torque per normal force; none within impacts", least=0, default=0.0),
+}
+"""Numbers that can be added to every law of a system whose contact may open and is a sphere's."""
+
+
+@formula
+def drilling_part(omega, law):
+    """The drilling torque about the vertical, per normal force [m]: -mu_d sgn(Omega_z), smooth where Omega_z = 0."""
+    return -(law.mu_d * omega.z) / sqrt(omega.z * omega.z + STOPS_ROLLING**2)
+
+
+@formula
+def torque_of_parts(drag, omega, law):
+    """The torque of rolling resistance and drilling per normal force, (3,) [m]."""
+    resisting = rolling(omega, law)
+    return Vector(resisting.x, resisting.y, drilling_part(omega, law))
+
+
+@formula
+def torque_of_disc_and_part(drag, omega, law):
+    """The torque of a disc under Coulomb's law, and the drilling torque, per normal force, (3,) [m]."""
+    of_disc = torque(drag, omega, law)
+    return Vector(of_disc.x, of_disc.y, of_disc.z + drilling_part(omega, law))
+
+
+_with_parts: dict[type, Law] = {}
+
+
+def with_parts(law: Law) -> Law:
+    """Return a law with rolling resistance and a drilling torque; the same one for a law's record."""
+    if law.record not in _with_parts:
+        more = {name: rule for name, rule in PARTS.items() if name not in law.parameters}
+        name = f"{law.record.__name__}WithParts"
+        fields: Any = law.record
+        record: Any = namedtuple(name, (*fields._fields, *more), module=__name__)  # type: ignore[misc]
+        globals()[name] = record  # pickles look for it here
+        _with_parts[law.record] = replace(
+            law,
+            record=record,
+            parameters=dict(law.parameters) | more,
+            torque=torque_of_disc_and_part if law.regions else torque_of_parts,
+            without=None,
+        )
+    return _with_parts[law.record]
+
+
+def has_parts(law: Any) -> bool:
+    """Return whether rolling resistance or a drilling torque acts under a law with its numbers."""
+    return any(np.any(getattr(law, name, 0.0)) for name in PARTS)
+
+
+def load(omega: Vector, law: Any) -> Vector | None:
+    """Return the torque of a law without regions per normal force, (3,) [m]; None under a law without parts."""
+    return torque_of_parts(None, omega, law) if "mu_d" in law._fields else None
 
 
 _VISCOUS = Parameter(SECOND_PER_METRE, "viscous friction coefficient mu", least=0)
@@ -243,11 +303,12 @@ LAWS = {
 
 
 def all_laws(laws: Mapping[str, Law]) -> Iterator[tuple[str, Law]]:
-    """Yield every law with its name, also those of the same name with fewer numbers."""
+    """Yield every law with its name, also those of the same name with fewer numbers, or with parts."""
     for name, law in laws.items():
-        yield name, law
-        if law.without is not None:
-            yield name, law.without
+        for one in (law, law.without):
+            if one is not None:
+                yield name, one
+                yield name, with_parts(one)
 
 
 def named(record: type, laws: Mapping[str, Law] = LAWS) -> tuple[str, Law] | None:
@@ -256,7 +317,8 @@ def named(record: type, laws: Mapping[str, Law] = LAWS) -> tuple[str, Law] | Non
     return next(known, None)
 
 
-SLIP = {law.record: law.coefficient for _, law in all_laws(LAWS) if law.coefficient is not None}
+SLIP: dict[type, Any] = {}
+SLIP |= {law.record: law.coefficient for _, law in all_laws(LAWS) if law.coefficient is not None}
 slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
 
@@ -281,12 +343,13 @@ def takes_nothing(law: Any) -> Any:
     if known is None:  # a law of one system, which is no multiple of the sliding velocity
         return False
     rules = known[1]
-    if not (rules.set_valued or rules.regions):
-        return reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
-    none = law.mu == 0
-    if rules.torque is not None:  # of a body that rolls without turning
-        rolls = rules.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 0.0), law)
-        none = none & (rolls.x == 0)
+    if rules.set_valued or rules.regions:
+        none = law.mu == 0
+    else:
+        none = reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
+    if rules.torque is not None:
+        turns = rules.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 1.0), law)
+        none = none & (turns.x == 0) & (turns.z == 0)
     return none
 
 
@@ -313,7 +376,7 @@ def add(name: str, law: Law) -> None:
     if faults := _faults(name, law):
         raise InputError(faults)
     LAWS[name] = law
-    SLIP[law.record] = names_its_faults(law.coefficient, f"the friction law `{name}`")
+    SLIP[law.record] = SLIP[with_parts(law).record] = names_its_faults(law.coefficient, f"the friction law `{name}`")
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
@@ -342,6 +405,11 @@ def _faults(name: Any, law: Any) -> list[str]:
         faults.append(f"the parameters of the law `{name}` must be the fields of its record, {names}, but are {given}.")
     if "law" in law.parameters:
         faults.append(f"a parameter of the law `{name}` must not be named `law`: that is the key of the law's name.")
+    faults += [
+        f"a parameter of the law `{name}` must not be named `{part}`: every law takes it, as {rule.long_name}."
+        for part, rule in PARTS.items()
+        if part in law.parameters
+    ]
     if not faults:
         faults += rules_faults(f"the parameters of the law `{name}`", law.parameters)
     if not callable(law.coefficient or len):

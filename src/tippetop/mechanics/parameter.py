@@ -24,6 +24,8 @@ class Parameter:
         It must be greater than `above`, at least `least`.
     below, most : float, optional
         It must be less than `below`, at most `most`.
+    nonzero : bool
+        Whether it must differ from 0.
     default : float, optional
         What it is where it is left out; without, it must be given.
 
@@ -40,6 +42,7 @@ class Parameter:
     below: float | None = None  # must be less than
     most: float | None = None  # must be at most
     default: float | None = None  # where it is left out; None: it must be given
+    nonzero: bool = False  # must not be 0
 
     def __post_init__(self) -> None:
         if faults := self._faults():
@@ -61,6 +64,7 @@ class Parameter:
     def _bounds(self) -> list[tuple[str, float, Callable]]:
         """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
         bounds = (
+            ("other than", 0.0 if self.nonzero else None, np.equal),
             ("greater than", self.above, np.less_equal),
             ("at least", self.least, np.less),
             ("less than", self.below, np.greater_equal),

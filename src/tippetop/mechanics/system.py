@@ -49,12 +49,12 @@ class Momentum(NamedTuple):
 class Landscape:
     """What the effective potential V(z; first, second momentum) of a system is made of. [section 5, 8]
 
-    Law: V of the coefficients at q = (1 - upright z)/(1 + upright z) is `System.potential` at z.
+    Law: V of the coefficients at q = (1 - up z)/(1 + up z) is `System.potential` at z, where q = 0, z = up = +1 or -1
+    is the pole at which the centre of mass is lowest.
     """
 
     momenta: tuple[Momentum, Momentum]
     coefficients: Callable  # coefficients(body) -> PotentialCoefficients, in the numbers of the body
-    upright: int  # +1, -1: z = cos(theta) at q = 0
     two_wells: Callable | None = None  # two_wells(body) < 0 iff V can have two minima; None: it never has
     energy: str = "modified_energy"  # the column of a run that is compared with V
 

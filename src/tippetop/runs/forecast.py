@@ -196,7 +196,8 @@ def cost(problem: Problem) -> dict[str, float]:
     steps, dearer = problem.until * fastest * STEPS_PER_RADIAN[problem.precision], 1.0
     if problem.law.regions and not is_frictionless(problem.friction):
         until, stiff = drilling(problem)
-        steps, dearer = MORE_STEPS * steps * min(1.0, until / problem.until) + stiff, DEARER
+        rests = max(0.0, problem.until - until) / float(problem.scales.of(SECOND)) * STEPS_PER_RADIAN[problem.precision]
+        steps, dearer = MORE_STEPS * steps * min(1.0, until / problem.until) + stiff + rests, DEARER
     return {
         "steps": round(steps),
         "seconds": round(steps * MICROSECONDS_PER_STEP[problem.precision] * dearer * 1e-6, 4),

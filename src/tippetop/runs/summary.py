@@ -12,7 +12,7 @@ WORDS = {
     "inverted": "inverted spin, which is stable",
     "lifted-off": "lifted off",
     "under-way": "under way: this is not yet where the motion ends",
-    "rolling": "rolling: nothing slides, and nothing is lost",
+    "rolling": "rolling: nothing slides",
     "on-stem": "on its stem",
     "bouncing": "in the air",
     "nutating": "nutates for ever: without friction nothing is lost",
@@ -29,7 +29,9 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     system = find(info["system"])
     events = {event.name: event for event in system.events} if system is not None else {}
     can_invert = system is None or system.inverts or "inverted" in events
-    if can_invert and (any(info["inversion"].values()) or (system is not None and system.inverts)):
+    if info.get("parameters", {}).get("alpha", 0) < 0:
+        result.append(("theta", _of_peg(info["inversion"], info["theta_end"])))
+    elif can_invert and (any(info["inversion"].values()) or (system is not None and system.inverts)):
         result.append(("inversion", _inversion(info)))
     else:
         result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
@@ -78,7 +80,13 @@ COUNTED = {
 }
 """What is passed, in words."""
 
-VERBS = {"slip": "slips", "roll": "rolls", "flight": "flies", "both": "stands on body and stem"}
+VERBS = {
+    "slip": "slips",
+    "roll": "rolls",
+    "rest": "rolls without turning about the vertical",
+    "flight": "flies",
+    "both": "stands on body and stem",
+}
 TIMES = {1: "once", 2: "twice"}
 
 
@@ -100,8 +108,8 @@ def contact(phases: Mapping[str, Any]) -> str:
 
 def _does(phase: Mapping[str, Any]) -> str:
     """What the body does in a phase."""
-    stem = " on its stem" if phase["ball"] == "stem" and phase["phase"] in ("slip", "roll") else ""
-    return VERBS[phase["phase"]] + stem
+    on_stem = phase["ball"] == "stem" and phase["phase"] in ("slip", "roll", "rest")
+    return VERBS[phase["phase"]] + (" on its stem" if on_stem else "")
 
 
 def _until(phase: Mapping[str, Any]) -> str:
@@ -178,6 +186,13 @@ def _certificate(result: Mapping[str, Any]) -> str:
         if name in result:
             text += f", {result[name]['compared']} {words} by {result[name][time]:.1e} s"
     return text
+
+
+def _of_peg(inversion: Mapping[str, Any], end: float) -> str:
+    """Return where the axis of a peg has been: near theta = pi it is not inverted, but at its lowest."""
+    passages = [inversion[name] for name in ("first_equator", "last_equator") if inversion[name] is not None]
+    passed = " and ".join(f"{time:.6f} s" for time in dict.fromkeys(passages))
+    return (f"pi/2 at {passed}, " if passed else "") + f"ends at {end:.6g} rad"
 
 
 def _inversion(info: Mapping[str, Any]) -> str:

@@ -33,7 +33,7 @@ from ..problem import (
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
 from .numbers import measured, plain
-from .own_records import other_records
+from .own_records import other_records, own_records
 from .quantities import worked_out
 from .reading import override, read, times_until
 from .schema import RunTable, scenario_model
@@ -120,7 +120,8 @@ def checked(given: Problem) -> Problem:
         return given
     if faults := shape_faults(given):
         raise InputError(faults)
-    return problem(plain(resolved(given)), given.system, given.origin)
+    known = given.system if given.system.contact is None or any(own_records(given.system)) else None
+    return problem(plain(resolved(given)), known, given.origin)
 
 
 def _columns(asked: list[str] | None, all_columns: tuple[str, ...], known: System | None) -> tuple[str, ...] | None:

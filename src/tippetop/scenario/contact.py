@@ -8,7 +8,7 @@ from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import painleve_bound
-from ..mechanics.friction import LAWS
+from ..mechanics.friction import LAWS, PARTS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of, that_open
 from ..problem import Problem
@@ -30,6 +30,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         asked.append('`run.on_liftoff = "fly"`')
     if law.regions:
         asked.append(f'`friction.law = "{name}"`')
+    parts = [f"`friction.{part}`" for part in PARTS if law.torque and part in (friction or {})]
+    asked += parts
     if not (asked or (law.set_valued and opening)):
         initial = tables.get("initial")
         above = [name for name in ABOVE if isinstance(initial, dict) and name in initial]
@@ -48,8 +50,10 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         raise InputError([f"{what} must be of a {' or '.join(bodies)}, but the system is {system.name}."])
     if not any(kind_of(law)):
         raise InputError([f'`friction.law` must not be "{name}" where the contact may open, by {what}.'])
+    must = " or ".join(spheres)
+    if parts and not opening.sphere:
+        raise InputError([f"{parts[0]} must be of a {must}, but the system is {system.name}."])
     if law.regions and name not in laws_of(system):
-        must = " or ".join(spheres)
         raise InputError([f'`friction.law = "{name}"` must be of a {must}, but the system is {system.name}.'])
     own = own_records(system)
     contact = opened(bodies[system.name], law, 2 if "stem" in tables else 1)

@@ -12,7 +12,7 @@ from pydantic_core import PydanticUndefined
 from ..mechanics.contact.opening import ABOVE, opened
 from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.events import Event
-from ..mechanics.friction import LAWS, Law
+from ..mechanics.friction import LAWS, PARTS, Law
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws, that_open
@@ -192,10 +192,12 @@ def friction() -> list[Section]:
     for name, (law, _) in list(laws.items()):
         if law.without is not None:
             laws[f"{name} (without {', '.join(law.optional)})"] = (law.without, list(that_open()))
-    return [
+    sections = [
         Section(name, f"{_meaning(law)} Of {', '.join(of) or 'no system'}.", KEYS, _numbers(law.parameters))
         for name, (law, of) in laws.items()
     ]
+    spheres = ", ".join(name for name, system in that_open().items() if system.opening and system.opening.sphere)
+    return [*sections, Section("with any law", f"Torques of the contact. Of {spheres}.", KEYS, _numbers(PARTS))]
 
 
 def _meaning(law: Law) -> str:

@@ -78,6 +78,8 @@ def make_map(path: Path, kind: str) -> Map:
         raise InputError([f"the kind of figure must be one of {', '.join(NEEDED)} of a sweep, but is `{kind}`."])
     table = open_sweep(path)
     plan = Plan.from_tables(table.attrs["plan"])
+    if kind == "inversion" and _of_pegs(plan):
+        raise InputError(["the figure `inversion` must be of tops with alpha > 0: near theta = pi a peg is lowest."])
     varying = [axis for axis in plan.design.axes if axis.sampled or len(set(axis.values)) > 1] or [plan.design.axes[0]]
     wanted = NEEDED[kind][:1] if len(varying) > 1 else NEEDED[kind]
     missing = [name for name in wanted if name not in table]
@@ -134,6 +136,12 @@ def borders_of(
         limits = borders(b)
         ratios = {label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(shape) for label, limit in limits.items()}
         return {label: values for label, values in ratios.items() if (values < 0).any() and (values > 0).any()}
+
+
+def _of_pegs(plan: Plan) -> bool:
+    """Return whether the tops of a sweep have alpha < 0, which keeps its sign."""
+    alpha = plan.columns(np.zeros(1, int)).get("parameters.alpha", plan.base.parameters.get("alpha", 1))
+    return bool(np.any(np.less(alpha, 0)))
 
 
 def shown_classes(path: Path, table: Any) -> np.ndarray:

@@ -127,6 +127,7 @@ class Plan:
             sentences += error.sentences
         if base is not None:
             sentences += _key_faults(base, [axis.of for axis in shape.axis])
+            sentences += [s for axis in shape.axis for s in _sign_faults(base, axis)]
         if sentences or base is None:
             raise InputError(sentences)
         sample = Sample(**shape.sample.model_dump()) if shape.sample else None
@@ -265,6 +266,16 @@ def _axis_faults(name: str, axis: _Axis) -> list[str]:
         must = "ascend from above 0" if axis.log else "ascend"
         sentences.append(f"`{name}.between` must {must}, but is {axis.between}.")
     return sentences
+
+
+def _sign_faults(base: Problem, axis: _Axis) -> list[str]:
+    """Return a sentence if an axis passes through 0 though its number must not be 0."""
+    rule = base.rules.get(axis.of)
+    numbers = axis.values or axis.linspace or axis.between or axis.geomspace or [1.0]
+    low, high = min(numbers), max(numbers)
+    if rule is None or not (rule.nonzero and low < 0 < high):
+        return []
+    return [f"`{axis.of}` must keep its sign along an axis, but goes from {low:g} to {high:g}: make a sweep of each."]
 
 
 def _design_faults(shape: _Plan) -> list[str]:

@@ -14,7 +14,7 @@ from ..mechanics.friction import Law, slip_coefficient
 from ..mechanics.operand import Vector, atan2, cross, leaves, refill, sqrt, times
 from ..mechanics.system import Form, System
 from ..mechanics.systems.heavy_top import momentum_about_centre, tip_axis_rate
-from ..mechanics.theory.thresholds import thresholds
+from ..mechanics.theory.thresholds import poles, thresholds
 from ..mechanics.units import Unit
 from ..mechanics.variables import Variables
 from ..mechanics.writing import JAVASCRIPT, function
@@ -191,7 +191,7 @@ def _thresholds(system: System, template: Touch, numbers: list[str]) -> str:
     records: list[str] = []
 
     def values(symbols: list) -> list:
-        known = thresholds(refill(template, iter(symbols)))
+        known = thresholds(refill(template, iter(symbols)), poles(template))
         for i, (name, t) in enumerate(known.items()):
             about = {"name": name, "unit": t.unit.symbol, "words": t.long_name}
             records.append(f"{{...{json.dumps(about)}, value: v[{i}]}}")

@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad
 
 from tippetop.mechanics.contact.body import Touch, contact_velocity
-from tippetop.mechanics.contact.disc_at_rest import holding, is_within, stopped, stopping
-from tippetop.mechanics.friction import SetValued
+from tippetop.mechanics.contact.disc_at_rest import direction, holding, jumped, margin, stopping
+from tippetop.mechanics.friction import Contensou, SetValued
 from tippetop.mechanics.operand import Vector
 
 
@@ -51,7 +51,8 @@ def test_a_disc_at_rest_neither_slides_nor_turns(seed):
 def test_impulses_bring_it_to_rest_and_take_energy(seed):
     ball, u, inertia, omega, V, a = state(seed)
     L, start = inertia @ omega, (Vector(*u), Vector(*(inertia @ omega)), Vector(*V))
-    held, (L_end, V_end) = stopping(*start, ball), stopped(*start, ball)
+    held = stopping(*start, ball)
+    L_end, V_end = jumped(*start, held, ball)
     omega_end = np.linalg.solve(inertia, np.array(L_end))
     assert np.array(V_end) + np.cross(omega_end, a) == pytest.approx(np.zeros(3), abs=1e-13)
     assert omega_end[2] == pytest.approx(0.0, abs=1e-13)
@@ -84,9 +85,16 @@ def limits(x):
 @pytest.mark.parametrize("x", [0.3, 1.7])
 def test_friction_of_a_disc_gives_what_is_within_its_limits(x):
     force, torque = limits(x)
-    for share, inside in ((0.999, True), (1.001, False)):
-        assert is_within(share * force, share * torque) is inside
-    assert is_within(0.0, 0.589)
-    assert not is_within(0.0, 0.5891)  # 3 pi/16
-    assert is_within(0.9999, 0.0)
-    assert not is_within(1.0, 0.0)
+    law, N = Contensou(0.3, 0.1, 0.0), 2.0
+    push = [Vector(0.0, share * force * 0.6, N) for share in (0.999, 1.001)]
+    turn = [share * torque * 0.06 for share in (0.999, 1.001)]
+    assert margin(push[0], turn[0], law) > 0 > margin(push[1], turn[1], law)
+    assert margin(Vector(0.0, 0.0, N), 0.589 * 0.06, law) > 0 > margin(Vector(0.0, 0.0, N), 0.5891 * 0.06, law)
+    assert margin(Vector(0.5999, 0.0, N), 0.0, law) > 0 > margin(Vector(0.6, 0.0, N), 1e-9, law)
+
+
+@pytest.mark.parametrize("x", [0.3, 1.7])
+def test_a_disc_that_gives_way_slides_against_its_friction(x):
+    force, torque = limits(x)
+    v, edge = direction(Vector(0.0, force * 0.6, 2.0), -torque * 0.06, Contensou(0.3, 0.1, 0.0))
+    assert (v.x, v.y / edge, np.hypot(v.y, edge)) == pytest.approx((0.0, -x, 1.0), abs=1e-9)

@@ -4,8 +4,11 @@ A slip direction n is a horizontal unit vector; F = N (zhat - mu n). Everything 
 (Painleve: K_zz - mu n_e K_ez = 0, which `uniqueness.painleve_bound` excludes).
 """
 
-from ..operand import Vector, formula
-from .body import height
+from typing import Any, NamedTuple
+
+from ..friction import load
+from ..operand import Operand, Vector, cross, formula, plus, times
+from .body import angular_velocity, arm, height
 from .response import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
 
 
@@ -57,13 +60,30 @@ def along_and_across(G, n):
     return n.x * G.x + n.y * G.y, n.x * G.y - n.y * G.x
 
 
+class Slide(NamedTuple):
+    """Slip along a horizontal unit vector n."""
+
+    force: Vector  # (3,) [N]
+    torque: Any  # of the contact (3,) [N m]; None: none acts
+    turn: Vector  # L' (3,) [N m]
+    P: Operand  # rate of w
+    Q: Operand  # w times the turn of n
+
+
 @formula
 def slip_motion(u, L, n, body):
-    """F, P and Q of slip along the horizontal unit Vector n: force (3,) [N], rate of w, w times the turn of n."""
-    b = bias_vector(u, L, body)
-    F = slip_force_vector(u, b, n, body)
-    P, Q = along_and_across(contact_acceleration_vector(u, b, F, body), n)
-    return F, P, Q
+    """Slip along the horizontal unit Vector n, with the torque of the law's parts."""
+    b, per_force = bias_vector(u, L, body), load(angular_velocity(u, L, body), body.friction)
+    if per_force is None:
+        F, torque = slip_force_vector(u, b, n, body), None
+        G, turn = contact_acceleration_vector(u, b, F, body), cross(arm(u, body), F)
+    else:
+        push = Vector(body.friction.mu * n.x, body.friction.mu * n.y, 0 * u.z)
+        N = loaded_normal_force(u, b, push, per_force, body)
+        F, torque = Vector(-(N * push.x), -(N * push.y), N), times(N, per_force)
+        G = plus(contact_acceleration_vector(u, b, F, body), torque_acceleration(u, torque, body))
+        turn = plus(cross(arm(u, body), F), torque)
+    return Slide(F, torque, turn, *along_and_across(G, n))
 
 
 # --- rolling ---------------------------------------------------------------------------------------------------------
@@ -81,6 +101,18 @@ def reaction_of_rolling_vector(u, b, body):
     """F that keeps the contact point at rest, (3,) [N]: -K^-1 b."""
     F = mobility_inverse_times(u, b, body)
     return Vector(-F.x, -F.y, -F.z)
+
+
+@formula
+def sticking(u, L, body):
+    """Force and torque (3,) on a body whose contact point stays at rest; the torque is None if the law has no parts."""
+    b, per_force = bias_vector(u, L, body), load(angular_velocity(u, L, body), body.friction)
+    if per_force is None:
+        return reaction_of_rolling_vector(u, b, body), None
+    of_bias = mobility_inverse_times(u, b, body)
+    of_torque = mobility_inverse_times(u, torque_acceleration(u, per_force, body), body)
+    N = -of_bias.z / (1 + of_torque.z)
+    return times(-1, plus(of_bias, times(N, of_torque))), times(N, per_force)
 
 
 @formula

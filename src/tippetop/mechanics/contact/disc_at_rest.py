@@ -42,19 +42,24 @@ def turning(u, b):
 
 
 @formula
-def stopping(u, L, V, b):
-    """The impulses that bring the contact point and the turning of the disc to rest, at one instant."""
-    w, v, by = angular_velocity(u, L, b), contact_velocity(u, L, V, b), turning(u, b)
-    p = other_mobility_inverse_times(u, plus(times(w.z / by.own, by.along), times(-1, v)), by.excess, b)
-    return Held(p, -(w.z + dot(p, by.along)) / by.own)
+def impulses(u, v, Omega_z, b):
+    """The impulses that add v to the velocity of the contact point, and Omega_z to the turning of the disc."""
+    by = turning(u, b)
+    p = other_mobility_inverse_times(u, plus(times(-(Omega_z / by.own), by.along), v), by.excess, b)
+    return Held(p, (Omega_z - dot(p, by.along)) / by.own)
 
 
 @formula
-def stopped(u, L, V, b):
-    """L and the velocity of the centre of mass after them."""
-    held = stopping(u, L, V, b)
-    turn = cross(arm(u, b), held.force)
-    return plus(L, Vector(turn.x, turn.y, turn.z + held.torque)), plus(V, times(1 / b.m, held.force))
+def stopping(u, L, V, b):
+    """The impulses that bring the contact point and the turning of the disc to rest, at one instant."""
+    return impulses(u, times(-1, contact_velocity(u, L, V, b)), -angular_velocity(u, L, b).z, b)
+
+
+@formula
+def jumped(u, L, V, by, b):
+    """L and the velocity of the centre of mass after impulses."""
+    turn = cross(arm(u, b), by.force)
+    return plus(L, Vector(turn.x, turn.y, turn.z + by.torque)), plus(V, times(1 / b.m, by.force))
 
 
 @formula
@@ -73,25 +78,57 @@ def holding(u, L, rolling, body):
     return Held(F, -(free + dot(F, by.along) + N * loaded) / by.own)
 
 
-HALVINGS = 60  # of the interval in which x = w/U lies
+HALVINGS = 60  # of the interval in which w/U lies
 
 
-def is_within(force: float, torque: float) -> bool:
-    """Whether friction of a disc at rest can give |F_h|/(mu N) and |tau|/(mu N patch)."""
-    if not force < 1:
-        return False
-    low, high = 0.0, 1.0
+def sliding_at(force: float) -> float:
+    """Return x = w/U at which friction gives |F_h|/(mu N), less than 1."""
+    if force <= INSIDE:  # x - x^3/4 = 8 force/(3 pi)
+        return 4 / math.sqrt(3) * math.sin(math.asin(2 * math.sqrt(3) / math.pi * force) / 3)
+    low, high = 0.5, 1.0
     for _ in range(HALVINGS):  # x/(1 + x)
         share = (low + high) / 2
-        x = share / (1 - share) if share < 1 else 1e16
+        x = share / (1 - share)
         low, high = (share, high) if drag(x * x, 1.0).k * x < force else (low, share)
-    x = high / (1 - high) if high < 1 else 1e16
-    return bool(torque <= drag(x * x, 1.0).twist)
+    return low / (1 - low)
 
 
-def holds(held: Held, mu: Any, patch: Any) -> bool:
-    """Whether friction can give what would keep a disc at rest."""
-    F, N = held.force, float(mu * held.force.z)
-    if not N > 0:
-        return False
-    return is_within(math.hypot(F.x, F.y) / N, abs(float(held.torque)) / (N * float(patch)))
+INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
+
+
+def margin(force: Any, torque: Any, law: Any) -> float:
+    """Return by how much friction of a disc at rest can give more, per mu N patch, than a torque about the vertical.
+
+    Negative where it cannot give the force and the torque together.
+
+    Parameters
+    ----------
+    force
+        On the disc, (3,).
+    torque
+        About the vertical.
+    law
+        The record of the law.
+    """
+    limit = float(law.mu * force.z)
+    if not limit > 0:
+        return -1.0
+    push, torque = math.hypot(force.x, force.y) / limit, abs(float(torque))
+    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (limit * float(law.patch))
+    if not push < 1:
+        return 1 - push - turn
+    return float(drag(sliding_at(push) ** 2, 1.0).twist) - turn
+
+
+MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns
+
+
+def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, float]:
+    """Return v_A and the velocity of the edge, of length 1 together, of the slide in which friction is that of `margin`
+    where its bound is reached."""
+    push = math.hypot(force.x, force.y)
+    x = sliding_at(min(push / float(law.mu * force.z), MOST))
+    length = math.hypot(x, 1.0)
+    along = -x / (length * push) if push else 0.0
+    edge = -math.copysign(1 / length, torque) if torque else 0.0
+    return Vector(along * force.x, along * force.y, 0 * force.z), edge

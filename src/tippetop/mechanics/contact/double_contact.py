@@ -14,12 +14,20 @@ from typing import Any, NamedTuple
 from ..disc_friction import Region
 from ..events import Event
 from ..form import Phase
-from ..friction import slip_coefficient
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
 from .body import Touch, angular_velocity, arm, arm_velocity, height
 from .gliding.vector import axis, axis_rate, momentum
-from .single_contact import Speeds, borders, disc_friction, ending, force_of, patch_speed2, phase_of
+from .single_contact import (
+    Speeds,
+    borders,
+    disc_friction,
+    ending,
+    force_of,
+    patch_speed2,
+    phase_of,
+    smooth_friction,
+)
 from .state import Moving, Reaction, gained, state
 
 
@@ -40,14 +48,6 @@ class Side(NamedTuple):
     turn: Vector  # torque of both about the centre of mass
     lean: Operand  # (L' x 3hat)_z that it gives
     N: Operand = 0  # normal force
-
-
-def smooth_friction(omega: Vector, v: Vector, b: Any, z: Operand) -> tuple[Vector, Vector]:
-    """Return minus the horizontal force, and the torque, per normal force, of a law of the sliding
-    velocity."""
-    none = 0 * z
-    push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
-    return push._replace(z=none), Vector(none, none, none)
 
 
 def loaded(sides, total, swing):
@@ -105,19 +105,19 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
     or, without, under a law that is smooth in the velocity."""
 
     def sides(x, b):
-        omega, none, found = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
+        omega, none, sides = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
         stem = b._replace(R=b.R - b.clearance, c=b.c + b.lever)
         for k, ball in enumerate((b, stem)):
             turned, a = arm_velocity(x.u, x.L, ball), arm(x.u, ball)
             v = Vector(x.velocity.x + turned.x, x.velocity.y + turned.y, none)
             if regions:
-                push, twist = disc_friction(regions[k].drag, torque)(omega, v, ball)
+                push, twist = disc_friction(regions[k].drag, torque)(omega, v, x.u.z, ball)
             else:
-                push, twist = smooth_friction(omega, v, ball, x.u.z)
+                push, twist = smooth_friction(omega, v, x.u.z, ball)
             force = Vector(-push.x, -push.y, 1 + none)
             turn = plus(cross(a, force), twist)
-            found.append(Side(a, force, twist, v, turn, turn.x * x.u.y - turn.y * x.u.x))
-        return found
+            sides.append(Side(a, force, twist, v, turn, turn.x * x.u.y - turn.y * x.u.x))
+        return sides
 
     def pair(q, b):
         L, u_dot = momentum(q), axis_rate(q, b)
@@ -146,7 +146,7 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
         return Reaction(F, power(q, b) + dot(F, both[0].velocity))
 
     ends = (*borders(regions[0]), *map(of_stem, borders(regions[1]))) if regions else ()
-    lost = {"jellett_lost": lambda q, b: jellett_lost(pair(q, b))} if regions else {}
+    lost = {"jellett_lost": lambda q, b: jellett_lost(pair(q, b))} if torque else {}
     phase = phase_of(
         "both",
         STATE,

@@ -17,12 +17,13 @@ from ..friction import Law, named
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from . import body as contact
 from .body import Touch
-from .coulomb import cone, reaction_of_rolling_vector, slip_motion
+from .coulomb import cone, slip_motion, sticking
+from .disc_at_rest import Held, direction, impulses, jumped, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
 from .planar import signed_slide
 from .response import bias_vector, jumps, mobility_inverse_times
-from .single_contact import RESTS, STOPS_AT, directed, regions_of, stays_at_rest
+from .single_contact import RESTS, STOPS_AT, directed, regions_of, rest_speed2
 from .state import LOST, Moving, gained
 
 
@@ -41,8 +42,9 @@ BOTH_AT = 1e-6
 PRESSES = 1e-12
 """Least part of the weight that a ball carries."""
 
-ASKED_AFTER = 3e-3
-"""Internal time after which a disc that passes its rest may be held by friction after all."""
+SOON = 0.1
+"""A disc that passes its rest has its speed again within this part of the time in which the lack of
+friction may vanish."""
 
 MOST_STRIKES = 16
 """Impacts at one instant."""
@@ -56,7 +58,6 @@ MOST_HALVINGS = 10
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 BOTH = "the body stands on its sphere and its stem at once, which is not followed under Coulomb's law itself"
-AT_REST = "the contact's disc comes to rest, where friction can hold it; rolling without turning is not followed"
 
 
 class Impact(NamedTuple):
@@ -193,7 +194,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
         return fly(x, world, ball, 2, "opens-at-once")
     none = 0 * b.m
     x = x._replace(velocity=contact.centre_velocity(x.u, x.L, Vector(none, none, none), b))
-    F = reaction_of_rolling_vector(x.u, bias_vector(x.u, x.L, b), b)
+    F = sticking(x.u, x.L, b)[0]
     if F.z > 0 and cone(F.x, F.y, F.z, b.friction.mu) >= 0:
         return Next(phase_name("roll", ball), x, cause, zeros=zeros)
     beta = first_directions(lambda beta: pushed(x.u, x.L, beta, b))
@@ -212,7 +213,7 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
         name = phase_name("both", 0, *names)
         phase = world.phases[name]
         regions = tuple(law.regions[one] for one in names)
-        x = brought_to_rest(x, double_contact(regions, law.torque).sides, b, bool(names))
+        x = brought_to_rest(x, double_contact(regions, law.torque).sides, b, law.torque is not None)
         s = phase.form.scalars(phase.enter(x, b), b)
         if min(s.force, s.stem_force) > PRESSES * b.m * b.g:
             return Next(name, x, cause)
@@ -299,8 +300,8 @@ def along(beta: Any) -> Vector:
 
 def pushed(u: Vector, L: Vector, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta."""
-    F, P, Q = slip_motion(u, L, along(beta), b)
-    return P, Q, F.z
+    by = slip_motion(u, L, along(beta), b)
+    return by.P, by.Q, by.force.z
 
 
 def moved(record: Any, rates: Any, time: Any) -> Any:
@@ -314,11 +315,11 @@ def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
     phase, b, n = world.phases[phase_name("slip", ball)], world.body[ball], along(beta)
     if world.system.opening.planar:
         n = Vector(np.sign(n.x), 0 * b.m, 0 * b.m)
-    F, P, _ = slip_motion(x.u, x.L, n, b)
-    speed = min(type(P)(BEGINS_AT), P * world.left)
-    delay = speed / P
+    by = slip_motion(x.u, x.L, n, b)
+    speed = min(type(by.P)(BEGINS_AT), by.P * world.left)
+    delay = speed / by.P
     u = plus(x.u, times(delay, contact.axis_rate(x.u, x.L, b)))
-    L = plus(x.L, times(delay, cross(contact.arm(x.u, b), F)))
+    L = plus(x.L, times(delay, by.turn))
     end = Moving(u, L, contact.centre_velocity(u, L, times(speed, n), b), contact.height(u.z, b))
     rates = world.rates(phase, phase.enter(end, b), x.carried)
     return end._replace(carried=moved(x.carried, rates, delay)), delay
@@ -328,8 +329,8 @@ def run_out(x: Moving, world: Any, v: Vector) -> tuple[Moving, Any]:
     """Return the last of a slide, which is so slow that its rates stay; and the time that it
     takes."""
     phase, b, w = world.phase, world.body[world.phase.ball], size(v)
-    _, P, _ = slip_motion(x.u, x.L, Vector(v.x / w, v.y / w, 0 * w), b)
-    delay, q = -w / P, phase.enter(x, b)
+    by = slip_motion(x.u, x.L, Vector(v.x / w, v.y / w, 0 * w), b)
+    delay, q = -w / by.P, phase.enter(x, b)
     carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
     x = phase.leave(moved(q, phase.form.rates(q, b), delay), b)._replace(carried=carried)
     v = point(x, b)
@@ -363,15 +364,15 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
     def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any, Any]:
         u, L, q, carried = read(state, w, beta)
-        F, P, Q = slip_motion(u, L, along(beta), b)
-        turn = (*contact.axis_rate(u, L, b), *cross(contact.arm(u, b), F))
+        by = slip_motion(u, L, along(beta), b)
+        turn = (*contact.axis_rate(u, L, b), *by.turn)
         every = (*turn, *world.rates(phase, q, carried, b))
-        return np.array([np.broadcast_to(rate, w.shape) for rate in every]), P, Q
+        return np.array([np.broadcast_to(rate, w.shape) for rate in every]), by.P, by.Q
 
     def turning(state: np.ndarray, beta: np.ndarray) -> Any:
         return pushed(Vector(*state[:3]), Vector(*state[3:6]), beta, b)[1]
 
-    F = reaction_of_rolling_vector(x.u, bias_vector(x.u, x.L, b), b)
+    F = sticking(x.u, x.L, b)[0]
     omega = contact.angular_velocity(x.u, x.L, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
     state = np.array([*x.u, *x.L, *x.carried])
@@ -444,17 +445,6 @@ def begin_slip(x: Moving, world: Any) -> Next:
     return Next(name, x, "slip", delay, series, ("slip",))
 
 
-JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
-    "liftoff": (lift_off, ("flight",)),
-    "stick": (stick, ("roll", "slip", "flight")),
-    "slip": (begin_slip, ("slip",)),
-    "touch": (change_ball, ()),
-    "sphere-leaves": (partial(stay_on, ball=1), ()),
-    "stem-leaves": (partial(stay_on, ball=0), ()),
-}
-"""The jump at an event, and the labels of phases on the same ball that may follow; empty: all."""
-
-
 def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:
     """Return the same motion in other words, or in the same: the event function `passed` has its
     root here, and goes to this side of it."""
@@ -462,24 +452,84 @@ def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Ne
     return on_disc(Next(to, x, "", zeros={passed: 1} if passed else {}, sides=sides), world)
 
 
-def on_disc(n: Next, world: Any) -> Next:
-    """Return a phase that begins, under a law with regions.
+def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
+    """Return what follows where a disc that slides in a phase neither slides nor turns any more."""
+    n = on_disc(Next(slides, x, "", zeros={RESTS.name: 1}, sides={RESTS.name: -1}), world)
+    n.logged = ("stick",) if world.phases[n.phase].label == "rest" else ()
+    return n
 
-    Where sliding and turning stop together the run ends, unless friction cannot hold the disc: then
-    it passes its rest and turns on, and may turn back unseen by a step.
-    """
+
+def give_way(x: Moving, world: Any) -> Next:
+    """Return what follows where friction can no longer hold a disc at rest."""
+    n = slide_from_rest(x, world, world.phase.ball, "gives")
+    n.logged = ("slip",)
+    return n
+
+
+def on_disc(n: Next, world: Any) -> Next:
+    """Return a phase that begins, under a law with regions: where sliding and turning have stopped
+    together, the disc rests, passes its rest, or begins to slide."""
     phase = world.phases[n.phase]
-    staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
-    if n.ends or not staying:
+    if phase.label != "slip" or not law_of(world).regions:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
+    staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
     for event in phase.events:
-        if event.name in staying and event.direction * event.formula(s, b) > 0:
+        if event.name in (*staying, RESTS.name) and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
-    if RESTS.name in n.sides:
-        if stays_at_rest(n.x, b):
-            n.ends, n.message = "ended", AT_REST
-        else:
-            n.lasts = ASKED_AFTER
-    return n
+    return at_rest(n, world, phase.ball) if RESTS.name in n.sides else n
+
+
+def at_rest(n: Next, world: Any, ball: int) -> Next:
+    """Return what follows where sliding and turning of a disc have stopped together.
+
+    A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
+    to slide with a speed of its own, so that it is known when it comes to rest again.
+    """
+    b, rest = world.body[ball], phase_name("rest", ball)
+    x = kicked(n.x, stopping(n.x.u, n.x.L, n.x.velocity, b), b)
+    s = world.phases[rest].form.scalars(world.phases[rest].enter(x, b), b)
+    left = margin(s.by.force, s.by.torque.z, b.friction)
+    if left > 0:
+        return Next(rest, x, n.cause or "rests", zeros=n.zeros)
+    limit = b.friction.mu * s.force
+    gains = 1 / b.m if size(s.by.force) > limit else turning(x.u, b).own * b.friction.patch**2
+    if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
+        return n
+    return slide_from_rest(x, world, ball, n.cause or "gives")
+
+
+def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
+    """Return the slide of a disc at rest that friction cannot hold; it begins at twice the speed
+    below which it rests."""
+    b = world.body[ball]
+    rest = world.phases[phase_name("rest", ball)]
+    s = rest.form.scalars(rest.enter(x, b), b)
+    v, edge = direction(s.by.force, s.by.torque.z, b.friction)
+    speed = 2 * sqrt(rest_speed2(b))
+    x = kicked(x, impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b), b)
+    names = regions_of(x, law_of(world).regions, b)
+    return on_disc(Next(phase_name("slip", ball, *names), x, cause), world)
+
+
+def kicked(x: Moving, by: Held, b: Touch) -> Moving:
+    """Return the body after impulses on its disc."""
+    L, velocity = jumped(x.u, x.L, x.velocity, by, b)
+    after = x._replace(L=L, velocity=velocity)
+    turns = (contact.angular_velocity(x.u, one, b).z for one in (x.L, L))
+    work = -(dot(by.force, plus(point(x, b), point(after, b))) + by.torque * sum(turns)) / 2
+    lost = by.torque * contact.arm(x.u, b).z
+    return gained(after, work=work, impulse=by.force.z, jellett_lost=lost)
+
+
+JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
+    "liftoff": (lift_off, ("flight",)),
+    "stick": (stick, ("roll", "slip", "flight")),
+    "slip": (begin_slip, ("slip",)),
+    "gives": (give_way, ("slip",)),
+    "touch": (change_ball, ()),
+    "sphere-leaves": (partial(stay_on, ball=1), ()),
+    "stem-leaves": (partial(stay_on, ball=0), ()),
+}
+"""The jump at an event, and the labels of phases on the same ball that may follow; empty: all."""

@@ -10,17 +10,17 @@ from typing import Any
 
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
-from ..friction import LAWS, Law, all_laws, is_frictionless
+from ..friction import LAWS, PARTS, Law, all_laws, has_parts, is_frictionless
 from ..operand import formula, leaves, refill
 from ..parameter import Parameter
 from ..system import System
 from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
 from .body import Ball, Body, Touch, touch
 from .double_contact import double_contact
-from .exits import JUMPS, Impact, begin, go_on, land, phase_name
+from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
 from .planar import IN_PLANE, SIGNED_SLIP
-from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, RESTS, ROLL, SLIP, STICK, disc_slip
+from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, REST, RESTS, ROLL, SLIP, STICK, WITH_PARTS, disc_slip
 from .state import (
     ANGLES,
     BALLS,
@@ -87,6 +87,8 @@ REASONS = (
     "other-ball",
     "opens-at-once",
     "other-leaves",
+    "rests",
+    "gives",
 )
 TABLES = {
     "phases": {
@@ -101,9 +103,9 @@ TABLES = {
 """Units or words of the columns of further tables; the place of a word is its number in a store."""
 
 
-def kind_of(law: Law) -> tuple[bool, ...]:
+def kind_of(law: Law) -> tuple:
     """Return what decides the phases of a contact, of a law."""
-    return law.set_valued, bool(law.regions), law.coefficient is not None
+    return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
 # --- phases and exits -----------------------------------------------------------------------------
@@ -112,6 +114,8 @@ def kind_of(law: Law) -> tuple[bool, ...]:
 def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name."""
     of_any = IN_PLANE if planar else {phase.label: phase for phase in (SLIP, ROLL, FLIGHT)}
+    if law.torque:
+        of_any = of_any | WITH_PARTS
     bare: dict[str, Bare] = {}
 
     def place(phase: Phase, ball: int, *regions: str) -> None:
@@ -120,8 +124,11 @@ def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
     for ball in range(balls):
         for name, region in law.regions.items():
             place(disc_slip(region, law.torque), ball, name)
+        if law.regions:
+            place(REST, ball)
         if law.set_valued:
-            place(SIGNED_SLIP if planar else DIRECTED_SLIP, ball)
+            directed = WITH_PARTS["directed"] if law.torque else DIRECTED_SLIP
+            place(SIGNED_SLIP if planar else directed, ball)
             place(of_any["roll"], ball)
         elif not law.regions:
             place(of_any["slip"], ball)
@@ -141,7 +148,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
     near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
-    ways = {RESTS.name: (name, RESTS.name, RESTS.direction), CLOCK: (name, "", 0)}
+    ways = {CLOCK: (name, "", 0)}
     for at, region in enumerate(regions):
         for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
@@ -154,6 +161,9 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
     def way_out(event: str) -> Exit:
         if phase.label == "flight":
             return Exit(event, tuple(bare), land)
+        if event == RESTS.name:
+            rest = next(other for other, label in near.items() if label == "rest")
+            return Exit(event, (name, rest), partial(come_to_rest, slides=name))
         if event in ways:
             to, passed, side = ways[event]
             return Exit(event, (to,), partial(go_on, to=to, passed=passed, side=side))
@@ -208,11 +218,13 @@ def open_contact(system: System, law: Law, balls: int) -> System:
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
     def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
-        free = (law.set_valued or law.regions) and is_frictionless(b.friction)
-        none = LAWS["none"]
-        b = b._replace(friction=none.record()) if free else b
-        bodies = seen_from_balls(b, rules, internal)
-        return bodies, opened(system, none, balls).phases if free else phases
+        of_disc = bool(law.regions) and not is_frictionless(b.friction)
+        if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
+            return seen_from_balls(b, rules, internal), phases
+        none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
+        numbers = {name: getattr(b.friction, name) for name in none.parameters}
+        bodies = seen_from_balls(b._replace(friction=none.record(**numbers)), rules, internal)
+        return bodies, opened(system, none, balls).phases
 
     return replace(
         system,

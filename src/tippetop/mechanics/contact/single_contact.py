@@ -5,25 +5,25 @@ from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
-from ..disc_friction import STOPS_ROLLING, Region, drilling_force, rolling_torque
+from ..disc_friction import Region, drilling_force, rolling
 from ..events import Event
 from ..form import Form, Integral, Phase
-from ..friction import slip_coefficient
+from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height
-from .coulomb import loaded_normal_force, slip_force_vector, slip_motion
-from .disc_at_rest import holding, holds, stopped
+from .coulomb import loaded_normal_force, slip_motion, sticking
+from .disc_at_rest import holding, margin
 from .gliding import catalogue as gliding
 from .gliding import vector as gliding_vector
 from .gliding.vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along
 from .response import bias_vector, contact_acceleration_vector, torque_acceleration
-from .rolling import catalogue as rolling
+from .rolling import catalogue
 from .rolling import vector as rolling_vector
 from .rolling.reaction import Kinematics, kinematics, normal_force, reaction
 from .state import LOST, VELOCITY, Moving, Reaction, filled, state
@@ -46,6 +46,40 @@ def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Ca
     turn = carried_along(axis, axis_rate, rolling_vector.spin)
     form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
     return Phase({"vector": form}, (), events, (), enter, leave, reaction, label=label)
+
+
+class Acts(NamedTuple):
+    """What the plane does to a body, and how the contact moves, (3,) each."""
+
+    force: Vector
+    torque: Vector
+    velocity: Vector
+    omega: Vector
+
+
+def loaded_phase(label: str, units: Any, events: tuple, formulas: tuple, acts: Callable) -> Phase:
+    """Return a phase of a contact with a torque.
+
+    `formulas` are those of `phase_of` without `reaction`; acts(q, b) -> Acts.
+    """
+
+    def power(q, b):
+        F, torque, v, omega = acts(q, b)
+        return -(F.x * v.x + F.y * v.y + dot(torque, omega))
+
+    def reaction(q, b):
+        by = acts(q, b)
+        return Reaction(by.force, -dot(by.torque, by.omega))
+
+    return phase_of(
+        label,
+        units,
+        events,
+        (*formulas, reaction),
+        work=power,
+        impulse=lambda q, b: acts(q, b).force.z,
+        jellett_lost=lambda q, b: dot(acts(q, b).torque, arm(axis(q), b)),
+    )
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
@@ -151,9 +185,9 @@ def cone(s, b):
 
 CONE = ending("slip", "rolling needs more friction than there is: the contact slides", cone)
 ROLL = Phase(
-    {"vector": replace(rolling.VECTOR, domains=())},
+    {"vector": replace(catalogue.VECTOR, domains=())},
     (),
-    (rolling.LIFTOFF, TOUCH, CONE),
+    (catalogue.LIFTOFF, TOUCH, CONE),
     enter=lambda x, b: rolling_vector.VectorState(*x.u, *x.L),
     leave=roll_leave,
     reaction=roll_reaction,
@@ -179,15 +213,20 @@ def direction(q):
     return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 
+def directed_slide(q, b):
+    """Force and torque of sliding, and what they do. [contact 2.1]"""
+    return slip_motion(axis(q), momentum(q), direction(q), b)
+
+
 def directed_force(q, b):
-    """F = N (zhat - mu v_A/|v_A|), (3,) [N]. [contact 2.1]"""
-    return slip_force_vector(axis(q), bias_vector(axis(q), momentum(q), b), direction(q), b)
+    """F = N (zhat - mu v_A/|v_A|), (3,) [N]."""
+    return directed_slide(q, b).force
 
 
 def directed_rates(q, b):
     """3hat' = L x 3hat/I1, L' = a x F, and w', w beta' of v_A' = b + K F. [contact 1, 2.1]"""
-    F, P, Q = slip_motion(axis(q), momentum(q), direction(q), b)
-    return type(DIRECTED)(*axis_rate(q, b), *cross(arm(axis(q), b), F), Q / q.w, P)
+    by = directed_slide(q, b)
+    return type(DIRECTED)(*axis_rate(q, b), *by.turn, by.Q / q.w, by.P)
 
 
 def on_plane(u, L, v, b):
@@ -206,6 +245,11 @@ def directed_enter(x, b):
     return directed(x.u, x.L, sqrt(v.x * v.x + v.y * v.y), atan2(v.y, v.x), b)
 
 
+def directed_leave(q, b):
+    """The common state of a body that slides."""
+    return on_plane(axis(q), momentum(q), times(q.w, direction(q)), b)
+
+
 STICK = ending(
     "stick",
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
@@ -219,7 +263,7 @@ DIRECTED_SLIP = phase_of(
         directed_rates,
         lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
         directed_enter,
-        lambda q, b: on_plane(axis(q), momentum(q), times(q.w, direction(q)), b),
+        directed_leave,
         lambda q, b: Reaction(directed_force(q, b)),
     ),
     work=lambda q, b: -(q.w * dot(direction(q), directed_force(q, b))),
@@ -235,11 +279,11 @@ STILL = 1e-9
 smooth. Where such a disc begins to slide, or turns back, the motion differs from that under
 Coulomb's law itself by about so much."""
 
-RESTS_BELOW = 1e-4
-"""Angular velocity, internal units, below which a disc comes to rest, if friction can hold it: what
-is left of its turning lasts some hundredths of internal time."""
+RESTS_BELOW = 1e-6
+"""Angular velocity, internal units, below which a disc comes to rest, if friction can hold it. An
+impulse takes what is left of its turning, which would last less than a thousandth of internal time."""
 
-LEAST_PATCH = STILL / RESTS_BELOW
+LEAST_PATCH = 1e-5
 """Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than
 STILL, where smooth friction lets it creep: it would never come to rest."""
 
@@ -249,7 +293,6 @@ DISC = state(vx=METRE_PER_SECOND, vy=METRE_PER_SECOND)
 Disc: Any = namedtuple("Disc", "z z_dot force v2 U2")
 """v2 is |v_A|^2, U2 is (patch Omega_z)^2."""
 
-Loaded: Any = namedtuple("Loaded", "force torque U2 omega")
 Speeds: Any = namedtuple("Speeds", "v2 U2")
 
 
@@ -260,10 +303,10 @@ def patch_speed2(omega, b):
 
 
 def disc_friction(drag: Callable, torque: Callable) -> Callable:
-    """Return friction(omega, v, b) of a disc: minus the horizontal force, and the torque, per
+    """Return friction(omega, v, z, b) of a disc: minus the horizontal force, and the torque, per
     normal force."""
 
-    def friction(omega: Vector, v: Vector, b: Any) -> tuple[Vector, Vector]:
+    def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
         by = drag(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
         force = drilling_force(1, v, by, b.friction.mu)
         return Vector(-force.x, -force.y, 0 * omega.z), torque(by, omega, b.friction)
@@ -271,10 +314,23 @@ def disc_friction(drag: Callable, torque: Callable) -> Callable:
     return friction
 
 
+def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
+    """Return minus the horizontal force, and the torque, per normal force, of a law of the sliding
+    velocity."""
+    none = 0 * z
+    push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
+    return push._replace(z=none), load(omega, b.friction) or Vector(none, none, none)
+
+
+def rest_speed2(b):
+    """Square of the speed of its edge below which a disc rests."""
+    return STILL**2 + (b.friction.patch * RESTS_BELOW) ** 2
+
+
 RESTS = ending(
     "rests",
     "the contact's disc neither slides nor turns",
-    lambda s, b: s.v2 + s.U2 - STILL**2 - (b.friction.patch * RESTS_BELOW) ** 2,
+    lambda s, b: s.v2 + s.U2 - STILL**2 - rest_speed2(b),
 )
 
 
@@ -290,71 +346,138 @@ def disc_enter(x, b):
     return type(DISC)(*x.u, *x.L, v.x, v.y)
 
 
-@lru_cache
-def disc_slip(region: Region, torque: Callable) -> Phase:
-    """Return the phase of sliding in a region of a law."""
-    friction = disc_friction(region.drag, torque)
+def slip_under(friction: Callable, events: tuple, edge_speed2: Callable) -> Phase:
+    """Return the phase of sliding under a law with a torque; edge_speed2(omega, b) -> U^2."""
 
-    def loaded(q, b):
-        u, L = axis(q), momentum(q)
+    def acts(q, b):
+        u, L, v = axis(q), momentum(q), Vector(q.vx, q.vy, 0 * q.uz)
         omega = angular_velocity(u, L, b)
-        push, torque = friction(omega, Vector(q.vx, q.vy, 0 * q.uz), b)
+        push, torque = friction(omega, v, u.z, b)
         N = loaded_normal_force(u, bias_vector(u, L, b), push, torque, b)
-        force = Vector(-(N * push.x), -(N * push.y), N)
-        return Loaded(force, times(N, torque), patch_speed2(omega, b), omega)
+        return Acts(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), v, omega)
 
     def scalars(q, b):
-        c = loaded(q, b)
-        return Disc(q.uz, axis_rate(q, b).z, c.force.z, q.vx * q.vx + q.vy * q.vy, c.U2)
+        by = acts(q, b)
+        U2 = edge_speed2(by.omega, b)
+        return Disc(q.uz, axis_rate(q, b).z, by.force.z, q.vx * q.vx + q.vy * q.vy, U2)
 
     def rates(q, b):
-        u, c = axis(q), loaded(q, b)
+        u, by = axis(q), acts(q, b)
         G = plus(
-            contact_acceleration_vector(u, bias_vector(u, momentum(q), b), c.force, b),
-            torque_acceleration(u, c.torque, b),
+            contact_acceleration_vector(u, bias_vector(u, momentum(q), b), by.force, b),
+            torque_acceleration(u, by.torque, b),
         )
-        turn = plus(cross(arm(u, b), c.force), c.torque)
+        turn = plus(cross(arm(u, b), by.force), by.torque)
         return type(DISC)(*axis_rate(q, b), *turn, G.x, G.y)
-
-    def power(q, b):
-        c = loaded(q, b)
-        return -(c.force.x * q.vx + c.force.y * q.vy + dot(c.torque, c.omega))
-
-    def reaction(q, b):
-        c = loaded(q, b)
-        return Reaction(c.force, -dot(c.torque, c.omega))
 
     def leave(q, b):
         return on_plane(axis(q), momentum(q), Vector(q.vx, q.vy, 0 * q.uz), b)
 
-    return phase_of(
-        "slip",
-        DISC,
-        (LIFTOFF, TOUCH, RESTS, *borders(region)),
-        (rates, scalars, disc_enter, leave, reaction),
-        work=power,
-        impulse=lambda q, b: loaded(q, b).force.z,
-        jellett_lost=lambda q, b: dot(loaded(q, b).torque, arm(axis(q), b)),
-    )
+    return loaded_phase("slip", DISC, events, (rates, scalars, disc_enter, leave), acts)
+
+
+@lru_cache
+def disc_slip(region: Region, torque: Callable) -> Phase:
+    """Return the phase of sliding in a region of a law."""
+    events = (LIFTOFF, TOUCH, RESTS, *borders(region))
+    return slip_under(disc_friction(region.drag, torque), events, patch_speed2)
 
 
 def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tuple[str, ...]:
     """Return the regions of a body's sliding on balls; empty under a law that has none.
 
     A region is the first, by rising x, whose end is not reached."""
-    found = []
+    names = []
     for b in bodies:
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
         s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b)) if regions else None
         for name, region in regions.items():
             if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
-                found.append(name)
+                names.append(name)
                 break
-    return tuple(found)
+    return tuple(names)
 
 
-def stays_at_rest(x: Moving, b: Touch) -> bool:
-    """Return whether friction can hold the disc of a body, once it is at rest."""
-    L, _ = stopped(x.u, x.L, x.velocity, b)
-    rolls = rolling_torque(1, angular_velocity(x.u, L, b), b.friction.mu_r, STOPS_ROLLING)
-    return holds(holding(x.u, L, rolls, b), b.friction.mu, b.friction.patch)
+# --- a disc at rest, which rolls without turning --------------------------------------------------
+
+
+Resting: Any = namedtuple("Resting", "z z_dot force by")
+"""`by` is what the plane does."""
+
+GIVES = ending(
+    "gives",
+    "friction can no longer hold the contact's disc: it slides and turns",
+    lambda s, b: margin(s.by.force, s.by.torque.z, b.friction),
+)
+GIVES = replace(GIVES, sampled=True)
+ROLLING = state()
+
+
+def without_slip(label: str, events: tuple, holds: Callable) -> Phase:
+    """Return a phase in which the contact point stays at rest, under a law with a torque:
+    holds(u, L, b) -> force and torque."""
+
+    def acts(q, b):
+        u, L, none = axis(q), momentum(q), 0 * q.uz
+        force, torque = holds(u, L, b)
+        return Acts(force, torque, Vector(none, none, none), angular_velocity(u, L, b))
+
+    def rates(q, b):
+        by = acts(q, b)
+        turn = plus(cross(arm(axis(q), b), by.force), by.torque)
+        return type(ROLLING)(*axis_rate(q, b), *turn)
+
+    def scalars(q, b):
+        by = acts(q, b)
+        return Resting(q.uz, axis_rate(q, b).z, by.force.z, by)
+
+    def enter(x, b):
+        return type(ROLLING)(*x.u, *x.L)
+
+    return loaded_phase(label, ROLLING, events, (rates, scalars, enter, roll_leave), acts)
+
+
+def disc_held(u: Vector, L: Vector, b: Touch) -> tuple[Vector, Vector]:
+    """Return the force and the torque on a disc that neither slides nor turns."""
+    rolls = rolling(angular_velocity(u, L, b), b.friction)
+    held = holding(u, L, rolls, b)
+    N = held.force.z
+    return held.force, Vector(N * rolls.x, N * rolls.y, held.torque)
+
+
+REST = without_slip("rest", (LIFTOFF, TOUCH, GIVES), disc_held)
+
+
+# --- laws with rolling resistance and a drilling torque -------------------------------------------
+
+
+def loaded_cone(s, b):
+    """mu^2 N^2 - |F_h|^2."""
+    F = s.by.force
+    return (b.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
+
+
+def directed_acts(q, b):
+    """What the plane does to a body that slides under a set-valued law."""
+    by = directed_slide(q, b)
+    omega = angular_velocity(axis(q), momentum(q), b)
+    return Acts(by.force, by.torque, times(q.w, direction(q)), omega)
+
+
+WITH_PARTS = {
+    "slip": slip_under(smooth_friction, (LIFTOFF, TOUCH), lambda omega, b: 0 * omega.z),
+    "directed": loaded_phase(
+        "slip",
+        DIRECTED,
+        (LIFTOFF, TOUCH, STICK),
+        (
+            directed_rates,
+            lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
+            directed_enter,
+            directed_leave,
+        ),
+        directed_acts,
+    ),
+    "roll": without_slip("roll", (LIFTOFF, TOUCH, replace(CONE, formula=loaded_cone)), sticking),
+}
+"""The phases of contacts under laws with parts, apart from those of discs."""

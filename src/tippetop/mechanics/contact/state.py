@@ -36,7 +36,7 @@ from .rolling.reaction import Kinematics, kinematics
 from .rolling.vector import spin
 
 
-PHASES = ("slip", "roll", "flight", "both")
+PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 BALLS = ("body", "stem")
@@ -217,9 +217,9 @@ def angles_of_row(q, carried, b):
     c = row_scalars(q, b)
     theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
     s = sqrt(c.s2)
-    found = theta, theta_dot, phi_dot, c.L3 / b.I3, c.v_u / s, c.v_n / s, c.rise, c.gap, phi
+    values = theta, theta_dot, phi_dot, c.L3 / b.I3, c.v_u / s, c.v_n / s, c.rise, c.gap, phi
     record: Any = type(DISC_ANGLES if hasattr(carried, LOST[0]) else ANGLES)
-    return record(*found, *carried[: len(record._fields) - len(found)])
+    return record(*values, *carried[: len(record._fields) - len(values)])
 
 
 def planar_angles_of_row(q, carried, b):
@@ -283,7 +283,7 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
     one."""
     modified, lambda_ = of_ball(contact.modified_energy), of_ball(contact.jellett)
     text = "Jellett's integral of the ball in contact"
-    found = [
+    quantities = [
         Quantity("jellett", "lambda", JELLETT, text, lambda_),
         Quantity(
             "jellett_taken",
@@ -296,12 +296,12 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
     ]
     text = "Routh's function of the ball in contact"
     if planar:
-        found = []
+        quantities = []
     if routh is not None:
-        found.append(Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
+        quantities.append(Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
     text = "modified (rolling) energy of the ball in contact"
     words = "power dissipated by friction", "what touches the plane, or did last"
-    found += [
+    quantities += [
         Quantity("energy", "E", JOULE, "energy", energy),
         Quantity("modified_energy", "E~", JOULE, text, modified),
         Quantity("normal_force", "g_n", NEWTON, "normal force", lambda s, b: s.force),
@@ -312,5 +312,5 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
     ]
     if stem:
         text = "height of the stem's ball"
-        found.append(Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap))
-    return tuple(found)
+        quantities.append(Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap))
+    return tuple(quantities)

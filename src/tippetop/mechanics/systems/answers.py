@@ -17,7 +17,8 @@ def allowed(rule: Parameter) -> float:
     low = [bound for bound in (rule.above, rule.least) if bound is not None]
     high = [bound for bound in (rule.below, rule.most) if bound is not None]
     if low and high:
-        return (max(low) + min(high)) / 2
+        middle = (max(low) + min(high)) / 2
+        return (middle + min(high)) / 2 if rule.nonzero and not middle else middle
     return max(1.0, 2 * max(low)) if low else min(1.0, min(high) - 1.0) if high else 1.0
 
 

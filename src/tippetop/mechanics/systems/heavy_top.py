@@ -102,7 +102,6 @@ LANDSCAPE = Landscape(
         Momentum("Lz", ANGULAR_MOMENTUM, "angular momentum L_z about the vertical, at the tip", PER_SECOND, "Lz"),
     ),
     coefficients=coefficients,
-    upright=-1,
 )
 
 

@@ -21,6 +21,7 @@ from ..theory.thresholds import (
     lambda_de,
     lambda_s,
     lambda_u,
+    poles,
     sleeping_spin,
     spin_of,
     thresholds,
@@ -61,8 +62,8 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
     """A tippe top whose contact may open or stick: what holds while it slides on a ball. [contact 4.1]"""
     limits = thresholds(b)
-    if law.stem:
-        on_stem = b._replace(R=law.r, c=b.c + law.h)
+    on_stem = b._replace(R=law.r, c=b.c + law.h)
+    if law.stem and on_stem.c > 0:  # else the centre of mass is not above the stem's ball
         needed = lambda_s(on_stem)
         limits |= {
             "lambda_s_stem": Threshold(needed, JELLETT, "spin on the stem stable above, of the stem's lambda"),
@@ -85,12 +86,13 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
 
 def tippe_top_borders(b: Touch) -> dict[str, Any]:
     """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too. NaN: no border."""
-    upright, tumbling = lambda_u(b), lambda_t(b)
-    distinct = np.abs(np.log(tumbling / upright)) >= 1e-3  # else tumbling begins where the upright spin ends
+    low, high = poles(b)
+    least, tumbling = lambda_u(b), lambda_t(b)
+    distinct = np.abs(np.log(tumbling / least)) >= 1e-3  # else tumbling begins where the lowest spin ends
     return {
-        "λ = λ_u: upright spin stable below": upright,
-        "λ = λ_s: inverted spin stable above": lambda_s(b),
-        "λ = λ_de: inverted spin has less energy above": lambda_de(b),
+        f"λ = λ_u: {low} spin stable below": least,
+        f"λ = λ_s: {high} spin stable above": lambda_s(b),
+        f"λ = λ_de: {high} spin has less energy above": lambda_de(b),
         "λ = λ_t: tumbling possible above": np.where(distinct, tumbling, np.nan),
     }
 
@@ -102,7 +104,7 @@ def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
     limits["gamma"] = thresholds(b)["gamma"]
     nutates = STAYS if start["at_pole"] else "nutation between two angles" + UNLESS
-    fate = f"{nutates}; the inverted spin of this lambda is {stable} in rolling"
+    fate = f"{nutates}; the {poles(b)[1]} spin of this lambda is {stable} in rolling"
     return Outlook(sentence, fate, limits)
 
 

@@ -5,7 +5,7 @@ In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.2
 
 from ..contact.body import height, height_energy
 from ..operand import formula, sqrt
-from ..theory.thresholds import Threshold, spin, two_wells_from
+from ..theory.thresholds import Threshold, poles, sense, spin, two_wells_from
 from ..units import JELLETT, ONE
 from . import tippe_top
 
@@ -36,11 +36,11 @@ def end_slope(z, lam, b):
     return -b.m * b.g * b.c - z * b.I3 * (X_rate / b.I1 / b.R) ** 2 / 4
 
 
-@formula
 def lambda_pi(b):
-    """|lambda| from which the inverted state lies on the minimal surface [kg m^3/s]; below, it lies above. [5.1]"""
-    h = b.R + b.c
-    return 2 * h * sqrt(b.m * b.g * b.c * b.I3 * tippe_top.d(-1, b)) / (1 + b.m * b.R * h / b.I3)
+    """|lambda| from which the spin with the centre of mass highest lies on the minimal surface [kg m^3/s]. [5.1]"""
+    high = -sense(b)
+    h = height(high, b)
+    return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * tippe_top.d(high, b)) / (1 + b.m * b.R * h / b.I3)
 
 
 def thresholds_of_surface(b) -> dict[str, Threshold]:
@@ -52,7 +52,7 @@ def thresholds_of_surface(b) -> dict[str, Threshold]:
         The body, SI, floats.
     """
     return {
-        "lambda_pi": Threshold(float(lambda_pi(b)), JELLETT, "inverted spin stable in rolling above"),
+        "lambda_pi": Threshold(float(lambda_pi(b)), JELLETT, f"{poles(b)[1]} spin stable in rolling above"),
         "gamma_star": Threshold(two_wells_from(b), ONE, "two wells of the potential are possible above"),
     }
 

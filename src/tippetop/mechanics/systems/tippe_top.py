@@ -1,4 +1,7 @@
-"""The tippe top: a sphere of radius R, centre of mass alpha*R below its centre, that rolls and glides. [T ch. 3, 4]"""
+"""The tippe top: a sphere of radius R, centre of mass alpha*R below its centre, that rolls and glides. [T ch. 3, 4]
+
+With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphere where theta = 0.
+"""
 
 from typing import NamedTuple
 
@@ -39,7 +42,13 @@ class TippeTop(NamedTuple):
 PARAMETERS = {
     "m": Parameter(KILOGRAM, "mass", above=0),
     "R": Parameter(METRE, "radius of the sphere", above=0),
-    "alpha": Parameter(ONE, "eccentricity: the centre of mass lies alpha*R below the centre", above=0, below=1),
+    "alpha": Parameter(
+        ONE,
+        "eccentricity: the centre of mass lies alpha*R below the centre, above it if negative",
+        above=-1,
+        below=1,
+        nonzero=True,
+    ),
     "I1": Parameter(INERTIA, "transverse moment of inertia about the centre of mass", above=0),
     "I3": Parameter(INERTIA, "axial moment of inertia about the centre of mass", above=0),
     "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
@@ -96,7 +105,9 @@ def potential(z, D, lam, b):
 
 def coefficients(b) -> PotentialCoefficients:
     """V as the landscape takes it, q = tan(theta/2)^2; feed a body of decimals, and no digit is lost (the marked lines
-    cancel). [section 5]"""
+    cancel). Of a peg they are those of the body with its axis turned round, where D is -D. [section 5]"""
+    turned = b.c < 0
+    b = b._replace(c=abs(b.c))
     gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
     d0, d1 = sqrt(d(1, b)), sqrt(d(-1, b))
     per = 2 * b.R * sqrt(2 * b.I1)
@@ -108,9 +119,9 @@ def coefficients(b) -> PotentialCoefficients:
         sqrt_d0=d0,
         sqrt_d1=d1,
         K=(gamma - sigma * (1 - alpha) * (1 + alpha) - d0 * d1) / 2 + sigma * gamma,
-        a1=(b.c - b.R) / per,
+        a1=(b.R - b.c if turned else b.c - b.R) / per,
         a2=d0 / per,
-        b1=(b.c + b.R) / per,
+        b1=(-(b.c + b.R) if turned else b.c + b.R) / per,
         b2=d1 / per,
         k=1 / per,
         spin1=1 / sqrt(2 * b.I3),
@@ -121,8 +132,8 @@ def coefficients(b) -> PotentialCoefficients:
 
 @formula
 def two_minima(b):
-    """Negative iff V can have a second minimum, near theta = pi: gamma > gamma*. [section 5, item 4]"""
-    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
+    """Negative iff V can have a second minimum, near the highest spin: gamma > gamma*. [section 5, item 4]"""
+    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, abs(b.c) / b.R
     far = sigma * (1 + alpha)
     chi = (1 - gamma) * (1 + sigma) - sigma * alpha**2
     return (gamma + far * (1 + alpha)) * (1 + far) + 2 * far * chi
@@ -134,7 +145,6 @@ LANDSCAPE = Landscape(
         Momentum("lambda", JELLETT, "Jellett's integral lambda", PER_METRE_SECOND, "jellett"),
     ),
     coefficients=coefficients,
-    upright=1,
     two_wells=two_minima,
 )
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..contact.body import Touch
-from .thresholds import lambda_s, lambda_u
+from .thresholds import lambda_s, lambda_u, poles
 from .tumbling import tumbling_is_stable, tumbling_states
 
 
@@ -48,9 +48,10 @@ def regime(lam: float, b: Touch) -> Regime:
     states = tumbling_states(lam, b)[::-1] if lam else np.zeros(0)
     stable = [bool(tumbling_is_stable(z, b)) for z in states]
     angles = np.arccos(states)
+    spins = dict(zip(poles(b), (abs(lam) < lambda_u(b), abs(lam) > lambda_s(b)), strict=True))
     return Regime(
-        upright=bool(abs(lam) < lambda_u(b)),
-        inverted=bool(abs(lam) > lambda_s(b)),
+        upright=bool(spins["upright"]),
+        inverted=bool(spins["inverted"]),
         tumbling=tuple(float(t) for t, s in zip(angles, stable, strict=True) if s),
         unstable=tuple(float(t) for t, s in zip(angles, stable, strict=True) if not s),
     )

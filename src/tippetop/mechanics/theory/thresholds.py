@@ -1,6 +1,10 @@
 """Numbers that separate the regimes of a top: lambda_u, lambda_s, gamma_c and others.
 
 Bodies are `contact.body.Touch` records of floats, SI; thresholds also take arrays.
+
+Published theory has alpha > 0. A peg, alpha < 0, is the body with its axis turned round: alpha, theta,
+omega_3, D become -alpha, pi - theta, -omega_3, -D, while lambda, phi' and all energies stay. `shape`,
+`sense` and `poles` make that change for all of theory. [contact 4.1]
 """
 
 import math
@@ -22,7 +26,7 @@ class Threshold(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """alpha, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 alpha I3) [kg m^3/s]."""
+    """|alpha|, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 |alpha| I3) [kg m^3/s]."""
 
     alpha: Any
     gamma: Any
@@ -32,21 +36,36 @@ class Shape(NamedTuple):
 
 def shape(b: Touch) -> Shape:
     """The numbers that decide about a tippe top."""
-    alpha = b.c / b.R
+    alpha = np.abs(b.c) / b.R
     return Shape(alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3))
+
+
+SPINS = {"upright": 1, "inverted": -1}
+"""cos(theta) of the spinning states: they are named after the axis, of a peg too."""
+
+
+def sense(b: Touch) -> Any:
+    """Return cos(theta) of the pole where the centre of mass is lowest: 1, or -1 of a peg."""
+    return np.where(b.c < 0, -1, 1)
+
+
+def poles(b: Touch) -> tuple[str, str]:
+    """Return the names of the spinning states whose centre of mass is lowest and highest."""
+    low, high = SPINS
+    return (high, low) if np.all(b.c < 0) else (low, high)
 
 
 # --- spinning states ------------------------------------------------------------------------------------------------
 
 
 def lambda_u(b: Touch) -> Any:
-    """The upright spin is stable for |lambda| below it; infinite if always. [T Theorem 3.3.2]"""
+    """The spin with the centre of mass lowest is stable for |lambda| below it; infinite if always. [T Theorem 3.3.2]"""
     alpha, gamma, _, beta = shape(b)
     return _over_root(beta * (1 - alpha) ** 2, alpha + gamma - 1)
 
 
 def lambda_s(b: Touch) -> Any:
-    """The inverted spin is stable for |lambda| above it; infinite if never. [T 4.30]"""
+    """The spin with the centre of mass highest is stable for |lambda| above it; infinite if never. [T 4.30]"""
     alpha, gamma, _, beta = shape(b)
     return _over_root(beta * (1 + alpha) ** 2, 1 + alpha - gamma)
 
@@ -58,7 +77,7 @@ def _over_root(number: Any, x: Any) -> Any:
 
 
 def lambda_de(b: Touch) -> Any:
-    """Above it the inverted spin has less energy E~ than the upright one of the same lambda. [T 4.29]"""
+    """Above it the highest spin has less energy E~ than the lowest one of the same lambda. [T 4.29]"""
     alpha = b.c / b.R
     return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
 
@@ -98,25 +117,31 @@ def spin_of(lam: float, b: Touch, *, inverted: bool = False) -> float:
     return spin(-1 if inverted else 1, lam, b)
 
 
-def thresholds(b: Touch) -> dict[str, Threshold]:
+def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Threshold]:
     """Every threshold of a tippe top: name -> value (SI), unit and meaning.
 
     Parameters
     ----------
     b
         The body, SI, floats; its friction law plays no part.
+    states
+        As `poles` returns them; must be given where the numbers of the body are symbols.
     """
-    alpha, gamma = b.c / b.R, b.I1 / b.I3
+    low, high = states or poles(b)
+    alpha, gamma, *_ = shape(b)
+
+    def spin_at(state: str, lam: Any) -> Any:
+        return np.abs(spin(SPINS[state], lam, b))
+
+    at_low, at_high = f"spin_{low}", f"spin_{high}"
     return {
-        "lambda_u": Threshold(lambda_u(b), JELLETT, "upright spin stable below"),
-        "lambda_s": Threshold(lambda_s(b), JELLETT, "inverted spin stable above"),
-        "lambda_de": Threshold(lambda_de(b), JELLETT, "inverted spin has less energy than upright spin above"),
-        "spin_upright": Threshold(spin_of(lambda_u(b), b), RADIAN_PER_SECOND, "upright spin loses stability at"),
-        "spin_inverted": Threshold(
-            -spin_of(lambda_s(b), b, inverted=True), RADIAN_PER_SECOND, "inverted spin gains stability at"
-        ),
+        "lambda_u": Threshold(lambda_u(b), JELLETT, f"{low} spin stable below"),
+        "lambda_s": Threshold(lambda_s(b), JELLETT, f"{high} spin stable above"),
+        "lambda_de": Threshold(lambda_de(b), JELLETT, f"{high} spin has less energy than {low} spin above"),
+        at_low: Threshold(spin_at(low, lambda_u(b)), RADIAN_PER_SECOND, f"{low} spin loses stability at"),
+        at_high: Threshold(spin_at(high, lambda_s(b)), RADIAN_PER_SECOND, f"{high} spin gains stability at"),
         "spin_full": Threshold(
-            spin_of(lambda_s(b), b), RADIAN_PER_SECOND, "initial upright spin from which the inverted one is stable"
+            spin_at(low, lambda_s(b)), RADIAN_PER_SECOND, f"initial {low} spin from which the {high} one is stable"
         ),
         "gamma": Threshold(gamma, ONE, "I1/I3"),
         "gamma_c": Threshold(gamma_c(alpha), ONE, "lambda_s > lambda_u above"),

@@ -10,14 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..contact.body import Touch
-from .thresholds import lambda_s, lambda_u, shape
+from .thresholds import SPINS, lambda_s, lambda_u, poles, sense, shape
 
 
 def tumbling_limits(b: Touch) -> tuple[float, float]:
     """The open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]"""
     alpha, gamma, *_ = shape(b)
     low = max(-1.0, -alpha / (gamma - 1)) if gamma > 1 else -1.0
-    return low, min(1.0, alpha / (1 - gamma)) if gamma < 1 else 1.0
+    high = min(1.0, alpha / (1 - gamma)) if gamma < 1 else 1.0
+    return (low, high) if sense(b) > 0 else (-high, -low)
 
 
 def tumbling(z: Any, b: Touch) -> tuple[Any, Any]:
@@ -30,6 +31,7 @@ def tumbling(z: Any, b: Touch) -> tuple[Any, Any]:
 def tumbling_jellett(z: Any, b: Touch) -> Any:
     """lambda of the tumbling state at z, for phi' > 0 [kg m^3/s]; NaN where there is none. [T 3.42, 3.66]"""
     alpha, gamma, _, beta = shape(b)
+    z = sense(b) * z
     with np.errstate(invalid="ignore", divide="ignore"):
         return beta * ((alpha - z) ** 2 + gamma * (1 - z**2)) / np.sqrt(alpha + (gamma - 1) * z)
 
@@ -44,7 +46,7 @@ def lambda_t(b: Touch) -> Any:
 def tumbling_is_stable(z: Any, b: Touch) -> Any:
     """Whether the tumbling state at z is stable, which is d|lambda|/dz < 0. [T Theorem 3.3.2, corrected]"""
     alpha, gamma, *_ = shape(b)
-    rising = ((1 - gamma) * z - alpha) ** 2 > gamma * (1 - alpha**2 - gamma) / 3
+    rising = ((1 - gamma) * (sense(b) * z) - alpha) ** 2 > gamma * (1 - alpha**2 - gamma) / 3
     return rising & np.isfinite(tumbling_jellett(z, b))
 
 
@@ -56,7 +58,7 @@ def tumbling_states(lam: float, b: Touch) -> np.ndarray:
     unit = max(abs(lam), beta)
     rest = np.polysub((beta / unit) ** 2 * np.polymul(h, h), (lam / unit) ** 2 * np.array([gamma - 1, alpha]))
     roots = np.roots(np.where(np.abs(rest) < 1e-20 * np.abs(rest).max(), 0, rest))
-    z = np.sort(roots[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))].real)
+    z = np.sort(sense(b) * roots[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))].real)
     low, high = tumbling_limits(b)
     return z[(z > low) & (z < high)]
 
@@ -81,10 +83,10 @@ def branches(b: Touch, most: float) -> list[Branch]:
         The spinning states are given for 0 <= lambda <= most [kg m^3/s]; the tumbling ones wherever they are.
     """
     result = []
-    for kind, pole, limit, inside in (("upright", 1.0, lambda_u(b), True), ("inverted", -1.0, lambda_s(b), False)):
+    for kind, limit, inside in zip(poles(b), (lambda_u(b), lambda_s(b)), (True, False), strict=True):
         for ends, calm in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):
             if ends[0] < ends[1]:
-                result.append(Branch(kind, calm, np.full(2, pole), np.array(ends)))
+                result.append(Branch(kind, calm, np.full(2, float(SPINS[kind])), np.array(ends)))
     low, high = tumbling_limits(b)
     z = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 2001)[1:-1])) / 2
     lam: Any = tumbling_jellett(z, b)

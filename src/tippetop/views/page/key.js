@@ -6,7 +6,7 @@ import { cover } from "./palette.js";
 /** @typedef {import("./palette.js").Palette} Palette */
 /** @typedef {import("./log.js").Log} Log */
 
-const ORDER = ["slip", "roll", "flight", "both"];
+const ORDER = ["slip", "roll", "rest", "flight", "both"];
 
 export class Key {
   /** @param {HTMLElement} element */
@@ -44,7 +44,7 @@ export class Key {
  * @type {(of: {phase: string, ball: string}) => string}
  */
 export const named = ({ phase, ball }) =>
-  ball === "stem" && (phase === "slip" || phase === "roll") ? `${phase} on the stem` : phase;
+  ball === "stem" && ["slip", "roll", "rest"].includes(phase) ? `${phase} on the stem` : phase;
 
 /**
  * The phases of a motion, each with the part of the time that it takes.

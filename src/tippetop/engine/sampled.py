@@ -1,0 +1,58 @@
+"""Events of a phase that Python evaluates, whose functions have no Taylor series."""
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ..mechanics.events import Event
+from .driver import Driver
+
+
+class Sampler:
+    """Looks for sampled events in the next step of a phase, before it is made.
+
+    Parameters
+    ----------
+    driver
+        Of the phase.
+    body
+        The parameters of its integrator.
+    events
+        Those that are sampled.
+    function
+        function(state, event) -> value of an event in a state, (all variables,).
+    """
+
+    def __init__(self, driver: Driver, body: Sequence[Any], events: Sequence[Event], function: Callable):
+        self.driver, self.events, self.function = driver, events, function
+        self.integrator = copy.deepcopy(driver.compiled.integrator)
+        pars = self.integrator.pars
+        pars[:] = [driver.number(number) for number in body[: len(pars)]]
+
+    def next(self) -> tuple[str, Any] | None:
+        """Return the event that ends the phase in the next step, and its internal time; None if none does."""
+        ta = self.integrator
+        ta.state[:], ta.time = self.driver.state, self.driver.number(0)
+        _, h = ta.step(write_tc=True)
+        found = [(t, event.name) for event in self.events if (t := self._zero(event, h)) is not None]
+        if not found:
+            return None
+        t, name = min(found)
+        high, low = self.driver.clock
+        return name, self.driver.number(high) + (low + t)
+
+    def _zero(self, event: Event, h: Any) -> Any:
+        """Return the time in a step of length h at which an event function has become negative."""
+        low = 0 * h
+        for high in (h / 2, h):
+            if not self._value(event, high) > 0:
+                break
+            low = high
+        else:
+            return None
+        while low < (middle := (low + high) / 2) < high:
+            low, high = (middle, high) if self._value(event, middle) > 0 else (low, middle)
+        return high
+
+    def _value(self, event: Event, t: Any) -> float:
+        return float(self.function(self.integrator.update_d_output(t), event))

@@ -1,0 +1,199 @@
+"""Pegs, alpha < 0: the motion and the theory of the body with its axis turned round."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from helpers.touching import BODY, BOUNCE
+from tippetop.exchange.scales import scale_of
+from tippetop.mechanics.operand import refill
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.systems.tippe_top import PARAMETERS
+from tippetop.runs import forecast
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+from tippetop.sweeps.plan import Plan
+
+
+TOP = tt.TippeTop(**BODY)
+PEG = tt.TippeTop(**{**BODY, "alpha": -BODY["alpha"]})
+START = {"theta": 0.5, "theta_dot": 2.0, "phi_dot": 5.0, "omega3": 60.0}
+MOTIONS: dict[str, dict[str, Any]] = {
+    "slip": {"system": "tippe-top", "friction": {"law": "viscous", "mu": 0.3}, "initial": {**START, "nu_x": 0.1}},
+    "roll": {"system": "rolling-tippe-top", "initial": START},
+    "stick": {"system": "tippe-top", "friction": {"law": "coulomb", "mu": 0.3}, "initial": {**START, "nu_y": 0.01}},
+    "bounce": {**BOUNCE, "contact": {"e_n": 0.5}},
+    "drill": {
+        "system": "tippe-top",
+        "friction": {"law": "contensou", "mu": 0.3, "patch": 5e-4},
+        "initial": {**START, "nu_x": 0.01},
+    },
+}
+
+
+def turned(tables: dict[str, Any]) -> dict[str, Any]:
+    """The scenario of the same body with its axis turned round."""
+    start = {
+        name: -x if name in ("theta_dot", "omega3", "nu_x", "nu_y") else x for name, x in tables["initial"].items()
+    }
+    start |= {"theta": math.pi - start["theta"], "phi": math.pi}
+    return {**tables, "parameters": PEG.numbers(), "initial": start}
+
+
+@pytest.mark.parametrize("kind", MOTIONS)
+def test_a_peg_moves_as_the_top_with_its_axis_turned_round(kind: str) -> None:
+    tables = {"parameters": BODY, "run": {"until": 0.3, "output_step": 0.01}, **MOTIONS[kind]}
+    top, peg = (tt.run(one).trajectory for one in (tables, turned({**tables})))
+    np.testing.assert_allclose(peg["axis"], -top["axis"], atol=1e-13)
+    for name in ("L", "x", "y", "energy", "jellett", "normal_force", "routh"):
+        if name in top:
+            sign = -1 if name == "routh" else 1
+            size = float(np.abs(top[name]).max())
+            np.testing.assert_allclose(peg[name], sign * top[name], atol=1e-13 * size)
+    assert kind != "bounce" or 0 < (peg["phase"] == top["phase"].values).sum() == top.sizes["time"]
+
+
+def growth(b: Any, omega3: float, up: int) -> float:
+    """The fastest growth near a spin, by differences of the equations of motion."""
+    form = SYSTEMS["tippe-top"].forms["vector"]
+    names = form.units._fields
+    along = {"uz": up, "Lz": up * b.I3 * omega3, "L3": b.I3 * omega3}
+    across = [name for name in names if name not in along]
+
+    def rates(moved: str, step: float) -> np.ndarray:
+        at = form.rates(refill(form.units, iter([along.get(x, 0.0) + step * (x == moved) for x in names])), b)
+        return np.array([getattr(at, name) for name in across])
+
+    columns = [(rates(name, 1e-6) - rates(name, -1e-6)) / 2e-6 for name in across]
+    return float(np.linalg.eigvals(np.array(columns).T).real.max())
+
+
+def test_spins_of_pegs_are_stable_where_differences_of_the_motion_decay(rng: np.random.Generator) -> None:
+    seen = set()
+    for _ in range(200):
+        m, R, g, size = rng.uniform(0.8, 1.2, 4)
+        I3 = 0.4 * m * R**2 * size
+        numbers = {"m": m, "R": R, "g": g, "I3": I3, "alpha": -rng.uniform(0.1, 0.9), "I1": I3 * rng.uniform(0.6, 1.6)}
+        peg = tt.TippeTop(**numbers)
+        limits = tt.thresholds(peg)
+        for lam in rng.uniform(0.3, 3, 4) * limits["lambda_de"].value:
+            borders = np.array([limits["lambda_u"].value, limits["lambda_s"].value])
+            if (abs(borders / lam - 1) < 0.1).any():
+                continue
+            regime = tt.regime(peg, lam)
+            for up, stable in ((1, regime.upright), (-1, regime.inverted)):
+                omega3 = lam / (I3 * (R * up - numbers["alpha"] * R))
+                rate = growth(peg.body(tt.Viscous(mu=0.4).record()), omega3, up)
+                assert (rate < 1e-8) is stable
+                seen.add((up, stable))
+    assert len(seen) == 4
+
+
+@pytest.mark.parametrize(("ratio", "stable"), [(0.9, False), (1.1, True)])
+def test_the_upright_spin_of_a_rolling_peg_stays_above_lambda_pi_alone(ratio: float, stable: bool) -> None:
+    omega3 = ratio * tt.thresholds(PEG)["lambda_pi"].value / (PEG.I3 * PEG.R * (1 - PEG.alpha))
+    start = {"theta": 1e-5, "omega3": omega3}
+    tables = {"system": "rolling-tippe-top", "parameters": PEG.numbers(), "initial": start, "run": {"until": 3.0}}
+    assert (float(tt.run({**tables, "form": "vector"}).trajectory["theta"].max()) < 1e-3) is stable
+    assert (
+        f"upright spin of this lambda is {'' if stable else 'un'}stable"
+        in forecast.assessment(build.problem(tables))["fate"]
+    )
+
+
+def test_no_run_of_a_random_peg_contradicts_what_is_predicted(rng: np.random.Generator) -> None:
+    met = set()
+    for _ in range(50):
+        alpha, gamma = -rng.uniform(0.1, 0.7), rng.uniform(0.7, 1.3)
+        body = {**BODY, "alpha": alpha, "I1": gamma * BODY["I3"]}
+        low = rng.random() < 0.5
+        theta = rng.uniform(2.6, 3.14) if low else rng.uniform(0.002, 0.5)
+        tables = {
+            "system": "tippe-top",
+            "parameters": body,
+            "friction": {"law": "viscous", "mu": float(rng.uniform(1, 5))},
+            "initial": {"theta": float(theta), "omega3": float(rng.uniform(5, 150))},
+            "run": {"until": 4.0, "output_times": [0.0, 4.0]},
+        }
+        problem = build.problem(tables)
+        start = forecast.at_start(problem)
+        regime = tt.regime(tt.TippeTop(**body), start["jellett"])
+        known = {"upright": regime.upright, "inverted": regime.inverted, "tumbling": bool(regime.tumbling)}
+        outcome = solve(problem, keep=False).report["outcome"]
+        assert known.get(outcome, True)
+        met.add(outcome)
+    assert {"upright", "inverted"} <= met
+
+
+def test_words_of_theory_follow_the_axis_of_a_peg() -> None:
+    of_top, of_peg = tt.thresholds(TOP), tt.thresholds(PEG)
+    swap = {"upright": "inverted", "inverted": "upright"}
+    for name, limit in of_top.items():
+        other = of_peg["_".join(swap.get(word, word) for word in name.split("_"))]
+        assert other.value == limit.value
+        assert other.long_name == " ".join(swap.get(word, word) for word in limit.long_name.split())
+
+
+def test_asymptotic_states_of_a_peg_are_critical_points_of_its_least_energy() -> None:
+    lam = 2.5e-6
+    states = tt.asymptotic_states(PEG, lam)
+    assert [state.kind for state in states] == ["upright", "tumbling", "inverted"]
+    for state in states:
+        beyond = math.acos(math.cos(state.theta + 1e-4))  # the other side of a pole is the same
+        least, *around = tt.least_energy(
+            PEG, np.array([state.theta, state.theta - 1e-4 if state.theta else 1e-4, beyond]), lam
+        )
+        assert state.energy == pytest.approx(least, rel=1e-14)
+        assert around[0] == pytest.approx(around[1], rel=1e-10)
+        assert bool(np.mean(around) > least) is state.stable
+
+
+def test_the_landscape_of_a_peg_is_that_of_the_top_with_D_turned_round() -> None:
+    D, lam, z = np.linspace(-2e-4, 3e-4, 11), np.linspace(0, 4e-6, 9), np.linspace(-0.9, 0.9, 7)
+    top, peg = tt.minimal_surface(TOP, D=D, lam=lam), tt.minimal_surface(PEG, D=-D[::-1], lam=lam)
+    for name, sign in (("F", 1), ("z", -1), ("F_D", -1), ("F_lambda", 1)):
+        np.testing.assert_allclose(peg[name][::-1], sign * top[name], rtol=1e-13)
+    V = SYSTEMS["tippe-top"].potential(z, 2e-5, 2e-6, PEG.body())
+    np.testing.assert_allclose(tt.potential(PEG, z, D=2e-5, lam=2e-6)["V"], V, rtol=1e-13)
+    swing = tt.turning_angles(PEG, D=-2e-5, lam=2e-6, energy=6e-3)
+    exact = tt.nutation(PEG, D=-2e-5, lam=2e-6, energy=6e-3, theta=float(swing["theta_star"]))
+    assert [float(swing[name]) for name in exact._fields] == pytest.approx(exact, rel=1e-12)
+    lines = tt.marked_lines(PEG, np.array([1e-6, 2e-6]))
+    assert lines["on_surface"].values.tolist() == [[False, True], [True, True]]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"alpha": 0.0}, "`parameters.alpha` must be other than 0.0, but is 0"),
+        ({"alpha": -1.0}, "`parameters.alpha` must be greater than -1.0, but is -1"),
+    ],
+)
+def test_no_top_has_its_centre_of_mass_in_the_centre_or_outside(wrong: dict[str, float], sentence: str) -> None:
+    with pytest.raises(tt.InputError, match=sentence):
+        tt.TippeTop(**{**BODY, **wrong})
+
+
+@pytest.mark.parametrize("how", [{"linspace": [-0.2, 0.2], "n": 4}, {"values": [0.1, -0.1]}, {"between": [-0.1, 0.3]}])
+def test_an_axis_of_a_sweep_keeps_the_sign_of_alpha(how: dict[str, Any]) -> None:
+    plan: dict[str, Any] = {"scenario": "inverting", "axis": [{"of": "parameters.alpha", **how}]}
+    if "between" in how:
+        plan["sample"] = {"method": "random", "n": 4, "seed": 1}
+    with pytest.raises(tt.InputError, match=r"`parameters\.alpha` must keep its sign along an axis, but goes from"):
+        Plan.from_tables(plan)
+
+
+def test_a_fit_keeps_the_sign_of_alpha() -> None:
+    for value in (-0.25, 0.25):
+        scale = scale_of(PARAMETERS["alpha"], value)
+        assert sorted(map(scale.outside, (scale.low, scale.high))) == sorted((0.0, math.copysign(1, value)))
+
+
+def test_a_peg_with_a_stem_stands_on_it_only_with_its_centre_of_mass_above() -> None:
+    for alpha, stands in ((-0.2, True), (-0.9, False)):
+        stem = ["stem.r='12 mm'", "stem.h='10 mm'"]
+        problem = build.load("leine-glocker-stem", [f"parameters.alpha={alpha}", "friction.mu=0.1", *stem])
+        assert ("lambda_s_stem" in forecast.assessment(problem)["thresholds"]) is stands
