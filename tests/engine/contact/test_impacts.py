@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from tippetop.engine import impacts
 from tippetop.engine.impacts import Impacts, SlidingImpacts
 from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.impact_motion import Motion, beyond_rest
 from tippetop.mechanics.contact.response import Mobility, mobility, spin_mobility
 from tippetop.mechanics.contact.state import Moving
 from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck
@@ -137,6 +138,15 @@ def test_slip_that_turns_back_in_a_line_sticks_as_coulombs_does(eps: float) -> N
     assert exact.mode == "stick"
     got = hit(v, 0.9, TOP._replace(friction=Coulomb(0.3, eps)), 0.0)
     assert got[:6] == pytest.approx(exact[:6], abs=2 * eps)
+
+
+@pytest.mark.parametrize("slip", [(-0.01, 0.0), (0.0, 0.01), (0.006, -0.008)])
+def test_slip_of_an_upright_body_stops_in_a_line(slip: tuple[float, float]) -> None:
+    """Mobility is that of a sphere: nothing turns the slip."""
+    got = hit((*slip, -1.0), 0.0, TOP._replace(friction=Coulomb(0.3, 1e-5)), 0.0)
+    assert (got.v_e, got.v_2) == pytest.approx((0, 0), abs=1e-9)
+    K = mobility(0.0, 1.0, TOP)
+    assert (got.p_e, got.p_2) == pytest.approx((-slip[0] / K.ee, -slip[1] / K.tt), abs=1e-9)
 
 
 @pytest.mark.parametrize("law", [Viscous(np.nan), Viscous(1e3)])
@@ -287,6 +297,25 @@ def test_slip_and_drilling_that_stop_together_stick() -> None:
     assert (made.v_e, made.v_2, made.Omega_z) == (0, 0, 0)
     assert made[:3] == pytest.approx(point[:3], rel=1e-12)
     assert made.energy == pytest.approx(point.energy, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [0.01, 0.7])
+@pytest.mark.parametrize("e_n", [0.0, 1.0])
+def test_sliding_or_turning_of_an_upright_disc_stops(size: float, e_n: float) -> None:
+    """In a line: the impulse is what takes it."""
+    turns = hit((0.0, 0.0, -1.0), 0.0, DISC, e_n, Omega_z=size)
+    slides = hit((0.0, size / 10, -1.0), 0.0, DISC, e_n)
+    assert (turns.mode, turns.Omega_z, slides.mode, slides.v_2) == ("stick", 0, "stick", 0)
+    assert turns.twist == pytest.approx(-size / spin_mobility(0.0, 1.0, DISC).about, rel=1e-12)
+    assert slides.p_2 == pytest.approx(-size / 10 / mobility(0.0, 1.0, DISC).tt, rel=1e-12)
+
+
+def test_a_disc_rests_below_a_slip() -> None:
+    """Of sliding and turning together."""
+    rest = 1e-13
+    q, b = Motion(0.48 * rest, 0.36 * rest, 0.8 * rest, *(0.0,) * 7), SimpleNamespace(rest=rest)
+    assert beyond_rest(q, None, b) == pytest.approx(0, abs=1e-15 * rest**2)
+    assert beyond_rest(q._replace(v_e=rest), None, b) > 0
 
 
 @every_law
