@@ -19,7 +19,6 @@ from ..mechanics.contact.impact_motion import (
     Blow,
     Motion,
     Sliding,
-    growth,
     held,
     lift,
     sliding,
@@ -220,7 +219,7 @@ class SlidingImpacts:
     def _piece(self, slides: Sliding, driver: Driver, q: Any, push: Any, end: Any, passed: str) -> Any:
         """Return the steps of a motion from q on, until v_n has risen by `end` or an event happens."""
         signs, zeros = list(slides.signs), [-float(event.name == passed) for event in slides.events]
-        signs[0] = 1 if passed == "slowest" or growth(q, push, self.b) >= 0 else -1
+        signs[0] = 1 if passed == "slowest" or slides.events[0].formula(q, push, self.b) >= 0 else -1
         if self.restitution in RESTORED:
             value = getattr(q, RESTORED[self.restitution])
             signs[1] = 1 if value > 0 or (value == 0 and self.restitution == "poisson") else -1
