@@ -74,8 +74,8 @@ def held(done, c):
         s, z = np.sin(theta), np.cos(theta)
         turn = np.array([theta_dot * b.I1, phi_dot * s * b.I1, omega3 * b.I3]) * second
         L = Vector(-turn[1] * z + turn[2] * s, turn[0], turn[1] * s + turn[2] * z)
-        by = phase.form.scalars(phase.enter(SimpleNamespace(u=Vector(s, 0.0, z), L=L), b), b)
-        found.append(margin(by.held, by.torque.z, b.friction))
+        by = phase.form.scalars(phase.enter(SimpleNamespace(u=Vector(s, 0.0, z), L=L), b), b).by
+        found.append(margin(by.force, by.torque.z, b.friction))
     return np.array(found)
 
 

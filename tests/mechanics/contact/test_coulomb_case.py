@@ -31,7 +31,8 @@ def test_the_canonical_top_sticks_when_the_reference_does() -> None:
 
     def parts(y: np.ndarray) -> tuple:
         u, L, n = Vector(*y[:3]), Vector(*y[3:6]), Vector(np.cos(y[6]), np.sin(y[6]), 0)
-        return u, L, *coulomb.slip_motion(u, L, n, BALL)
+        by = coulomb.slip_motion(u, L, n, BALL)
+        return u, L, by.force, by.P, by.Q
 
     def rate(tau: float, y: np.ndarray) -> np.ndarray:
         u, L, F, P, Q = parts(y)

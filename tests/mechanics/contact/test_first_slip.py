@@ -33,7 +33,7 @@ def slip_rates(ball: Touch) -> Callable:
 
     def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple:
         u, L, n = Vector(*state[:3]), Vector(*state[3:6]), Vector(np.cos(beta), np.sin(beta), 0)
-        F, P, Q = coulomb.slip_motion(u, L, n, ball)
+        F, _, _, P, Q = coulomb.slip_motion(u, L, n, ball)
         V = contact.centre_velocity(u, L, Vector(w * n.x, w * n.y, 0), ball)
         return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y]), P, Q
 
@@ -153,7 +153,7 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(rng: np.r
             continue  # the contact opens
 
         def law(beta: np.ndarray, u: Vector = u, L: Vector = L, ball: Touch = ball) -> tuple:
-            F, P, Q = coulomb.slip_motion(u, L, Vector(np.cos(beta), np.sin(beta), 0), ball)
+            F, _, _, P, Q = coulomb.slip_motion(u, L, Vector(np.cos(beta), np.sin(beta), 0), ball)
             return P, Q, F.z
 
         rolls = bool(F.z > 0 and coulomb.cone(*F, ball.friction.mu) >= 0)

@@ -147,8 +147,8 @@ def slowing(x: Moving, b: Touch) -> Vector | None:
     """The direction to which a slide turns before it stops: Q = 0, P < 0. [contact 2.2]"""
 
     def law(beta: np.ndarray) -> tuple:
-        F, P, Q = exits.slip_motion(x.u, x.L, Vector(np.cos(beta), np.sin(beta), 0 * beta), b)
-        return -P, Q, F.z
+        by = exits.slip_motion(x.u, x.L, Vector(np.cos(beta), np.sin(beta), 0 * beta), b)
+        return -by.P, by.Q, by.force.z
 
     found = exits.first_directions(law)
     return Vector(np.cos(found[0]), np.sin(found[0]), 0.0) if len(found) else None
@@ -163,7 +163,7 @@ def test_a_slide_that_stops_loses_nothing_but_its_friction(name: str) -> None:
         if planar:
             x = x._replace(u=Vector(np.sqrt(1 - x.u.z**2), 0.0, x.u.z), L=Vector(0.0, x.L.y, 0.0))
         n = Vector(1.0, 0.0, 0.0) if planar else slowing(x, b)
-        if n is None or exits.slip_motion(x.u, x.L, n, b)[1] > 0:
+        if n is None or exits.slip_motion(x.u, x.L, n, b).P > 0:
             continue
         x = x._replace(velocity=exits.contact.centre_velocity(x.u, x.L, times(1e-6, n), b))
         follows = exits.stick(x, world)
@@ -180,7 +180,7 @@ def test_the_first_moments_of_a_slide_keep_energy_and_begin_along_the_force() ->
         world = World("tippe-top", SetValued(0.2), 1)
         b = world.body[0]
         x = without_slip(state(world, seed, spin=0.5), b)
-        F = exits.reaction_of_rolling_vector(x.u, exits.bias_vector(x.u, x.L, b), b)
+        F = exits.sticking(x.u, x.L, b)[0]
         world.body = (b._replace(friction=SetValued(exits.size(F) / F.z)),)
         world.phase = world.phases["roll"]
         try:
@@ -243,12 +243,12 @@ def test_the_force_on_a_disc_is_continuous_where_it_gives_way(seed: int) -> None
         b, world.phase = world.body[0], world.phases["rest"]
         rests = exits.kicked(x, exits.stopping(x.u, x.L, x.velocity, b), b)
         s = world.phase.form.scalars(world.phase.enter(rests, b), b)
-        low, high = (low, mu) if exits.margin(s.held, s.torque.z, b.friction) > 0 else (mu, high)
+        low, high = (low, mu) if exits.margin(s.by.force, s.by.torque.z, b.friction) > 0 else (mu, high)
     n = exits.give_way(rests, world)
     slides = world.phases[n.phase]
     F = slides.reaction(slides.enter(n.x, b), b).force
     assert slides.label == "slip"
-    assert pytest.approx(s.held, abs=2e-4 * s.force) == F
+    assert pytest.approx(s.by.force, abs=2e-4 * s.force) == F
     assert (n.cause, n.logged) == ("gives", ("slip",))
 
 
