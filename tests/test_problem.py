@@ -202,7 +202,7 @@ def test_a_parameter_knows_its_interval(parameter: Parameter, inside: list, outs
 def test_a_value_is_told_the_first_thing_that_it_breaks() -> None:
     alpha = SYSTEMS["tippe-top"].parameters["alpha"]
     assert alpha.must(1.0) == "must be less than 1.0"
-    assert alpha.must(-1.0) == "must be greater than 0.0"
+    assert alpha.must(-1.0) == "must be greater than -1.0"
     assert alpha.must(np.inf) == alpha.must(np.nan) == "must be a finite number"
 
 

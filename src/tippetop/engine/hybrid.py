@@ -362,14 +362,15 @@ class HybridDriver:
 
     def _sample(self) -> str:
         """Let the phase end where a sampled event happens in its next step. Return that event, or nothing."""
-        driver, found = self.track.driver, self.track.sampler and self.track.sampler.next()
-        if not self.track.sampler:
+        driver, sampler = self.track.driver, self.track.sampler
+        if not sampler:
             return ""
         driver.end_at(self.until if self.clocked else self.end)
-        if not found or not found[1] < driver.end:
+        first = sampler.next()
+        if not first or not first[1] < driver.end:
             return ""
-        driver.end_at(found[1])
-        return str(found[0])
+        driver.end_at(first[1])
+        return str(first[0])
 
     def _ending(self, piece: Slice) -> str | None:
         """Return the exit by which the present phase ends; None if it does not, or ends the run."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from ..arguments import refuse_unknown
 from ..errors import InputError
-from ..mechanics.friction import Law, named
+from ..mechanics.friction import PARTS, Law, named
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, laws_of, load_entry_points
 from ..scenario.numbers import checked
@@ -50,6 +50,17 @@ class WithParts(Friction):
 
     mu_r: float | None = None
     mu_d: float | None = None
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.__repr__ = _written  # type: ignore[method-assign]  # the decorator leaves it
+
+
+def _written(law: WithParts) -> str:
+    """Return a law as it is made: without parts that it does not have."""
+    numbers = law.numbers()
+    names = [*(name for name in numbers if name not in PARTS), *(name for name in PARTS if name in numbers)]
+    return f"{type(law).__name__}({', '.join(f'{name}={numbers[name]!r}' for name in names)})"
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.state import Angles, Row, row_of_angles, row_scalars
+from tippetop.mechanics.contact.state import ANGLES, Row, row_of_angles, row_scalars
 from tippetop.mechanics.friction import Viscous
 
 
@@ -44,7 +44,7 @@ def test_scalars_of_a_row_are_those_of_vectors(rng: np.random.Generator) -> None
 def test_the_row_of_angles_has_their_contact_velocity_gap_and_jelletts_integral(rng: np.random.Generator) -> None:
     for theta in rng.uniform(0.1, 3.0, 20):
         b = body(rng)
-        e = Angles._make(rng.uniform(-1, 1, len(Angles._fields)))._replace(theta=theta)
+        e = ANGLES._make(rng.uniform(-1, 1, len(ANGLES)))._replace(theta=theta)
         q = row_of_angles(e, np.sin(theta), np.cos(theta), b)
         ex = np.array([np.cos(e.phi), np.sin(e.phi), 0.0])
         v, u = contact_velocity(q, b), np.array([q.ux, q.uy, q.uz])
