@@ -53,7 +53,7 @@ class WithParts(Friction):
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        cls.__repr__ = _written  # type: ignore[method-assign]  # the decorator leaves it
+        cls.__repr__ = _written  # type: ignore[method-assign, assignment]  # the decorator leaves it
 
 
 def _written(law: WithParts) -> str:
