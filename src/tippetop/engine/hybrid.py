@@ -333,14 +333,14 @@ class HybridDriver:
 
     def _sample(self) -> str:
         """Let the phase end where a sampled event happens in its next step. Return that event, or nothing."""
-        driver, found = self.track.driver, self.track.sampler and self.track.sampler.next()
         if not self.track.sampler:
             return ""
+        driver, zero = self.track.driver, self.track.sampler.next()
         driver.end_at(self.until if self.clocked else self.end)
-        if not found or not found[1] < driver.end:
+        if zero is None or not zero[1] < driver.end:
             return ""
-        driver.end_at(found[1])
-        return str(found[0])
+        driver.end_at(zero[1])
+        return str(zero[0])
 
     def _ending(self, piece: Slice) -> str | None:
         """Return the exit by which the present phase ends; None if it does not, or ends the run."""

@@ -34,10 +34,10 @@ class Sampler:
         ta = self.integrator
         ta.state[:], ta.time = self.driver.state, self.driver.number(0)
         _, h = ta.step(write_tc=True)
-        found = [(t, event.name) for event in self.events if (t := self._zero(event, h)) is not None]
-        if not found:
+        zeros = [(t, event.name) for event in self.events if (t := self._zero(event, h)) is not None]
+        if not zeros:
             return None
-        t, name = min(found)
+        t, name = min(zeros)
         high, low = self.driver.clock
         return name, self.driver.number(high) + (low + t)
 
