@@ -286,7 +286,7 @@ def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyP
 def test_every_list_of_laws_is_the_same() -> None:
     """What a run takes, tt.LAWS, the manual and a sentence; each says of which systems a law is."""
     named = {section.title: section.text for section in reference.friction()}
-    del named["coulomb (without eps)"], named["with any law"]
+    del named["coulomb (without eps)"]
     assert named.keys() == tt.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
     assert named["contensou"].endswith("Of tippe-top.")
     assert named["modified"].endswith("Of gliding-cylinder.")

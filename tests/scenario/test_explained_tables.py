@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from tippetop.errors import InputError
-from tippetop.mechanics.friction import LAWS
+from tippetop.mechanics.friction import LAWS, PARTS
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.scenario import build, reading
 from tippetop.scenario.reference import TOPICS, columns, friction, scenario
@@ -44,7 +44,7 @@ def test_every_key_that_a_scenario_takes_is_in_the_reference() -> None:
     assert set(RunTable.model_fields) <= listed
     assert {"r", "h", "e_n", "restitution", "gap", "nu_z"} <= listed
     laws = {section.title: {row[0] for row in section.rows} for section in friction()}
-    assert all(laws[name] == set(law.parameters) for name, law in LAWS.items())
+    assert all(laws[name] == {*law.parameters, *PARTS} for name, law in LAWS.items())
 
 
 def test_the_columns_of_the_reference_are_those_of_runs() -> None:

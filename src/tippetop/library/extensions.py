@@ -156,6 +156,8 @@ def _event_faults(event: Any) -> list[str]:
         faults.append(
             f"`ends` {of} must be a word other than {', '.join(RESERVED)}, or None, but is {event.ends!r:.60}."
         )
+    if event.sampled:
+        faults.append(f"`sampled` {of} must be False: only an exit of a phase may be sampled.")
     if not isinstance(event.kept, list | tuple) or not all(isinstance(kept, Kept) for kept in event.kept):
         return [*faults, f"`kept` {of} must be Kept records, but is {event.kept!r:.60}."]
     for kept in event.kept:

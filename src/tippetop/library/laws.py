@@ -15,7 +15,7 @@ from ..scenario.numbers import checked
 Given = float | str  # as of a body
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Friction:
     """A friction law with its numbers, checked when it is made; `law` is its name in `[friction] law`."""
 
@@ -36,15 +36,19 @@ class Friction:
 
     def numbers(self) -> dict[str, float]:
         """The numbers by name, in SI units."""
-        given = {f.name: getattr(self, f.name) for f in fields(self)}
+        names = sorted((f.name for f in fields(self)), key=lambda name: name in PARTS)
+        given = {name: getattr(self, name) for name in names}
         return {name: value for name, value in given.items() if value is not None or name == "mu"}
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.numbers().items())})"
 
     def record(self) -> Any:
         """The record that formulas take."""
         return self._law().record(**self.numbers())
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class WithParts(Friction):
     """A friction law to which parts can be added."""
 
@@ -63,7 +67,7 @@ def _written(law: WithParts) -> str:
     return f"{type(law).__name__}({', '.join(f'{name}={numbers[name]!r}' for name in names)})"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Viscous(WithParts):
     """Viscous friction, F = -mu g_n v_A: the law of Rutstam's thesis (2010).
 
@@ -93,7 +97,7 @@ class Viscous(WithParts):
     law: ClassVar[str] = "viscous"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Coulomb(WithParts):
     """Dry friction: Coulomb's law itself, F = -mu g_n v_A/|v_A| where the contact slides and as much as rolling takes
     where it does not; with eps the regularised one, F = -mu g_n v_A/sqrt(|v_A|^2 + eps^2).
@@ -130,7 +134,7 @@ class Coulomb(WithParts):
     law: ClassVar[str] = "coulomb"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Contensou(Friction):
     """Friction that drills: Coulomb's law at each point of a contact disc under Hertz's pressure, of a tippe top.
 
@@ -167,7 +171,7 @@ class Contensou(Friction):
     law: ClassVar[str] = "contensou"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Mixed(WithParts):
     """Viscous and dry friction together, F = -[mu + mu_coulomb/sqrt(|v_A|^2 + eps^2)] g_n v_A.
 
@@ -205,7 +209,7 @@ class Mixed(WithParts):
     law: ClassVar[str] = "mixed"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Stribeck(WithParts):
     """Dry friction that weakens with speed: mu_static at rest falls to mu over the speed v_s.
 
@@ -251,7 +255,7 @@ class Stribeck(WithParts):
     law: ClassVar[str] = "stribeck"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Latitude(WithParts):
     """Viscous friction of a body of two materials, linear in cos(theta) between them.
 
@@ -282,7 +286,7 @@ class Latitude(WithParts):
     law: ClassVar[str] = "latitude"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Modified(Friction):
     """The modified reaction of a cylinder: F = m (1 - kappa) s_z'' zhat + m kappa s''_rolling + m g zhat - mu v_A.
 
@@ -313,7 +317,7 @@ class Modified(Friction):
     law: ClassVar[str] = "modified"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Frictionless(WithParts):
     """No friction: the plane pushes vertically only. `[friction] law = "none"`.
 

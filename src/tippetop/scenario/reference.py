@@ -192,12 +192,16 @@ def friction() -> list[Section]:
     for name, (law, _) in list(laws.items()):
         if law.without is not None:
             laws[f"{name} (without {', '.join(law.optional)})"] = (law.without, list(that_open()))
-    sections = [
-        Section(name, f"{_meaning(law)} Of {', '.join(of) or 'no system'}.", KEYS, _numbers(law.parameters))
+    rolling = {name for name, system in that_open().items() if system.opening and system.opening.sphere}
+    return [
+        Section(
+            name,
+            f"{_meaning(law)} Of {', '.join(of) or 'no system'}.",
+            KEYS,
+            _numbers(law.parameters | (PARTS if rolling & {*of} else {})),
+        )
         for name, (law, of) in laws.items()
     ]
-    spheres = ", ".join(name for name, system in that_open().items() if system.opening and system.opening.sphere)
-    return [*sections, Section("with any law", f"Torques of the contact. Of {spheres}.", KEYS, _numbers(PARTS))]
 
 
 def _meaning(law: Law) -> str:
