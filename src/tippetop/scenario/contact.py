@@ -10,7 +10,7 @@ from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import painleve_bound
-from ..mechanics.friction import LAWS, PARTS
+from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of, that_open
 from ..problem import Problem
@@ -94,6 +94,8 @@ def contact_faults(problem: Problem) -> list[str]:
     if problem.contact is None:
         return []
     faults = []
+    if problem.stop_when == "settled" and has_parts(problem.friction):
+        faults.append('`run.stop_when` must be "until" with `friction.mu_r` or `friction.mu_d`, but is "settled".')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
     body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
