@@ -365,7 +365,6 @@ class HybridDriver:
         driver, sampler = self.track.driver, self.track.sampler
         if not sampler:
             return ""
-        driver = self.track.driver
         driver.end_at(self.until if self.clocked else self.end)
         first = sampler.next()
         if not first or not first[1] < driver.end:
