@@ -16,6 +16,7 @@ from ..engine.taylor import driver_of, fingerprint
 from ..mechanics.events import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..scenario.own_records import is_users
 from ..store import hexfloat
 from . import keyframes
 from .drift import Monitor
@@ -225,6 +226,8 @@ class Integration:
         domains = self.view.domains(self.last)
         meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
         stiff = "the coordinates are regular there, so the friction law is singular or too stiff (large mu, small eps)"
+        if any(is_users(event.formula) for event in self.problem.system.events):
+            stiff += ", or the formula of an event of yours is singular"
         if t == 0 and status is Status.NON_FINITE:
             stiff += ", or a number of the start, the body or the law is too large"
         what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
