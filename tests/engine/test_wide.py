@@ -107,3 +107,16 @@ def test_a_liftoff_ends_a_wide_run_at_the_same_moment() -> None:
     times = [run.report["t_end"] for run in ends]
     assert 0 < times[0] == pytest.approx(times[1], abs=1e-13)
     assert abs(ends[1].report["normal_force"]["min"]) < 1e-14
+
+
+def test_a_wide_run_ends_where_its_steps_move_no_double() -> None:
+    """Beyond its liftoff friction jams the contact: steps of 80 bits become shorter than doubles can count."""
+    numbers = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
+    start = {"theta": 2.483539299169197, "omega3": -248.84951671601448, "phi_dot": -35.72394908708138}
+    start |= {"nu_x": -0.18641810482211407, "nu_y": 0.21082810002430513}
+    run = {"until": 0.5, "on_liftoff": "continue", "precision": "longdouble"}
+    friction = {"law": "viscous", "mu": 1.9603670971960712}
+    tables = {"parameters": numbers, "friction": friction, "initial": start, "run": run}
+    ended = solve(build.problem({"system": "gliding-heavy-top", **tables}))
+    assert ended.status is Status.STALLED
+    assert np.isfinite(ended.final.astype(float)).all()

@@ -12,7 +12,7 @@ import heyoka as hy
 import numpy as np
 
 from .driver import NO_ROWS, Driver, Passages, Request
-from .loop import Motion
+from .loop import PATIENCE, Motion
 from .status import Status
 from .stepper import Called, Stepper
 from .tallies import ON_ZERO
@@ -61,6 +61,8 @@ class WideSteps(Called):
 class WideDriver(Driver):
     """Makes the steps of one run in numbers wider than doubles."""
 
+    tiny = 0  # steps so short that the time in doubles stays
+
     def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
         return WideSteps(copy.deepcopy(self.compiled.integrator))
 
@@ -83,7 +85,12 @@ class WideDriver(Driver):
                 break
             seen, taken = int(self.log.filled[0]), int(self.samples.filled[0])
             on_zero = self.tallies.functions[ON_ZERO, :, 0].copy()
+            made = int(self.tally["steps"])
             self.loop.drive(1)
+            if self.tally["steps"] == made and self.tally["status"] == Status.RUNNING.code:
+                self.tiny += 1  # a step that moves no double
+                if self.tiny == PATIENCE:
+                    self.tally["status"] = Status.STALLED.code
             ended = self.tally["status"] != Status.RUNNING.code
             if self.tally["status"] == Status.NON_FINITE.code:
                 self.stepper.undo()
