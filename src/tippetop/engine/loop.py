@@ -171,8 +171,8 @@ def library() -> ctypes.CDLL:
     """Return the compiled loop. Raises BuildError if it is missing, or was compiled from another source."""
     folder = Path(tippetop_kernels.__file__).parent
     built, source = folder / "loop.so", folder / "loop.c"
-    if missing := [file for file in (built, source) if not file.exists()]:
-        raise BuildError(f"`{missing[0]}` must exist, but is missing: install tippetop again (pip install -e .).")
+    if lacking := [file for file in (built, source) if not file.exists()]:
+        raise BuildError(f"`{lacking[0]}` must exist, but is missing: install tippetop again (pip install -e .).")
     try:
         loaded = ctypes.CDLL(str(built))
     except OSError as error:

@@ -85,9 +85,9 @@ class WideDriver(Driver):
                 break
             seen, taken = int(self.log.filled[0]), int(self.samples.filled[0])
             on_zero = self.tallies.functions[ON_ZERO, :, 0].copy()
-            made = int(self.tally["steps"])
+            before = int(self.tally["steps"])
             self.loop.drive(1)
-            if self.tally["steps"] == made and self.tally["status"] == Status.RUNNING.code:
+            if self.tally["steps"] == before and self.tally["status"] == Status.RUNNING.code:
                 self.tiny += 1  # a step that moves no double
                 if self.tiny == PATIENCE:
                     self.tally["status"] = Status.STALLED.code
