@@ -27,7 +27,7 @@ from .expressions import Formulas
 from .phase_tables import PhaseTables
 from .sampled import Sampler
 from .status import Status
-from .tallies import ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
+from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -441,9 +441,9 @@ class HybridDriver:
             kept = self.tallies.kept[:, 0]
             if direction * sign < 0:
                 continue
-            if what == 2:
+            if what == COUNT:
                 kept[place] += 1
-            elif what == 1 or np.isnan(kept[place]):
+            elif what == LAST or np.isnan(kept[place]):
                 kept[place] = float(time)
 
     def _series(self, n: Next, track: Track, t: np.ndarray) -> Part:
