@@ -84,8 +84,8 @@ def test_surface_has_one_writer(tmp_path):
 def test_chunk_without_its_status_is_done_again(whole, tmp_path):
     """A kill between F and status leaves no half-done chunk behind."""
     part = stopped(tmp_path / "F.zarr", after=1)
-    (part / "status" / "c" / "0" / "0").unlink()
-    (part / "F" / "c" / "0" / "0").unlink()
+    (part / "status" / "c.0.0").unlink()
+    (part / "F" / "c.0.0").unlink()
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert_same(tmp_path / "F.zarr", whole)
 
@@ -205,10 +205,10 @@ def test_damage_to_an_old_surface_is_a_sentence(tmp_path: Path, capsys: pytest.C
 
 
 DAMAGES = {
-    "deleted": lambda part: (part / "surface/F/c/0/0").unlink(),
-    "empty": lambda part: (part / "surface/z/c/0/1").write_bytes(b""),
-    "status": lambda part: (part / "surface/status/c/0/0").write_bytes(b"x"),
-    "exchanged": lambda part: exchange(part / "surface/F/c/0/0", part / "surface/F/c/0/1"),
+    "deleted": lambda part: (part / "surface/F/c.0.0").unlink(),
+    "empty": lambda part: (part / "surface/z/c.0.1").write_bytes(b""),
+    "status": lambda part: (part / "surface/status/c.0.0").write_bytes(b"x"),
+    "exchanged": lambda part: exchange(part / "surface/F/c.0.0", part / "surface/F/c.0.1"),
     "another status": lambda part: written(part, "status", (1, 1), 1),
     "digest": lambda part: (part / "digests/0-0").write_bytes(b"\xff"),
     "digests": lambda part: exchange(part / "digests/0-0", part / "digests/0-16"),
@@ -216,7 +216,7 @@ DAMAGES = {
     "shape": lambda part: edit(part / "surface/z/zarr.json", '"shape"', '"shapes"'),
     "group": lambda part: (part / "surface/zarr.json").write_text("{}"),
     "pipe": lambda part: pipe(part / "zarr.json"),
-    "pipe as a chunk": lambda part: pipe(part / "surface/status/c/0/0"),
+    "pipe as a chunk": lambda part: pipe(part / "surface/status/c.0.0"),
     "root": lambda part: edit(part / "zarr.json", "minimal surface", "maximal surface"),
 }
 

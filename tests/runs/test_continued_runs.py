@@ -128,7 +128,7 @@ def test_while_it_is_continued_it_has_no_seal_and_its_rows_are_bound_to_the_chec
     assert "seal" not in said(store)
     digests = json.loads((store / "checkpoint.json").read_text())["digests"]
     assert sorted(digests) == ["events", "keyframes", "trajectory"]
-    one, other = (store / "keyframes" / name / "c" / "0" for name in ("time", "step"))
+    one, other = (store / "keyframes" / name / "c.0" for name in ("time", "step"))
     whole = one.read_bytes(), other.read_bytes()
     one.write_bytes(whole[1])
     with pytest.raises(StoreError, match="acknowledged rows, but some of them are others"):

@@ -49,7 +49,7 @@ def store(half: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_damaged_chunk_is_said_on_resume(store: Path) -> None:
-    chunk = store / "trajectory" / "theta" / "c" / "1"
+    chunk = store / "trajectory" / "theta" / "c.1"
     whole = chunk.read_bytes()
     for damage in (whole[: len(whole) // 2], whole[:100] + b"\x00" + whole[101:]):
         chunk.write_bytes(damage)
@@ -168,7 +168,7 @@ def test_acknowledged_rows_that_were_exchanged_are_refused(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Chunks and checksums are sound, their places are not. Before, the run was finished with exit code 0."""
-    one, other = (store / "trajectory" / name / "c" / "0" for name in ("theta", "phi"))
+    one, other = (store / "trajectory" / name / "c.0" for name in ("theta", "phi"))
     mine, yours = one.read_bytes(), other.read_bytes()
     one.write_bytes(yours)
     other.write_bytes(mine)

@@ -12,7 +12,7 @@ from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import chunks, tables
 from tippetop.store.chunks import Appender
-from tippetop.store.own import OwnStore
+from tippetop.store.folder import Folder
 
 
 CHUNK, ROWS = 8, 45  # five whole chunks and a part
@@ -27,22 +27,34 @@ def columns(rows: slice = slice(None)) -> dict[str, Column]:
 
 
 def table(path: Path) -> dict[str, Any]:
-    """The arrays of the group, as a writer opens them."""
-    return tables.open_root(path, "trajectory")[1][0]
+    """The arrays of the group."""
+    return tables.read_member(path, "trajectory")
 
 
 def new(path: Path, of: dict[str, Column] | None = None, chunk: int = CHUNK) -> Appender:
     """An empty table in a new store."""
-    root = tables.create_root(path, {})
-    Appender.created(root, "trajectory", of or columns(slice(0, 0)), chunk)
-    return Appender(table(path))
+    path.mkdir()
+    return Appender.created(chunks.create(path, {}), "trajectory", of or columns(slice(0, 0)), chunk)
+
+
+def reopened(path: Path, rows: int) -> Appender:
+    """The table of a store, as it was when so many rows were acknowledged."""
+    again = Appender(Folder(path), "trajectory", columns(slice(0, 0)), CHUNK)
+    again.reopen(rows, path)
+    return again
+
+
+def write(appender: Appender) -> None:
+    """Writes what waits, for good."""
+    appender.flush()
+    appender.folder.sync()
 
 
 def whole(path: Path) -> Path:
     """All rows in one piece."""
     appender = new(path)
     appender.append(columns())
-    appender.flush()
+    write(appender)
     return path
 
 
@@ -87,21 +99,21 @@ def test_the_files_do_not_depend_on_the_pieces_nor_on_flushes(pieces: list[int],
         start += count
         assert appender.rows == start
         if flush:
-            appender.flush()
+            write(appender)
             assert_holds(tmp_path / "a", start)
-    appender.flush()
+    write(appender)
     assert_same(tmp_path / "a", whole(tmp_path / "whole"))
 
 
 def test_only_whole_chunks_are_written_before_a_flush_which_says_how_many_rows_there_are(tmp_path: Path) -> None:
     appender = new(tmp_path / "a")
     appender.append(columns(slice(0, 13)))
-    assert [place.name for place in (tmp_path / "a/trajectory/time/c").iterdir()] == ["0"]
+    assert [place.name for place in (tmp_path / "a/trajectory/time").glob("c.*")] == ["c.0"]
     assert len(read(tmp_path / "a")["time"]) == 0
-    appender.flush()
+    write(appender)
     assert len(read(tmp_path / "a")["time"]) == 13
     before = files(tmp_path / "a")
-    appender.flush()
+    write(appender)
     assert files(tmp_path / "a") == before
 
 
@@ -113,16 +125,14 @@ def test_what_was_not_acknowledged_is_cut_and_the_rest_goes_on(
     """As after a kill: rows beyond the checkpoint are on the disk, whole or in part, also where no metadata tell."""
     appender = new(tmp_path / "a")
     appender.append(columns(slice(0, acknowledged)))
-    appender.flush()
+    write(appender)
     appender.append(columns(slice(acknowledged, 43)))
     if flushed:
-        appender.flush()
-    again = Appender(table(tmp_path / "a"))
-    again.cut(acknowledged)
-    again.reload(acknowledged)
+        write(appender)
+    again = reopened(tmp_path / "a", acknowledged)
     assert again.rows == acknowledged
     again.append(columns(slice(acknowledged, None)))
-    again.flush()
+    write(again)
     assert_same(tmp_path / "a", whole(tmp_path / "whole"))
 
 
@@ -136,59 +146,55 @@ def test_a_writer_killed_while_it_cuts_leaves_no_chunk_too_few(
 ) -> None:
     """Before, what it was about to cut was taken for damage: the store could never be resumed."""
     whole(tmp_path / "a")
-    removed, delete = [], OwnStore.delete_sync
+    removed, remove = [], Folder.remove
 
-    def die(store: OwnStore, key: str) -> None:
+    def die(folder: Folder, name: str) -> None:
         if len(removed) == after:
             raise Killed
-        removed.append(key)
-        delete(store, key)
+        removed.append(name)
+        remove(folder, name)
 
     with monkeypatch.context() as patched:
-        patched.setattr(OwnStore, "delete_sync", die)
+        patched.setattr(Folder, "remove", die)
         with pytest.raises(Killed):
-            Appender(table(tmp_path / "a")).cut(8)
+            reopened(tmp_path / "a", 8)
     chunks.verify(table(tmp_path / "a"))  # every chunk that its metadata promises
-    appender = Appender(table(tmp_path / "a"))
-    appender.cut(8)
-    appender.reload(8)
+    appender = reopened(tmp_path / "a", 8)
     appender.append(columns(slice(8, None)))
-    appender.flush()
+    write(appender)
     assert_same(tmp_path / "a", whole(tmp_path / "b"))
 
 
 def test_fewer_rows_than_acknowledged_are_an_error(tmp_path: Path) -> None:
     whole(tmp_path / "a")
     with pytest.raises(StoreError, match="must hold the 46 acknowledged rows, but has 45"):
-        Appender(table(tmp_path / "a")).cut(46)
+        reopened(tmp_path / "a", 46)
 
 
 def test_flags_are_set_in_rows_written_and_waiting(tmp_path: Path) -> None:
     appender = new(tmp_path / "a")
     appender.append(columns())
     appender.mark("flag", [0, 9, 39, 40, 44])
-    appender.flush()
+    write(appender)
     assert np.flatnonzero(read(tmp_path / "a")["flag"]).tolist() == [0, 9, 39, 40, 44]
 
 
 def test_everything_written_is_synced_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     disk, group = Disk(monkeypatch), tmp_path / "a" / "trajectory"
-    root = tables.create_root(tmp_path / "a", {})
-    with tables.every_chunk():
-        appender = Appender.created(root, group.name, columns(slice(0, 0)), CHUNK)
+    appender = new(tmp_path / "a")
     appender.append(columns(slice(0, 20)))
     appender.flush()
-    some = {group, group / "time" / "c" / "2", group / "axis" / "zarr.json"}
+    some = {group, group / "time" / "c.2", group / "axis" / "zarr.json.new"}
     assert some < set(disk.late(tmp_path / "a"))
-    appender.sync()
+    appender.folder.sync()
     assert disk.late(tmp_path / "a") == []
     disk.synced.clear()
-    appender.sync()
+    appender.folder.sync()
     assert disk.synced == {}
     appender.mark("flag", [3])
-    appender.sync()
-    flags = group / "flag" / "c"
-    assert disk.synced.keys() == {place.stat().st_ino for place in (flags, flags / "0")}
+    appender.folder.sync()
+    flags = group / "flag"
+    assert disk.synced.keys() == {place.stat().st_ino for place in (flags, flags / "c.0")}
 
 
 # --- damage ---------------------------------------------------------------------------------------------------------
@@ -198,7 +204,7 @@ def test_everything_written_is_synced_once(tmp_path: Path, monkeypatch: pytest.M
 def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
     whole(tmp_path / "a")
     chunks.verify(table(tmp_path / "a"))
-    victim = tmp_path / "a" / "trajectory" / "axis" / "c" / "2" / "0"
+    victim = tmp_path / "a" / "trajectory" / "axis" / "c.2.0"
     content = bytearray(victim.read_bytes())
     if harm == "missing":
         victim.unlink()
@@ -238,7 +244,7 @@ def test_a_thin_reading_keeps_the_extremes_of_every_bin(
     of = {n: Column(("time",), v, {}) for n, v in (("time", np.arange(float(count))), ("value", values))}
     appender = new(tmp_path / "a", of, 64)
     appender.append(of)
-    appender.flush()
+    write(appender)
     found = chunks.digest(tmp_path / "a", "trajectory", "value", most)
     rows = found["time"].values.astype(int)
     assert np.all(np.diff(rows) > 0)

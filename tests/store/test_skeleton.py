@@ -69,7 +69,7 @@ ARRAYS: dict[str, Callable[[dict[str, Any]], Any]] = {
     "flags": lambda d: d["attributes"].update(flag_values=[1, "x"], flag_meanings=3),
     "a group": lambda d: d.update(node_type="group"),
     "another format": lambda d: d.update(zarr_format=2),
-    "separator": lambda d: d["chunk_key_encoding"]["configuration"].update(separator="."),
+    "separator": lambda d: d["chunk_key_encoding"]["configuration"].update(separator="x"),
 }
 
 
@@ -101,7 +101,7 @@ def test_root_attributes_that_cannot_be_ours_are_refused(damage: str, store: Pat
         skeleton.read(store)
 
 
-@pytest.mark.parametrize("part", ["trajectory/theta/c/0", "trajectory/time", "trajectory/zarr.json", "events"])
+@pytest.mark.parametrize("part", ["trajectory/theta/c.0", "trajectory/time", "trajectory/zarr.json", "events"])
 def test_what_is_missing_is_named(part: str, store: Path) -> None:
     place = store / part
     shutil.rmtree(place) if place.is_dir() else place.unlink()
@@ -136,13 +136,13 @@ def exchange(one: Path, other: Path) -> None:
 
 
 SEALED: dict[str, Callable[[Path], Any]] = {
-    "chunks of two columns": lambda s: exchange(s / "trajectory/theta/c/0", s / "trajectory/phi/c/0"),
-    "columns": lambda s: [exchange(s / "trajectory/theta" / f, s / "trajectory/phi" / f) for f in ("zarr.json", "c/0")],
+    "chunks of two columns": lambda s: exchange(s / "trajectory/theta/c.0", s / "trajectory/phi/c.0"),
+    "columns": lambda s: [exchange(s / "trajectory/theta" / f, s / "trajectory/phi" / f) for f in ("zarr.json", "c.0")],
     "a number": lambda s: edited(s / "zarr.json", lambda d: d["attributes"]["parameters"].update(alpha=0.31)),
     "a word": lambda s: edited(s / "zarr.json", lambda d: d["attributes"].update(cpu="abacus")),
     "a unit": lambda s: edited(s / "trajectory/theta/zarr.json", lambda d: d["attributes"].update(units="deg")),
     "a missing column": lambda s: shutil.rmtree(s / "trajectory/theta"),
-    "a missing chunk": lambda s: (s / "trajectory/theta/c/0").unlink(),
+    "a missing chunk": lambda s: (s / "trajectory/theta/c.0").unlink(),
 }
 
 
@@ -162,7 +162,7 @@ def test_a_store_that_is_annotated_or_older_is_read(store: Path) -> None:
     assert "seal" not in skeleton.read(store)
 
 
-@pytest.mark.parametrize("place", ["zarr.json", "trajectory/zarr.json", "trajectory/theta/c/0", "trajectory/x"])
+@pytest.mark.parametrize("place", ["zarr.json", "trajectory/zarr.json", "trajectory/theta/c.0", "trajectory/x"])
 @pytest.mark.parametrize("what", ["pipe", "device", "nowhere", "itself"])
 def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: Path) -> None:
     """Before, a pipe was waited for and /dev/zero was read for ever."""

@@ -48,7 +48,7 @@ def test_a_map_of_a_damaged_column_is_a_sentence(
     """Before, `plot` of it was a traceback."""
     store = tmp_path / "S.zarr"
     shutil.copytree(whole, store)
-    chunk = store / "sweep" / "class" / "c" / "0"
+    chunk = store / "sweep" / "class" / "c.0"
     content = bytearray(chunk.read_bytes())
     content[-6] ^= 16
     chunk.write_bytes(content)

@@ -114,9 +114,9 @@ def test_damage_in_a_run_of_a_sweep_is_found_and_named(
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
     column = store / "runs" / "5" / "trajectory" / "theta"
     if damage == "chunk":
-        content = bytearray((column / "c" / "0").read_bytes())
+        content = bytearray((column / "c.0").read_bytes())
         content[len(content) // 2] ^= 1
-        (column / "c" / "0").write_bytes(content)
+        (column / "c.0").write_bytes(content)
     else:
         (column / "zarr.json").unlink()
         assert outcome(["info", str(store)]) == 5
@@ -212,7 +212,7 @@ def test_a_kill_between_data_and_status_is_no_harm(
             patched.setattr(zarr.Array, "__setitem__", killed)
             with pytest.raises(Stop):
                 tippetop.sweep(file, store, workers=1)
-        (store / "sweep" / "class" / "c" / "0.0123.partial").write_text("zarr was writing this")
+        (store / "sweep" / "class" / "c.0.0123.partial").write_text("zarr was writing this")
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)
 
@@ -222,8 +222,8 @@ def test_lost_statuses_are_found_again(
 ) -> None:
     store = tmp_path / "S.zarr"
     subprocess.run(["cp", "-r", str(whole), str(store)], check=True)
-    (store / "chunk_status" / "c" / "0").write_bytes(b"not this")
-    (store / "sweep" / "steps" / "c" / "3").write_bytes(b"nor this")
+    (store / "chunk_status" / "c.0").write_bytes(b"not this")
+    (store / "sweep" / "steps" / "c.3").write_bytes(b"nor this")
     seen = computed(monkeypatch, lambda chunk: assert_unfinished(store))
     tippetop.sweep(file, store, workers=1)
     assert seen == [3]
@@ -240,7 +240,7 @@ def test_what_is_damaged_is_made_again(
 ) -> None:
     store = tmp_path / "S.zarr"
     subprocess.run(["cp", "-r", str(whole), str(store)], check=True)
-    victim = store / "sweep" / "theta_end" / "c" / "2"
+    victim = store / "sweep" / "theta_end" / "c.2"
     content = bytearray(victim.read_bytes())
     if harm == "missing":
         victim.unlink()
@@ -362,7 +362,7 @@ def exchange(one: Path, other: Path) -> None:
 def test_chunks_that_were_exchanged_are_computed_again(whole: Path, file: Path, tmp_path: Path) -> None:
     """Before, the same command found them readable and ended with exit code 0."""
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
-    exchange(store / "sweep" / "theta_min" / "c" / "1", store / "sweep" / "theta_max" / "c" / "1")
+    exchange(store / "sweep" / "theta_min" / "c.1", store / "sweep" / "theta_max" / "c.1")
     assert outcome(["info", str(store)]) == 5
     sweep.sweep(file, store, workers=1)
     assert_same(store, whole)
@@ -375,5 +375,5 @@ def test_an_unfinished_sweep_with_a_damaged_chunk_is_not_shown(whole: Path, tmp_
     document["attributes"]["status"] = "running"
     (store / "zarr.json").write_text(json.dumps(document))
     assert outcome(["info", str(store)]) == 0
-    (store / "sweep" / "status" / "c" / "1").unlink()
+    (store / "sweep" / "status" / "c.1").unlink()
     assert outcome(["info", str(store)]) == 5

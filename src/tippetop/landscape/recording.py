@@ -19,7 +19,7 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, seal, skeleton, tables
+from ..store import chunks, files, seal, skeleton, tables, zarr3
 from ..store.chunks import Appender, chunk_file, readable
 from ..store.lock import LOCK, Lock
 from ..store.provenance import provenance
@@ -151,11 +151,11 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
         str(name): Column(("z",), np.asarray(v), dict(v.attrs)) for name, v in V.variables.items() if v.dims == ("z",)
     }
     with new_store(path) as scratch:
-        root = tables.create_root(scratch, {"content": "potential", **attrs, **provenance()})
-        table = Appender.created(root, "potential", columns, chunk=65536)
+        folder = chunks.create(scratch, {"content": "potential", **attrs, **provenance()})
+        table = Appender.created(folder, "potential", columns, chunk=65536)
         table.append(columns)
         table.flush()
-        table.sync()
+        folder.sync()
         finish(scratch, {})
 
 
@@ -236,7 +236,7 @@ def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:
             raise _Another
         expected: dict[str, Any] = {}
         for columns, sizes, fill in _tables(wanted):
-            expected |= tables.metadata(columns, sizes, fill)
+            expected |= {name: zarr3.array(column, sizes, fill.get(name)) for name, column in columns.items()}
         skeleton.compare(scratch, GROUP, expected, rows=True)
         files.remove_scratch(scratch)
         arrays = tables.open_root(scratch, GROUP)[1][0]

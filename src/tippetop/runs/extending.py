@@ -153,12 +153,12 @@ def _rechunked(target: Path, name: str, columns: dict[str, Column], chunk: int) 
         return
     scratch = files.scratch_name(target / name)
     try:
-        with tables.every_chunk():
-            appender = Appender.created(tables.create_root(scratch, {}), name, columns, chunk)
+        scratch.mkdir()
+        appender = Appender.created(chunks.create(scratch, {}), name, columns, chunk)
         for piece in chunks.pieces(target, name, list(arrays)):
             appender.append({key: columns[key]._replace(values=values) for key, values in piece.items()})
         appender.flush()
-        appender.sync()
+        appender.folder.sync()
         with root.unsealed(target):
             if not renaming.exchange(scratch / name, target / name):
                 raise StoreError(f"`{target}` must be on a file system that can swap two folders to get larger chunks.")

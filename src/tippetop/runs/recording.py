@@ -17,9 +17,10 @@ from ..columns import Column
 from ..engine.status import Status
 from ..errors import Interrupted
 from ..problem import Problem
-from ..store import checkpoint, files, provenance, skeleton, tables
+from ..store import checkpoint, chunks, files, provenance, skeleton, tables
 from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
+from ..store.folder import Folder
 from ..store.lock import LOCK, Lock
 from ..store.root import finish, finite, new_store
 from . import attributes, keyframes, phases, sensitivities
@@ -90,7 +91,7 @@ class Recorder:
         if not problem.sensitivities:
             return
         self._now(lambda: None)
-        arrays = self.tables["events"].arrays
+        arrays = tables.read_member(self.lock.folder, "events")
         events = type(log)(log.kinds, *(arrays[name][:] for name in log.columns()))
         times = problem.times[: self.integration.filled]
         make = partial(sensitivities.tables, problem, times, events)
@@ -114,7 +115,7 @@ class Recorder:
             self.lock.check()
             for appender in self.tables.values():
                 appender.flush()
-                appender.sync()
+            next(iter(self.tables.values())).folder.sync()
             work()
 
         self.thread.submit(flushed).result()
@@ -230,14 +231,12 @@ def record(
     with contextlib.ExitStack() as held:
         with new_store(target, overwrite=overwrite) as scratch:
             integration = Integration(problem, stop)
-            root = tables.create_root(scratch, attributes_of(integration))
+            folder = chunks.create(scratch, attributes_of(integration))
             lock = held.enter_context(Lock(scratch))
-            with tables.every_chunk():
-                appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
+            appenders = {table[0]: Appender.created(folder, *table) for table in tables_of_run(integration)}
             with Recorder(integration, appenders, lock) as recorder:
                 recorder.commit()
         lock.folder = Path(target)
-        tables.moved(root, lock.folder)
         return run_into(integration, lock, progress, stop, appenders=appenders)
 
 
@@ -272,8 +271,9 @@ def run_into(
     folder = lock.folder
     with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"), lock.guarded():
         if appenders is None:
-            names = [name for name, *_ in tables_of_run(integration)]
-            appenders = dict(zip(names, map(Appender, tables.open_root(folder, *names)[1]), strict=True))
+            files.refuse_links(folder)
+            store = Folder(folder)
+            appenders = {table[0]: Appender(store, *table) for table in tables_of_run(integration)}
         with Recorder(integration, appenders, lock, stop) as recorder:
             if begin is not None:
                 begin(recorder)

@@ -92,28 +92,26 @@ def into_store(
     attrs = root.attributes(path)
     about = {"from": start, "until": until, "step": step, "of": str(path)}
     with root.new_store(out, overwrite=overwrite) as scratch:
-        group = tables.create_root(scratch, attrs | {"replay": about})
+        folder = chunks.create(scratch, attrs | {"replay": about})
         empty = integration.view.columns(np.zeros(0), integration.first[:0])
         log = event_columns(integration.log.empty)
         rows_per_chunk = recording.rows_per_chunk(integration.problem)
-        with tables.every_chunk():
-            trajectory = Appender.created(group, "trajectory", empty, rows_per_chunk)
-            events = Appender.created(group, "events", log, recording.EVENTS_PER_CHUNK)
+        trajectory = Appender.created(folder, "trajectory", empty, rows_per_chunk)
+        events = Appender.created(folder, "events", log, recording.EVENTS_PER_CHUNK)
         _make(integration, lambda times, states: trajectory.append(integration.view.columns(times, states)))
         for piece in chunks.pieces(path, "events", list(log)):
             within = (piece["time"] >= start) & (piece["time"] <= until)
             events.append({name: log[name]._replace(values=values[within]) for name, values in piece.items()})
         appenders = [trajectory, events]
         for name, empty in phases.empty().items() if integration.problem.contact is not None else ():
-            with tables.every_chunk():
-                appenders.append(Appender.created(group, name, empty, phases.PER_CHUNK))
+            appenders.append(Appender.created(folder, name, empty, phases.PER_CHUNK))
             for piece in chunks.pieces(path, name, list(empty)):
                 begin, end = (piece["start"], piece["end"]) if name == "phases" else (piece["time"], piece["time"])
                 within = (end >= start) & (begin <= until)
                 appenders[-1].append({key: empty[key]._replace(values=v[within]) for key, v in piece.items()})
         for appender in appenders:
             appender.flush()
-            appender.sync()
+        folder.sync()
         root.finish(scratch, {})
     return {
         "rows": len(integration.problem.times),

@@ -9,7 +9,7 @@ from ..engine.status import Status
 from ..errors import StoreError
 from ..mechanics.system import System
 from ..scenario import build
-from ..store import checkpoint, chunks, files, skeleton, tables
+from ..store import checkpoint, chunks, files, skeleton
 from ..store.checkpoint import ROWS
 from ..store.lock import Lock
 from ..store.root import attributes as read_attributes
@@ -86,8 +86,7 @@ def compare(target: Path, integration: Integration, kept: dict[str, Any]) -> Non
     """Compares what is there with what must be there: every column, its metadata, its acknowledged rows."""
     for name, columns, chunk in tables_of_run(integration):
         rows = kept[ROWS[name]]
-        dimension = next(iter(columns.values())).dims[0]
-        skeleton.compare(target, name, tables.metadata(columns, {dimension: (0, chunk)}))
+        skeleton.compare(target, name, chunks.documents(columns, chunk))
         for column, document in skeleton.members(target, name).items():
             if document["shape"][0] < rows:
                 raise StoreError(
@@ -114,9 +113,7 @@ def _go_back(recorder: Recorder, kept: dict[str, Any]) -> None:
     files.remove_scratch(target)
     for name, appender in recorder.tables.items():
         rows = kept[ROWS[name]]
-        appender.cut(rows)
-        chunks.verify(appender.arrays)
-        appender.reload(rows)
+        appender.reopen(rows, target)
         if appender.digest() != kept["digests"].get(name):
             raise StoreError(f"`{target}` must hold the {rows} acknowledged rows, but some of them are others.")
     recorder.tables["events"].mark("significant", recorder.integration.log.open_rows(), value=False)

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ..engine.observables import Observables
-from ..store import checkpoint, skeleton, tables
+from ..store import checkpoint, chunks, skeleton
 from ..store.checkpoint import END
 from ..store.chunks import Appender
 from ..store.root import finish, new_store
@@ -24,9 +24,8 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
     integration.last_slice, integration.last = solution.last_slice, solution.final[None, :]
     integration.t_end = solution.report["t_end"]
     with new_store(target, overwrite=overwrite) as scratch:
-        root = tables.create_root(scratch, attributes)
-        with tables.every_chunk():
-            appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
+        folder = chunks.create(scratch, attributes)
+        appenders = {table[0]: Appender.created(folder, *table) for table in tables_of_run(integration)}
         for first in range(0, len(solution.times), ROWS_AT_ONCE):
             some = slice(first, first + ROWS_AT_ONCE)
             appenders["trajectory"].append(view.columns(solution.times[some], solution.rows[some]))
@@ -38,6 +37,6 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
             appenders[name].append(columns)
         for appender in appenders.values():
             appender.flush()
-            appender.sync()
+        folder.sync()
         of = checkpoint.digest_of_finished(skeleton.root_of(scratch))
         finish(scratch, {END: checkpoint.bound(integration.ending(), of)})

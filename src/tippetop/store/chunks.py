@@ -1,23 +1,22 @@
 """Columns in chunks on disk: growing row by row, checked, and read thinly where there are more than memory holds."""
 
-import dataclasses
 import hashlib
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from zarr.core.sync import sync
 
 from ..columns import Column
 from ..errors import StoreError
-from . import seal
+from . import seal, zarr3
+from .folder import Folder
 from .skeleton import groups_of
-from .tables import create_table, read_member
+from .tables import read_member
+from .zarr3 import DOCUMENT
 
 
-MOST_ROWS = 1 << 62
 Window = tuple[float | None, float | None]
 
 
@@ -29,20 +28,27 @@ class Appender:
     not acknowledged yet.
     """
 
-    def __init__(self, arrays: dict[str, Any]):
-        self.arrays = arrays
-        self.endless = {name: _endless(array) for name, array in arrays.items()}
-        self.chunk = chunk = next(iter(self.arrays.values())).chunks[0]
-        self.written, self.waiting = 0, 0  # rows in full chunks, rows in memory
-        self.buffers = {name: np.empty((chunk, *array.shape[1:]), array.dtype) for name, array in self.arrays.items()}
+    def __init__(self, folder: Folder, name: str, columns: dict[str, Column], chunk: int):
+        self.folder, self.name, self.chunk = folder, name, chunk
+        self.documents = documents(columns, chunk)
+        self.written, self.waiting, self.told = 0, 0, 0  # rows in full chunks, rows in memory, rows in the metadata
+        self.buffers = {
+            key: np.empty((chunk, *column.values.shape[1:]), column.values.dtype) for key, column in columns.items()
+        }
         self.unflushed = False
+        self.partial = False  # whether there is a chunk that is not full, which may be acknowledged
         self.checksums: dict[tuple[str, int], bytes] = {}  # of full chunks
 
     @classmethod
-    def created(cls, root: Any, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
+    def created(cls, folder: Folder, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
         """A new group whose arrays have the columns' names, types and attributes, and no rows."""
-        rows = next(iter(columns.values())).dims[0]
-        return cls(create_table(root.create_group(name), columns, {rows: (0, chunk)}))
+        table = cls(folder, name, columns, chunk)
+        folder.mkdir(name)
+        folder.write(f"{name}/{DOCUMENT}", zarr3.dump(zarr3.group({})))
+        for key in columns:
+            folder.mkdir(f"{name}/{key}")
+            table._tell(key, 0)
+        return table
 
     @property
     def rows(self) -> int:
@@ -60,25 +66,35 @@ class Appender:
             self.waiting, taken, self.unflushed = self.waiting + step, taken + step, True
             if self.waiting == self.chunk:
                 self._write(self.chunk)
-                self.written, self.waiting = self.written + self.chunk, 0
+                self.written, self.waiting, self.partial = self.written + self.chunk, 0, False
 
     def flush(self) -> None:
         """Writes the rows that wait, and how many there are."""
         if self.unflushed and self.waiting:
             self._write(self.waiting)
+            self.partial = True
         self.unflushed = False
-        for array in self.arrays.values():
-            if array.shape[0] < self.rows:
-                array.resize((self.rows, *array.shape[1:]))
+        if self.told < self.rows:
+            for name in self.documents:
+                self._tell(name, self.rows, replacing=True)
+            self.told = self.rows
 
     def _write(self, count: int) -> None:
-        end = self.written + count
-        for name, array in self.endless.items():
-            array[self.written : end] = self.buffers[name][:count]
+        for name, buffer in self.buffers.items():
+            self._put(name, self.written, buffer[:count], replacing=self.partial)
 
-    def sync(self) -> None:
-        """Wait until the disk has all that was written to the store of these arrays."""
-        next(iter(self.arrays.values())).store_path.store.sync()
+    def _put(self, name: str, first: int, values: np.ndarray, *, replacing: bool) -> None:
+        self.folder.write(self._file(name, first), zarr3.encode(values, self.documents[name]), replacing=replacing)
+
+    def _file(self, name: str, first: int) -> str:
+        """The file of the chunk that begins at a row."""
+        return f"{self.name}/{name}/{zarr3.chunk_name(self.documents[name], first // self.chunk)}"
+
+    def _tell(self, name: str, rows: int, *, replacing: bool = False) -> None:
+        """Writes the metadata of an array of so many rows."""
+        document = self.documents[name]
+        document["shape"][0] = rows
+        self.folder.write(f"{self.name}/{name}/{DOCUMENT}", zarr3.dump(document), replacing=replacing)
 
     def mark(self, name: str, rows: list[int], value: bool = True) -> None:
         """Sets a column of flags in some rows, written or waiting."""
@@ -87,18 +103,31 @@ class Appender:
         self.unflushed = self.unflushed or bool(waiting)
         older = [row for row in rows if row < self.written]
         for start in {row // self.chunk * self.chunk for row in older}:
-            some = slice(start, start + self.chunk)
-            flags = self.endless[name][some]
-            flags[[row - start for row in older if start <= row < some.stop]] = value
-            self.endless[name][some] = flags
+            flags = zarr3.decode(self.folder.read(self._file(name, start)), self.documents[name])
+            flags[[row - start for row in older if start <= row < start + self.chunk]] = value
+            self._put(name, start, flags, replacing=True)
 
-    def cut(self, rows: int) -> None:
-        """Cuts the arrays to the rows that a checkpoint acknowledges."""
-        for name, array in self.arrays.items():
+    def reopen(self, rows: int, path: Path) -> None:
+        """Goes back to the rows that a checkpoint of the store at `path` acknowledges: removes the rest, and takes the
+        rows that do not fill a chunk into memory. Raises StoreError."""
+        for name, array in read_member(path, self.name).items():
             if array.shape[0] < rows:
                 raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
-        for array in self.arrays.values():
-            _shrink(array, rows)
+        self.written, self.told = rows // self.chunk * self.chunk, rows
+        self.waiting = rows - self.written
+        for name in self.documents:
+            self._tell(name, rows, replacing=True)
+        self.folder.sync()  # metadata first: a writer that is killed on the way leaves chunks too many, never too few
+        for name, document in self.documents.items():
+            needed = {zarr3.chunk_name(document, k) for k in range(-(-rows // self.chunk))}
+            for file in self.folder.names(f"{self.name}/{name}"):
+                if file.startswith("c.") and file not in needed:
+                    self.folder.remove(f"{self.name}/{name}/{file}")
+        arrays = read_member(path, self.name)
+        verify(arrays)
+        for name, array in arrays.items():
+            self.buffers[name][: self.waiting] = array[self.written : rows]
+        self.unflushed = self.partial = True
 
     def digest(self) -> str:
         """A digest of all rows that were appended: of full chunks the checksums in their files, and those that wait.
@@ -106,57 +135,45 @@ class Appender:
         Flags are passed over: `mark` may change them before the next checkpoint. Raises OSError.
         """
         waiting = {name: buffer[: self.waiting] for name, buffer in self.buffers.items()}
-        return _digest(self.arrays, self.written, waiting, self.checksums)
 
-    def reload(self, rows: int) -> None:
-        """Takes the rows that do not fill a chunk back into memory."""
-        self.written = rows // self.chunk * self.chunk
-        self.waiting = rows - self.written
-        for name, array in self.arrays.items():
-            self.buffers[name][: self.waiting] = array[self.written : rows]
-        self.unflushed = True
+        def checksum(name: str, start: int) -> bytes:
+            if (name, start) not in self.checksums:
+                self.checksums[name, start] = seal.checksum(self._file(name, start), self.folder.descriptor)
+            return self.checksums[name, start]
+
+        return _digest(waiting, range(0, self.written, self.chunk), checksum)
 
 
-def _endless(array: Any) -> Any:
-    """An array into which rows can be written beyond those that its metadata on the disk tell of."""
-    inner = array.async_array
-    metadata = inner.metadata.update_shape((MOST_ROWS, *array.shape[1:]))
-    return type(array)(dataclasses.replace(inner, metadata=metadata))
+def documents(columns: Mapping[str, Column], chunk: int) -> dict[str, dict[str, Any]]:
+    """The metadata of the arrays of a group that grows, without rows, by name."""
+    return {name: zarr3.array(column, {column.dims[0]: (0, chunk)}) for name, column in columns.items()}
 
 
-def _shrink(array: Any, rows: int) -> None:
-    """Cuts an array, its metadata first: a writer that is killed on the way leaves chunks too many, which the next cut
-    removes, and never too few, which would be damage."""
-    store, needed = array.store_path.store, -(-rows // array.chunks[0])
-    sync(array.async_array.resize((rows, *array.shape[1:]), delete_outside_chunks=False))
-    folder = store.root / array.store_path.path / "c"
-    for entry in sorted(folder.iterdir()) if folder.is_dir() else ():
-        if entry.name.isdigit() and int(entry.name) >= needed:
-            store.delete_sync(f"{array.store_path.path}/c/{entry.name}")
+def create(path: Path, attributes: dict[str, Any]) -> Folder:
+    """A folder that becomes a store: gives it its root group."""
+    folder = Folder(path)
+    folder.write(DOCUMENT, zarr3.dump(zarr3.group(attributes)))
+    return folder
 
 
 def digest_of_rows(arrays: dict[str, Any], rows: int) -> str:
     """The digest that an appender of so many rows would give. Raises what codecs raise."""
     chunk = next(iter(arrays.values())).chunks[0]
     written = rows // chunk * chunk
-    return _digest(arrays, written, {name: array[written:rows] for name, array in arrays.items()}, {})
+    waiting = {name: array[written:rows] for name, array in arrays.items()}
+    return _digest(
+        waiting, range(0, written, chunk), lambda name, start: seal.checksum(chunk_file(arrays[name], start))
+    )
 
 
-def _digest(
-    arrays: dict[str, Any],
-    written: int,
-    waiting: dict[str, np.ndarray],
-    checksums: dict[tuple[str, int], bytes],
-) -> str:
+def _digest(waiting: dict[str, np.ndarray], starts: range, checksum: Callable[[str, int], bytes]) -> str:
     whole = hashlib.sha256()
-    for name, array in sorted(arrays.items()):
-        if array.dtype == bool:
+    for name, values in sorted(waiting.items()):
+        if values.dtype == bool:
             continue
-        for start in range(0, written, array.chunks[0]):
-            if (name, start) not in checksums:
-                checksums[name, start] = seal.checksum(chunk_file(array, start))
-            whole.update(checksums[name, start])
-        whole.update(name.encode() + np.ascontiguousarray(waiting[name]).tobytes())
+        for start in starts:
+            whole.update(checksum(name, start))
+        whole.update(name.encode() + np.ascontiguousarray(values).tobytes())
     return whole.hexdigest()
 
 
@@ -182,8 +199,8 @@ def readable(array: Any, *first: int) -> np.ndarray:
 def chunk_file(array: Any, *first: int) -> Path:
     """The file of the chunk that begins at these indices, those that are left out 0."""
     begins = [*first, *[0] * (array.ndim - len(first))]
-    names = [str(i // c) for i, c in zip(begins, array.chunks, strict=True)]
-    return array.store_path.store.root.joinpath(array.store_path.path, "c", *names)
+    name = array.metadata.encode_chunk_key(tuple(i // c for i, c in zip(begins, array.chunks, strict=True)))
+    return array.store_path.store.root.joinpath(array.store_path.path, name)
 
 
 def pieces(

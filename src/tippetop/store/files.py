@@ -22,7 +22,7 @@ from . import renaming
 from .lock import LOCK, Lock
 
 
-SCRATCH = ("*.partial", ".*.part", ".*.part-*")  # what a killed writer leaves: zarr's files, and ours
+SCRATCH = ("*.partial", "*.new", ".*.part", ".*.part-*")  # what a killed writer leaves: zarr's files, and ours
 
 
 @contextlib.contextmanager

@@ -14,17 +14,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from . import files
+from . import files, zarr3
+from .zarr3 import CHECKSUM, DOCUMENT
 
 
 SEAL = "seal"  # the root attribute
-DOCUMENT = "zarr.json"
-CHECKSUM = 4  # bytes at the end of a chunk
 
 
-def checksum(place: Path) -> bytes:
-    """Length and checksum of a chunk, as they stand in its file. Raises OSError."""
-    descriptor = os.open(place, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)  # not to wait for a pipe's writer
+def checksum(place: Path | str, folder: int | None = None) -> bytes:
+    """Length and checksum of a chunk, as they stand in its file; a path may be relative to the descriptor of a folder.
+    Raises OSError."""
+    flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK  # not to wait for a pipe's writer
+    descriptor = os.open(place, flags, dir_fd=folder)
     try:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
@@ -55,7 +56,7 @@ def _content(folder: Path) -> Iterator[Path]:
     if "shape" in stored:
         chunks = stored["chunk_grid"]["configuration"]["chunk_shape"]
         counts = [range(-(-n // c)) for n, c in zip(stored["shape"], chunks, strict=True)]
-        yield from (folder.joinpath("c", *map(str, place)) for place in itertools.product(*counts))
+        yield from (folder / zarr3.chunk_name(stored, *place) for place in itertools.product(*counts))
         return
     for entry in sorted(folder.iterdir()):
         if entry.is_dir() and entry.name[0] != ".":
@@ -65,7 +66,17 @@ def _content(folder: Path) -> Iterator[Path]:
 def put(folder: Path, members: tuple[str, ...], more: dict[str, Any] | None = None) -> None:
     """Adds attributes to the root of a store, and the seal that fits, in one step. Raises OSError."""
     attributes = {key: value for key, value in (_document(folder)["attributes"] | (more or {})).items() if key != SEAL}
-    replace_attributes(folder, attributes | {SEAL: of(folder, attributes, members)})
+    sealed = attributes | {SEAL: of(folder, attributes, members)}
+    replace_attributes(folder, sealed, documents(folder, members))
+
+
+def documents(folder: Path, members: tuple[str, ...]) -> dict[str, Any]:
+    """The metadata of groups and arrays, and of the arrays in groups, by path. Raises OSError."""
+    found = {}
+    for member in members:
+        for place in [folder / member / DOCUMENT, *(folder / member).glob(f"[!.]*/{DOCUMENT}")]:
+            found[str(place.parent.relative_to(folder))] = json.loads(place.read_text(encoding="utf-8"))
+    return found
 
 
 def remove(folder: Path) -> None:
@@ -74,10 +85,10 @@ def remove(folder: Path) -> None:
     replace_attributes(folder, {key: value for key, value in attributes.items() if key != SEAL})
 
 
-def replace_attributes(folder: Path, attributes: dict[str, Any]) -> None:
-    """Gives the root of a store other attributes, in one step. Raises OSError."""
-    document = _document(folder) | {"attributes": attributes}
-    files.replace_text(folder / DOCUMENT, json.dumps(document, indent=2, allow_nan=False))
+def replace_attributes(folder: Path, attributes: dict[str, Any], members: dict[str, Any] | None = None) -> None:
+    """Gives the root of a store other attributes, in one step; the metadata of all `members` with them, where those
+    no longer change. Raises OSError."""
+    files.replace_text(folder / DOCUMENT, zarr3.dump(zarr3.group(attributes, members)).decode())
 
 
 def _document(folder: Path) -> dict[str, Any]:

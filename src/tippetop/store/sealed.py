@@ -8,7 +8,7 @@ from zarr.storage import LocalStore
 from ..errors import StoreError
 
 
-CHUNK = re.compile(r"(?:^|/)c(?:/\d+)*$")
+CHUNK = re.compile(r"(?:^|/)c(?:[/.]\d+)*$")
 
 
 class SealedStore(LocalStore):

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import StoreError
-from . import seal
+from . import seal, zarr3
 from .checkpoint import DERIVED
 from .patterns import ATTRIBUTES, OPTIONAL, REPORT, RUN, WORDS
 from .provenance import FORMAT, FORMAT_VERSION
-from .seal import DOCUMENT
+from .zarr3 import DOCUMENT
 
 
 GROUPS = {"run": ("trajectory", "events"), "sweep": ("sweep",), "surface": ("surface",), "potential": ("potential",)}
@@ -124,8 +124,13 @@ def compare(place: Path, group: str, wanted: Mapping[str, dict[str, Any]], *, ro
         raise _Fault(place / group, f"must have the columns of its scenario, but `{odd[0]}` {state}")
     for name, document in wanted.items():
         mine, yours = ({**each, "shape": each["shape"][0 if rows else 1 :]} for each in (document, stored[name]))
-        if differ := [key for key in mine if json.dumps(mine[key]) != json.dumps(yours.get(key))]:
+        if differ := [key for key in mine if not _same(mine[key], yours.get(key))]:
             raise _Fault(place / group / name, f"must be the column of its scenario, but differs in {differ[0]}")
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether plain data are equal, types included."""
+    return json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True)
 
 
 def sealed_members(attrs: Mapping[str, Any]) -> tuple[str, ...]:
@@ -139,7 +144,8 @@ def _sealed(place: Path, attrs: dict[str, Any]) -> None:
         here = seal.of(place, attrs, sealed_members(attrs))
     except (OSError, ValueError) as error:
         raise _Fault(place, f"must be readable, but: {error}") from None
-    if here != attrs[seal.SEAL]:
+    inline = _document(place).get("consolidated_metadata", {}).get("metadata")
+    if here != attrs[seal.SEAL] or inline not in (None, seal.documents(place, sealed_members(attrs))):
         raise _Fault(place, "must hold what its seal says, but a number of its metadata or a chunk is another")
 
 
@@ -216,8 +222,8 @@ def _array(folder: Path) -> dict[str, Any]:
     chunk = grid["configuration"].get("chunk_shape")
     must(grid.get("name") == "regular" and sizes(chunk, 1) and len(chunk) == len(shape), "chunk_grid")
     must(math.prod(chunk) * size <= MOST_CHUNK, "chunk_grid")
-    key = {"name": "default", "configuration": {"separator": "/"}}
-    must(stored.get("chunk_key_encoding") == key, "chunk_key_encoding")
+    keys = [{"name": "default", "configuration": {"separator": separator}} for separator in "./"]
+    must(stored.get("chunk_key_encoding") in keys, "chunk_key_encoding")
     must(stored.get("storage_transformers", []) == [], "storage_transformers")
     names = stored.get("dimension_names")
     must(
@@ -277,7 +283,7 @@ def _rows(folder: Path, arrays: dict[str, Any], *, running: bool, whole: bool) -
         if array["shape"][1:] != chunk[1:] or array["dimension_names"][0] != arrays[key]["dimension_names"][0]:
             raise _Fault(folder / name, "must be a column of its table")
         needed = -(-lengths[name] // chunk[0])
-        places = ((folder / name).joinpath("c", str(i), *["0"] * (len(chunk) - 1)) for i in range(needed))
+        places = (folder / name / zarr3.chunk_name(array, i) for i in range(needed))
         missing = next((i for i, place in enumerate(places) if not place.is_file()), needed)
         if missing < needed - (1 if running else 0) and (whole or needed > missing + 1):
             raise _Fault(
@@ -290,10 +296,14 @@ def _rows(folder: Path, arrays: dict[str, Any], *, running: bool, whole: bool) -
 
 def _files(folder: Path, most: int) -> int:
     """Count the chunks along the first axis, up to one more than `most`. Raises OSError."""
-    try:
+    if (folder / "c").is_dir():  # of earlier releases
         return sum(1 for entry in islice((folder / "c").iterdir(), most + 1) if entry.name.isdigit())
-    except (FileNotFoundError, NotADirectoryError):
-        return 0
+    found: set[str] = set()
+    for entry in folder.iterdir():
+        found |= {entry.name.split(".")[1]} if entry.name.startswith("c.") else set()
+        if len(found) > most:
+            break
+    return len(found)
 
 
 def _laid_out(place: Path, group: str, arrays: dict[str, Any], attrs: dict[str, Any], *, whole: bool) -> None:

@@ -1,21 +1,15 @@
 """Groups and tables of a zarr store: how they are opened, and the one way in which a table is made."""
 
 import contextlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zarr
 
 from ..columns import Column
 from ..errors import StoreError
 from . import files
-from .own import OwnStore
-
-
-ZarrError = zarr.errors.BaseZarrError
 
 
 def codecs() -> list[Any]:
@@ -28,53 +22,47 @@ def codecs() -> list[Any]:
 
 def create_root(folder: Path, attributes: dict[str, Any]) -> Any:
     """The root group of a new store."""
+    import zarr
+
+    from .own import OwnStore
+
     return zarr.open_group(store=OwnStore(folder), mode="a", zarr_format=3, attributes=attributes)
 
 
 def every_chunk() -> Any:
     """A block in which arrays are made or opened so that a chunk of nothing but the fill value is written too: then its
     absence is damage."""
+    import zarr
+
     return zarr.config.set({"array.write_empty_chunks": True})
 
 
 def open_root(folder: Path, *members: str, write_empty: bool = True) -> tuple[Any, list[Any]]:
     """The root group of a store that is written, and members of it: arrays, or groups as dicts of arrays; see
     `every_chunk`. Raises StoreError if there is a link in it."""
+    import zarr
+
+    from .own import OwnStore
+
     files.refuse_links(folder)
     with every_chunk() if write_empty else contextlib.nullcontext():
         root: Any = zarr.open_group(store=OwnStore(folder), mode="r+", zarr_format=3)
         return root, [_opened(root[name]) for name in members]
 
 
-def moved(root: Any, folder: Path) -> None:
-    """Tells the root group of a store that is written, and the arrays that were made in it, that its folder is now this
-    one."""
-    root.store.root = folder
-
-
 def read_member(path: str | Path, name: str) -> Any:
     """An array of a store, or a group as a dict of arrays, to be read. Raises StoreError."""
+    import zarr  # a run is written without
+
     try:
         return _opened(zarr.open(store=str(path), mode="r", path=name))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{name}`, but: {error}.") from None
 
 
-def metadata(
-    columns: Mapping[str, Column], sizes: Mapping[str, tuple[int, int]], fill: Mapping[str, Any] | None = None
-) -> dict[str, dict[str, Any]]:
-    """Name -> metadata of the arrays that `create_table` would make, as their `zarr.json` says it."""
-    group: Any = zarr.create_group(store=zarr.storage.MemoryStore(), zarr_format=3)
-    prototype = zarr.core.buffer.default_buffer_prototype()
-    return {
-        name: json.loads(array.metadata.to_buffer_dict(prototype)["zarr.json"].to_bytes())
-        for name, array in create_table(group, columns, sizes, fill=fill).items()
-    }
-
-
 def _opened(member: Any) -> Any:
     """An array, or the arrays of a group: in the order of their names, whatever order the disk lists them in."""
-    return dict(sorted(member.arrays())) if isinstance(member, zarr.Group) else member
+    return dict(sorted(member.arrays())) if hasattr(member, "arrays") else member
 
 
 def create_table(
@@ -119,5 +107,6 @@ def create_table(
             attributes=column.attrs,
             fill_value=fill.get(name, np.nan if column.values.dtype.kind == "f" else 0),
             compressors=compressors or codecs(),
+            chunk_key_encoding={"name": "default", "separator": "."},
         )
     return arrays

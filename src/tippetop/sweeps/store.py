@@ -18,7 +18,7 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, provenance, seal, skeleton, tables
+from ..store import files, provenance, seal, skeleton, tables, zarr3
 from ..store.chunks import chunk_file, readable
 from ..store.lock import Lock
 from ..store.root import RUNS, finish, finite, new_store
@@ -182,7 +182,7 @@ def storing(folder: Path) -> Iterator[None]:
     try:
         with files.writing(folder, kept):
             yield
-    except (tables.ZarrError, KeyError, ValueError) as error:
+    except (KeyError, ValueError) as error:  # zarr's own are ValueErrors
         raise StoreError(f"`{folder}` must be readable, but: {error}: remove it.") from error
 
 
@@ -229,7 +229,8 @@ def _there(folder: Path, plan: Plan) -> Path:
                 f"`{folder}` must be continued by the same {key}, but was begun with {stored[key]}, "
                 f"and here is {wanted[key]}."
             )
-    skeleton.compare(folder, GROUP, tables.metadata(_columns(plan), {"top": (plan.n, plan.chunk)}))
+    sizes = {"top": (plan.n, plan.chunk)}
+    skeleton.compare(folder, GROUP, {name: zarr3.array(c, sizes) for name, c in _columns(plan).items()})
     if (folder / RUNS / "zarr.json").exists():  # it is made with the first of them
         skeleton.group(folder / RUNS)
     return folder

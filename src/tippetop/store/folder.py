@@ -1,0 +1,99 @@
+"""A folder on disk as a store writes it: every path is relative to one descriptor of the folder.
+
+So nothing is ever written into another folder that took its place. Files that no acknowledged record depends on yet are
+written without waiting for the disk; `sync` then waits for all of them together.
+"""
+
+import contextlib
+import errno
+import os
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+
+NEW = ".new"  # ends the name of a file that is being written
+SYNC_THREADS = 16  # files that are synced together share a commit of the journal: 84 take 12 ms instead of 187
+READ = os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK  # not to wait for the writer of a pipe
+WRITE = os.O_WRONLY | os.O_NOFOLLOW | os.O_CLOEXEC
+
+
+class Folder:
+    """An open folder. Every operation raises OSError."""
+
+    def __init__(self, path: str | Path):
+        self.descriptor = os.open(path, READ | os.O_DIRECTORY)
+        weakref.finalize(self, os.close, self.descriptor)
+        self.unsynced: set[str] = set()  # files, and folders with new names
+        self.waiting: set[str] = set()  # files that get their names when their content is on the disk
+
+    def mkdir(self, name: str) -> None:
+        """Make a folder, unless it exists."""
+        with contextlib.suppress(FileExistsError):
+            os.mkdir(name, dir_fd=self.descriptor)
+            self.unsynced.add(name.rpartition("/")[0])
+
+    def write(self, name: str, data: bytes, *, replacing: bool = False) -> None:
+        """Write a file, whole or not at all; the file that it is `replacing` stays until the next `sync`."""
+        self._put(name + NEW, data, os.O_CREAT | os.O_TRUNC)
+        if replacing:
+            self.waiting.add(name)
+            return
+        self.rename(name + NEW, name)
+        self.unsynced |= {name, name.rpartition("/")[0]}
+
+    def _put(self, name: str, data: bytes, how: int) -> None:
+        descriptor = os.open(name, WRITE | how, 0o666, dir_fd=self.descriptor)
+        try:
+            rest = memoryview(data)
+            while rest:
+                rest = rest[os.write(descriptor, rest) :]
+        finally:
+            os.close(descriptor)
+
+    def rename(self, old: str, new: str) -> None:
+        """Rename a file; it replaces what has the new name."""
+        os.rename(old, new, src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)
+
+    def remove(self, name: str) -> None:
+        """Remove a file, if it exists."""
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(name, dir_fd=self.descriptor)
+
+    def read(self, name: str) -> bytes:
+        """Return the content of a file."""
+        name += NEW if name in self.waiting else ""
+        with os.fdopen(os.open(name, READ, dir_fd=self.descriptor), "rb") as file:
+            return file.read()
+
+    def names(self, name: str) -> list[str]:
+        """Return the names in a folder inside, sorted; none if there is no such folder."""
+        try:
+            descriptor = os.open(name or ".", READ | os.O_DIRECTORY, dir_fd=self.descriptor)
+        except FileNotFoundError:
+            return []
+        try:
+            return sorted(os.listdir(descriptor))
+        finally:
+            os.close(descriptor)
+
+    def sync(self) -> None:
+        """Wait until the disk has all that was written: a power failure cannot undo it."""
+        with ThreadPoolExecutor(SYNC_THREADS) as pool:
+            list(pool.map(self.sync_one, [name + NEW for name in self.waiting]))
+            for name in self.waiting:
+                self.rename(name + NEW, name)
+            folders = {name.rpartition("/")[0] for name in self.waiting}
+            list(pool.map(self.sync_one, self.unsynced | folders))
+        self.unsynced, self.waiting = set(), set()
+
+    def sync_one(self, name: str) -> None:
+        """Wait until the disk has the content of a file, or the names in a folder."""
+        descriptor = os.open(name or ".", READ, dir_fd=self.descriptor)
+        try:
+            os.fsync(descriptor)
+        except OSError as error:
+            if error.errno != errno.EINVAL:  # some file systems sync no folders
+                raise
+        finally:
+            os.close(descriptor)
