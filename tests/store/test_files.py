@@ -277,7 +277,7 @@ def test_a_lock_that_is_another_file_too_is_not_written(tmp_path: Path) -> None:
         Lock(folder)
 
 
-@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "trajectory/theta/c", "zarr.json", "pipe"])
+@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "zarr.json", "pipe"])
 def test_nothing_inside_a_store_is_followed_when_it_is_written(inside: str, tmp_path: Path) -> None:
     path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"
     root, _ = tables.open_root(path)
@@ -308,7 +308,7 @@ def test_what_a_killed_writer_leaves_goes(tmp_path: Path) -> None:
         raise Stop
 
 
-@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "trajectory/theta/c"])
+@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta"])
 def test_a_link_that_is_planted_while_a_store_is_written_is_not_followed(inside: str, tmp_path: Path) -> None:
     """Before, links were looked for only when the store was opened."""
     path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"

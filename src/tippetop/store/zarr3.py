@@ -93,11 +93,14 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
     return packed + crc32c.value(packed).to_bytes(CHECKSUM, "little")
 
 
+def whole(data: bytes) -> bool:
+    """Return whether the bytes of a chunk's file have the checksum with which they end."""
+    return _codecs()[1].value(data[:-CHECKSUM]).to_bytes(CHECKSUM, "little") == data[-CHECKSUM:]
+
+
 def decode(data: bytes, document: Mapping[str, Any]) -> np.ndarray:
     """Return the chunk in the bytes of its file. Raises ValueError if they are damaged."""
-    blosc, crc32c = _codecs()
-    packed = data[:-CHECKSUM]
-    if crc32c.value(packed).to_bytes(CHECKSUM, "little") != data[-CHECKSUM:]:
+    if not whole(data):
         raise ValueError("the checksum of a chunk is another")
-    values = np.frombuffer(blosc.decompress(packed), document["data_type"])
+    values = np.frombuffer(_codecs()[0].decompress(data[:-CHECKSUM]), document["data_type"])
     return values.reshape(document["chunk_grid"]["configuration"]["chunk_shape"]).copy()
