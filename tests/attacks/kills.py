@@ -60,17 +60,19 @@ def _rows(folder: Path) -> float:
 
 def _chunks(folder: Path) -> float:
     """Chunks of a sweep that are done."""
-    from tippetop.store import tables
-
     store = folder / "S.zarr"
-    return float((tables.read_member(store, "chunk_status")[:] == 1).sum()) if store.exists() else -1.0
+    return float(len(_acknowledged(store).chunks)) if store.exists() else -1.0
+
+
+def _acknowledged(store: Path) -> Any:
+    from tippetop.store import ledger
+
+    return ledger.Acknowledged.of(ledger.records_of((store / ledger.LEDGER).read_bytes()))
 
 
 def _blocks(folder: Path) -> float:
     """Chunks of a surface that are done."""
-    if (folder / "F.zarr").exists():
-        return float("inf")
-    return float(len(list((folder / ".F.zarr.part" / "surface" / "status").glob("c.*"))))
+    return float(len(_acknowledged(folder / "F.zarr").chunks)) if (folder / "F.zarr").exists() else -1.0
 
 
 # --- what is killed -------------------------------------------------------------------------------------------------
@@ -157,7 +159,7 @@ TARGETS = {
     "sweep": Target(_sweep(1), None, _chunks),
     "surface": Target(_surface, None, _blocks),
     "sweep, again": Target(_sweep(1), None, _chunks, _copy("S.zarr", "half_a_sweep")),
-    "surface, again": Target(_surface, None, _blocks, _copy(".F.zarr.part", "half_a_surface")),
+    "surface, again": Target(_surface, None, _blocks, _copy("F.zarr", "half_a_surface")),
     "export parquet": Target(_export("parquet")),
     "plot sphere": Target(_plot("sphere")),
     "potential": Target(_potential),

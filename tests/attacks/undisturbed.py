@@ -114,7 +114,7 @@ def surface(folder: Path) -> Path:
 
 
 def half_a_surface(folder: Path) -> Path:
-    """The hidden store of the same surface, stopped after some chunks."""
+    """The store of the same surface, stopped after some chunks."""
     import numpy as np
 
     from tippetop.landscape import recording
@@ -129,7 +129,7 @@ def half_a_surface(folder: Path) -> Path:
 
     with contextlib.suppress(Enough):
         recording.write(folder / "F.zarr", wanted, progress=stop)
-    return folder / ".F.zarr.part"
+    return folder / "F.zarr"
 
 
 def potential(folder: Path) -> Path:

@@ -8,12 +8,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
-import zarr
 from forked import Forked
 
 from tippetop.runs import recording
+from tippetop.store import ledger
 
 
 TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]
@@ -93,8 +92,10 @@ def acknowledged(store: Path) -> int:
 
 
 def chunks(store: Path) -> list[int]:
-    """The status of each chunk of a sweep."""
-    return np.asarray(zarr.open_group(store=str(store), mode="r")["chunk_status"]).tolist()
+    """The status of each chunk of a sweep: 0 to be done, 1 done, 2 failed."""
+    state = ledger.Acknowledged.of(ledger.records_of((store / ledger.LEDGER).read_bytes()))
+    count = -(-state.attributes["tops"] // state.attributes["chunk"])
+    return [1 if f"sweep/{k}" in state.chunks else 2 if f"sweep/{k}" in state.failed else 0 for k in range(count)]
 
 
 def written(store: Path) -> int:
@@ -112,8 +113,8 @@ def ended(process: Process) -> Ended:
     return process.returncode, err
 
 
-def wait_until(condition: Callable[[], bool], process: Process) -> None:
-    """Waits for a condition, as long as the process runs."""
+def wait_until(condition: Callable[[], bool], process: Process | None = None) -> None:
+    """Waits for a condition, as long as the process runs, if there is one."""
     while not condition():
-        assert process.poll() is None, process.communicate()
+        assert process is None or process.poll() is None, process.communicate()
         time.sleep(0.002)

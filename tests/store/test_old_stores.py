@@ -38,7 +38,7 @@ def test_every_archive_is_listed_and_every_format_has_one() -> None:
     assert FORMAT_VERSION == 1, "a new format: stores of it must be among the archives"
 
 
-FIGURES = {"run": "theta", "contact": "theta", "sweep": "inversion"}
+FIGURES = {"run": "theta", "contact": "theta"}
 
 
 def test_they_are_opened_described_exported_and_drawn(
@@ -48,6 +48,10 @@ def test_they_are_opened_described_exported_and_drawn(
     assert found
     for store in found:
         kind = store.stem
+        if kind == "sweep":
+            assert outcome(["info", str(store)]) == 5
+            assert "was written by a preview of tippetop (format 1)" in capsys.readouterr().err
+            continue
         assert outcome(["info", str(store), "--json"]) == 0, store
         said = json.loads(capsys.readouterr().out)
         assert said.get("status", "finished") == "finished", store

@@ -15,10 +15,12 @@ import uuid
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from ..arguments import flag
 from ..errors import StoreError
 from . import renaming
+from .ledger import Ledger, is_ledger
 from .lock import LOCK, Lock
 
 
@@ -109,8 +111,8 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     if replaced and not overwrite:
         raise _exists(path)
     with contextlib.ExitStack() as stack:
-        lock = stack.enter_context(Lock(path)) if replaced else None
-        if lock is not None and lock.made:
+        lock: Any = stack.enter_context(lock_of(path)) if replaced else None
+        if isinstance(lock, Lock) and lock.made:
             stack.callback(lock.remove)  # a store that stays has no lock that it had not before
         remove_stale(path)
         scratch = stack.enter_context(_scratch_folder(path))
@@ -130,6 +132,11 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
             old.rename(path)
             raise
         shutil.rmtree(old, ignore_errors=True)
+
+
+def lock_of(path: Path) -> Ledger | Lock:
+    """The lock of a store. Raises StoreError: another process writes it."""
+    return Ledger.locked(path) if is_ledger(path) else Lock(path)
 
 
 @contextlib.contextmanager
@@ -184,8 +191,8 @@ def _removed(old: Path) -> bool:
             return False
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, _held(old))
-            if os.path.lexists(old / LOCK):
-                stack.enter_context(Lock(old))
+            if os.path.lexists(old / LOCK) or is_ledger(old):
+                stack.enter_context(lock_of(old))
             shutil.rmtree(old)
     except (OSError, StoreError):
         return False

@@ -181,6 +181,13 @@ class Ledger:
         return self
 
     @classmethod
+    def locked(cls, path: Path) -> "Ledger":
+        """Lock a store that is to be replaced, and read nothing. Raises StoreError, OSError."""
+        self = cls(Folder(path), path)
+        self._lock()
+        return self
+
+    @classmethod
     def opened(cls, path: Path, folder: Folder | None = None) -> "Ledger":
         """Open a store to write it, as its ledger acknowledges it; one that was being finished is finished.
 
@@ -196,8 +203,8 @@ class Ledger:
         try:
             with sound(path):
                 self.state = Acknowledged.of(records_of(self.folder.read(LEDGER)))
+            self._lay_out()
             if not self.state.seal:
-                self._lay_out()
                 self._finish() if self.state.closing else self._compact()
             self._tidy()
         except BaseException:
@@ -256,7 +263,11 @@ class Ledger:
 
     def _describe(self, *, derived: bool = False) -> None:
         for path, document in self.state.documents().items():
-            self.folder.write(f"{path}/{DOCUMENT}".lstrip("/"), zarr3.dump(document), derived=derived)
+            name, data = f"{path}/{DOCUMENT}".lstrip("/"), zarr3.dump(document)
+            if _found(self.folder.read, name) != data:
+                self.folder.write(name, data, derived=derived)
+            elif not derived:
+                self.folder.unsynced.add(name)
 
     def _replace(self, records: list[dict[str, Any]]) -> None:
         """Give the ledger these records, in one step; the new file is locked before it has its name."""
@@ -311,6 +322,7 @@ class Ledger:
                 self.folder.write(name, tail)
                 record["tail"] = [name, mark_of_tail(tail)]
             self.folder.sync()
+            record = {name: value for name, value in record.items() if value}
             if self.pending:
                 record["chunks"] = {key: mark(tips) for key, tips in self.pending.items()}
             self.before, line = _line(self.before, record)
@@ -434,7 +446,7 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
     for group in {path.partition("/")[0] for path in state.header["members"]}:
         for name in folder.names(group):
             path = f"{group}/{name}"
-            known = path in state.header["members"] or name.isdigit()  # the runs of a sweep
+            known = path in state.header["members"] or name.isdigit() or name[0] == "."  # runs
             if not known and _found(folder.tip, f"{path}/{DOCUMENT}"):
                 raise Damaged(f"`{path}` is not in its ledger")
     for key, marked in state.chunks.items():

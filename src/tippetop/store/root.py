@@ -168,6 +168,6 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     if target.exists() and not target.is_symlink():
         if not overwrite:
             raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
-        skeleton.root_of(target)  # a damaged one may be overwritten
+        skeleton.refuse_foreign(target)  # a damaged one may be overwritten
     with files.writing(target), files.replacing_folder(target, overwrite=overwrite) as scratch:
         yield scratch

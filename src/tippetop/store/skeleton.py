@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import StoreError
-from . import seal, zarr3
+from . import ledger, seal, zarr3
 from .checkpoint import DERIVED
 from .patterns import ATTRIBUTES, OPTIONAL, REPORT, RUN, WORDS
 from .provenance import FORMAT, FORMAT_VERSION
@@ -31,6 +31,8 @@ DEEPEST = 8  # folders in one another
 def root_of(path: str | Path) -> dict[str, Any]:
     """The root attributes as they stand in a store. Raises StoreError if there is none of ours."""
     place = Path(path)
+    if ledger.is_ledger(place):
+        return ledger.read(place, chunks=False).attributes
     try:
         document = _document(place)
         stored = document["attributes"]
@@ -38,12 +40,23 @@ def root_of(path: str | Path) -> dict[str, Any]:
             raise KeyError("format")
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise StoreError(f"`{path}` {_no_store(place, error)}.") from None
+    if "content" in stored:
+        raise StoreError(
+            f"`{path}` was written by a preview of tippetop (format 1): make it again, or read its numbers "
+            "with xarray.open_zarr."
+        )
     if stored.get("format_version") != FORMAT_VERSION:
         raise StoreError(
             f"`{path}` must have format version {FORMAT_VERSION}, but has {stored.get('format_version')}: "
             "use the release that wrote it."
         )
     return stored
+
+
+def refuse_foreign(path: Path) -> None:
+    """Raises StoreError if tippetop did not write what is there; what is damaged is not refused."""
+    if not ledger.is_ledger(path):
+        root_of(path)
 
 
 def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
@@ -61,7 +74,10 @@ def read(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     StoreError
         There is no store of ours, or its metadata cannot be what we wrote: one sentence that names the first fault.
     """
-    place, attrs = Path(path), root_of(path)
+    place = Path(path)
+    if ledger.is_ledger(place):
+        return ledger.read(place, chunks=whole).attributes
+    attrs = root_of(path)
     content = attrs.get("content", "run")
     try:
         if not isinstance(content, str) or content not in GROUPS:

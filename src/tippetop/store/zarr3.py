@@ -84,12 +84,13 @@ def chunk_name(document: Mapping[str, Any], *index: int) -> str:
 def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
     """Return a chunk as the bytes of its file. Rows that are missing at its end are filled."""
     blosc, crc32c = _codecs()
+    values = np.ascontiguousarray(values, document["data_type"])
     chunk = tuple(document["chunk_grid"]["configuration"]["chunk_shape"])
     if values.shape != chunk:
         whole = np.full(chunk, np.dtype(document["data_type"]).type(document["fill_value"]))
         whole[tuple(map(slice, values.shape))] = values
         values = whole
-    packed = blosc.compress(np.ascontiguousarray(values), b"lz4", 1, blosc.SHUFFLE)
+    packed = blosc.compress(values, b"lz4", 1, blosc.SHUFFLE)
     return packed + crc32c.value(packed).to_bytes(CHECKSUM, "little")
 
 

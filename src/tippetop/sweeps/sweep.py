@@ -20,7 +20,7 @@ from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
 from .summary import open_sweep
-from .workers import Outcome, SchedulerLost, connect, in_process, local_cluster, on_client, processes_can_be
+from .workers import Outcome, SchedulerLost, connect, in_process, in_processes, on_client
 
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def sweep(
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
     workers = None if workers is None else whole("workers", workers)
     if scheduler is not None and not find_spec("distributed"):
-        raise InputError(["`scheduler` must find dask, but it is not installed: install tippetop[sweep]."])
+        raise InputError(["`scheduler` must find dask, but it is not installed: install tippetop[cluster]."])
     here = _known_here(checked.base)
     if here and (scheduler is not None or (workers or 1) > 1):
         raise InputError([f"{here} must come from an installed package for workers to know it: take workers=1."])
@@ -146,11 +146,10 @@ def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bo
     threads = workers or len(os.sched_getaffinity(0))
     if client is not None:
         yield from on_client(client, tasks)
-    elif small or threads == 1 or not processes_can_be():
+    elif small or threads == 1:
         yield from in_process(tasks, threads)
     else:
-        with local_cluster(threads) as ours:
-            yield from on_client(ours, tasks)
+        yield from in_processes(tasks, threads)
 
 
 def whole_run(place: Path, problem: Problem) -> None:
@@ -169,8 +168,6 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
     """Runs the tops that the plan wants whole, each into a store of its own."""
     for top in store.plan.runs:
         runs, problem = files.own_folder(store.folder / RUNS), store.plan.problem(top)
-        if not runs.exists():
-            tables.create_root(runs, {}).store.sync()
         place = runs / str(top)
         if not place.exists():
             recording.record(problem, place, stop=stop)
