@@ -26,7 +26,7 @@ class Computer:
         end = min(problem.until, self.ends_at)
         self.longest = max(self.longest, end)
         for part in range(11):
-            watch(SimpleNamespace(t_end=end * part / 10, monitor=SimpleNamespace(steps=10 * end * part)))
+            watch(SimpleNamespace(t_end=end * part / 10, steps=10 * end * part))
             self.now += 10 * end * 1e-3 if part < 10 else 0
             if end * part / 10 >= self.meets:  # what is compiled only there
                 self.now, self.meets = self.now + 4.0, 1e9

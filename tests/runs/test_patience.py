@@ -1,7 +1,7 @@
 """A run that takes long says so once, and why."""
 
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -9,8 +9,9 @@ import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.problem import Problem
 from tippetop.runs import patience
+from tippetop.runs.integration import Integration
 from tippetop.runs.patience import Patience
-from tippetop.runs.phases import Story
+from tippetop.runs.reporting import RunProgress
 from tippetop.scenario import build
 
 
@@ -27,10 +28,10 @@ def said(preset: str, assignments: list[str], step: float, seconds_per_step: flo
     return sentences
 
 
-def under_way(problem: Problem, t_end: float, steps: int, phases: int = 0) -> SimpleNamespace:
-    """What is known of an integration that has come so far."""
-    monitor, story = SimpleNamespace(steps=steps), Story({"flight": phases})
-    return SimpleNamespace(problem=problem, t_end=t_end, monitor=monitor, story=story)
+def under_way(problem: Problem, t_end: float, steps: int, phases: int = 0) -> RunProgress:
+    """The progress of a run that has come this far."""
+    start = Integration(problem).progress()
+    return replace(start, t_end=t_end, steps=steps, phases={"counts": {"flight": phases}})
 
 
 def test_a_stiff_run_says_how_long_it_takes_and_why() -> None:

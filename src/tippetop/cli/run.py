@@ -82,7 +82,7 @@ def run(
 
         with following() as progress:
             done = solve(problem, progress, keep=figure is not None)
-        attrs = root.finite(attributes.attributes(done.problem, done.status, done.reason, done.final, done.report))
+        attrs = root.finite(attributes.attributes(done.progress))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
         _picture(figure, attributes.groups(done), attrs, overwrite)

@@ -9,7 +9,7 @@ from ..engine.status import Status
 from ..engine.taylor import driver_of
 from ..problem import Problem
 from ..sampling import EvenTimes, ListedTimes
-from .integration import Integration
+from .reporting import RunProgress
 from .run import Solution, solve
 
 
@@ -94,9 +94,9 @@ def _piece(problem: Problem, until: float, steps: float, clock: Callable[[], flo
     first: list[tuple[float, float]] = []  # clock and share after the first slice, which comes after compiling
     uneven = bool(problem.law.regions)
 
-    def watch(integration: Integration) -> None:
+    def watch(progress: RunProgress) -> None:
         now = clock()
-        share = integration.monitor.steps / max(steps, 1) if uneven else integration.t_end / problem.until
+        share = progress.steps / max(steps, 1) if uneven else progress.t_end / problem.until
         if not first:
             first.append((now, share))
         seconds, advance = now - first[0][0], share - first[0][1]

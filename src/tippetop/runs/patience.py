@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..problem import Problem
+from .reporting import RunProgress
 
 
 LONG = 600.0  # [s] that are left: from there on there is a sentence
@@ -33,9 +34,10 @@ class Patience:
         self.began = 0.0  # clock
         self.inferred: list[float] = []  # [s], long ones in a row
 
-    def __call__(self, integration: Any) -> None:
-        """Looks how far the run has come."""
-        now = self.clock(), integration.t_end, integration.monitor.steps, integration.story.rows()["phases"]
+    def __call__(self, progress: RunProgress) -> None:
+        """Look how far the run has come."""
+        changes = 0 if progress.phases is None else sum(progress.phases["counts"].values())
+        now = self.clock(), progress.t_end, progress.steps, changes
         if self.since is None:
             self.since = now
             self.began = now[0]
@@ -43,12 +45,12 @@ class Patience:
         if seconds < AGAIN_AFTER:
             return
         self.since = now
-        left = seconds * (integration.problem.until - now[1]) / max(advance, 1e-300)
+        left = seconds * (progress.problem.until - now[1]) / max(advance, 1e-300)
         long = LONG if now[0] - self.began < WAITED else min(LONG, WAITED)
         self.inferred = [*self.inferred, left] if left > long else []
         if len(self.inferred) == AGREED:
             often = phases > OFTEN * steps
-            self.say(sentence(integration.problem, min(self.inferred), advance / max(steps, 1), often))
+            self.say(sentence(progress.problem, min(self.inferred), advance / max(steps, 1), often))
             self.clock, self.since = (lambda: 0.0), (0.0, 0.0, 0, 0)  # once is enough
 
 
