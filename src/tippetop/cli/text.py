@@ -11,7 +11,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from ..runs import reporting
-from ..runs.patience import Patience
+from ..runs.cost import Patience
 from ..runs.reporting import RunProgress
 from ..runs.summary import lines
 from .streams import report, visible

@@ -15,7 +15,7 @@ from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..progress import Bar
-from ..runs.patience import warning
+from ..runs.cost import warning
 from ..runs.reporting import RunProgress
 from ..runs.run import solve
 from ..scenario.numbers import measured

@@ -109,6 +109,15 @@ class Integration:
         if problem.output == "events":
             self.write(sink, np.array([self.t_end]), self.last)
 
+    def part(self, sink: Sink, steps: int, more: Callable[[], bool]) -> None:
+        """Make slices of `steps` steps while `more()`: the rows of a part of a run, or a measurement."""
+        request = Request(self, sink)
+        self.status = self.ended_at_start() if self.fresh else None
+        while self.status is None and more():
+            self.follow(self.driver.advance(request, steps), sink)
+            self.fresh = False
+        self.fill(sink)
+
     def _steps(self) -> int:
         """The steps of the next slice: up to a multiple of what one has, so that nothing depends on where it began."""
         problem = self.problem

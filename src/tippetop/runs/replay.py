@@ -22,7 +22,7 @@ from ..store import chunks, root, skeleton, tables
 from ..store.chunks import Appender
 from . import keyframes, phases, recording, resuming
 from .events import EventTable, event_columns
-from .integration import Integration, Request
+from .integration import Integration
 from .run import refuse_more_than_memory
 from .sinks import Memory
 
@@ -127,12 +127,7 @@ def into_store(
 
 def _make(integration: Integration, take: Callable[[np.ndarray, np.ndarray], None]) -> None:
     """Integrates until all rows are there."""
-    sink = _Rows(take)
-    request = Request(integration, sink)
-    integration.status = integration.ended_at_start() if integration.fresh else None
-    while integration.status is None and integration.filled < len(integration.problem.times):
-        integration.follow(integration.driver.advance(request, STEPS), sink)
-    integration.fill(sink)
+    integration.part(_Rows(take), STEPS, lambda: integration.filled < len(integration.problem.times))
 
 
 def _integration(path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None) -> Integration:
