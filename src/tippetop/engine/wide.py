@@ -58,7 +58,9 @@ class WideSteps(Called):
         motion.limit[0] = motion.h[0] if is_last else np.inf
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
-            motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
+            motion.tc[:, :, 0] = ta.tc
+            if not np.isfinite(motion.tc.sum()):
+                motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
 
     def follow(self) -> None:
         """Keep the end of the last step where the loop has: as a sample, as a row."""
