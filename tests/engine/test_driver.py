@@ -14,7 +14,7 @@ import pytest
 import tippetop
 from tippetop.engine import compiled as compiling
 from tippetop.engine.driver import Driver
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.status import Status
 from tippetop.engine.stepper import Called, Loaded
 from tippetop.engine.taylor import driver_of
@@ -378,7 +378,7 @@ def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str)
     """An event function that is a variable plus a number: the same number, to the bit, as heyoka finds at zero."""
     made = build.load(preset, None, 0.1)
     code = driver_of(made).compiled
-    q, _, body, rates = equations_of_motion(made.system, made.variables, type(made.friction))
+    q, _, body, rates = equations_of_motion(formulas_of(made.system, made.form.name, type(made.friction)), made.variables)
     scalars = made.form.scalars(q, body)
     several = 0
     for event, row in zip(made.system.events, code.rows.events, strict=True):

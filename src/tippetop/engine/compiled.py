@@ -4,7 +4,7 @@ import copy
 import threading
 from collections.abc import Callable
 from functools import lru_cache, partial
-from itertools import count, repeat
+from itertools import repeat
 from typing import Any, NamedTuple
 
 import heyoka as hy
@@ -14,7 +14,7 @@ from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .code_cache import compiled_once
-from .expressions import Formulas, formulas_of
+from .expressions import Formulas, equations_of_motion, formulas_of
 from .loop import new_motion
 from .opt_level import opt_level
 from .stepper import Called, Loaded, Stepper, call, is_fused, load
@@ -93,11 +93,7 @@ def compiled_from(
     integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
     """
     number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
-    symbols = hy.make_vars(*variables.names)
-    q, carried = variables.split(symbols)
-    body = formulas.body(hy.par[i] for i in count())
-    rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
-    equations = list(zip(symbols, rates, strict=True))
+    q, carried, body, equations = equations_of_motion(formulas, variables)
     sources = []
     for e, (event, formula) in enumerate(zip(formulas.events, formulas.functions(q, carried, body), strict=True)):
         function = hy.expression(0.0) + formula
