@@ -378,7 +378,9 @@ def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str)
     """An event function that is a variable plus a number: the same number, to the bit, as heyoka finds at zero."""
     made = build.load(preset, None, 0.1)
     code = driver_of(made).compiled
-    q, _, body, rates = equations_of_motion(formulas_of(made.system, made.form.name, type(made.friction)), made.variables)
+    q, _, body, rates = equations_of_motion(
+        formulas_of(made.system, made.form.name, type(made.friction)), made.variables
+    )
     scalars = made.form.scalars(q, body)
     several = 0
     for event, row in zip(made.system.events, code.rows.events, strict=True):
