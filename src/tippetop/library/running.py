@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arguments import flag, in_python, instance, named_arguments, path_of
+from ..arguments import flag, in_python, instance, measured, named_arguments, path_of
 from ..errors import InputError, Interrupted
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
@@ -18,7 +18,6 @@ from ..progress import Bar
 from ..runs.cost import warning
 from ..runs.reporting import RunProgress
 from ..runs.run import solve
-from ..scenario.numbers import measured
 from ..store import root
 from .bodies import Top
 from .extensions import of_stored
