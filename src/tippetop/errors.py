@@ -69,6 +69,7 @@ class BuildError(ImportError):
 EXTRAS = {
     "matplotlib": "figures",
     **dict.fromkeys(("numba", "scipy"), "grids"),
+    "contourpy": "sweep",
     **dict.fromkeys(("distributed", "dask"), "cluster"),
     **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
 }
