@@ -51,11 +51,8 @@ def _rows(folder: Path) -> float:
     store = folder / "R.zarr"
     if not store.exists():
         return -1.0
-    try:
-        return float(json.loads((store / "checkpoint.json").read_text())["rows"])
-    except FileNotFoundError:
-        finished = json.loads((store / "zarr.json").read_text())["attributes"]["status"] != "running"
-        return float("inf") if finished else -1.0
+    state = _acknowledged(store)
+    return float("inf") if state.closing else float(state.rows.get("trajectory", 0))
 
 
 def _chunks(folder: Path) -> float:
@@ -108,7 +105,7 @@ def _touching(kind: str) -> Callable[[Path, Path], list[object]]:
 def _phase(folder: Path) -> str:
     """The phase in which the checkpoint of a run left it; empty if there is none, or the contact has no phases."""
     with contextlib.suppress(OSError, KeyError):
-        last = json.loads((folder / "R.zarr" / "checkpoint.json").read_text())["report"]["contact_phases"]["last"]
+        last = _acknowledged(folder / "R.zarr").attributes["report"]["contact_phases"]["last"]
         return f"{last['phase']} of the {last['ball']}" if last else "the first"
     return ""
 

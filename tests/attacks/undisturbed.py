@@ -41,7 +41,7 @@ def many_chunks() -> None:
     from tippetop.runs import recording as runs
 
     integration.STEPS_PER_SLICE = 48
-    runs.COMMIT_EVERY, runs.MOST_ROWS, runs.EVENTS_PER_CHUNK = 0.0, 256, 16
+    runs.COMMIT_EVERY, runs.ROWS_PER_CHUNK, runs.EVENTS_PER_CHUNK = 0.0, 256, 16
     surfaces.CHUNK = 16
     surfaces.Surface.over.__func__.__kwdefaults__["chunk"] = 16
 

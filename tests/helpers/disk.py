@@ -7,7 +7,7 @@ import errno
 import random
 from pathlib import Path
 
-from tippetop.store.folder import NEW, Folder
+from tippetop.store.folder import Folder
 
 
 class PowerLost(BaseException):
@@ -25,7 +25,7 @@ class ModelFolder(Folder):
     threads = 1
 
     def __init__(self) -> None:
-        self.unsynced, self.waiting = set(), set()
+        self.unsynced = set()
         self.now: dict[str, _File] = {}
         self.kept: dict[str, _File] = {}
         self.folders, self.kept_folders = {""}, {""}
@@ -52,7 +52,7 @@ class ModelFolder(Folder):
         if name not in self.folders:
             self.folders.add(name)
             self.journal.append((name.rpartition("/")[0], "mkdir", name, None))
-            self.unsynced.add(name.rpartition("/")[0])
+        self.unsynced.add(name.rpartition("/")[0])
 
     def put(self, name: str, data: bytes, how: int = 0) -> None:
         self._store(name, b"" if how == 0 else self.now[name].data, data, cut=self._operate())
@@ -83,7 +83,6 @@ class ModelFolder(Folder):
             self.journal.append((name.rpartition("/")[0], "remove", name, None))
 
     def read(self, name: str) -> bytes:
-        name += NEW if name in self.waiting else ""
         if name not in self.now:
             raise FileNotFoundError(errno.ENOENT, "No such file or directory", name)
         return self.now[name].data
@@ -156,7 +155,7 @@ class ModelFolder(Folder):
     def again(self) -> None:
         """Begin anew, as another process does, without a fault."""
         self.count, self.fault, self.off = 0, ("", 0), False
-        self.unsynced, self.waiting = set(), set()
+        self.unsynced = set()
 
     def tree(self) -> dict[str, bytes]:
         return {name: file.data for name, file in self.now.items()}

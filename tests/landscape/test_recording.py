@@ -87,7 +87,7 @@ def test_chunk_without_its_status_is_done_again(whole, tmp_path):
     assert_same(tmp_path / "F.zarr", whole)
 
 
-@pytest.mark.parametrize("moment", ["finish", "_finish"])
+@pytest.mark.parametrize("moment", ["finish", "_seal"])
 def test_a_surface_killed_at_its_end_computes_nothing_again(moment, whole, tmp_path, monkeypatch):
     """Before its last record, and after it."""
     with monkeypatch.context() as patched:

@@ -39,7 +39,7 @@ def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(file: Path, whole
 def test_what_a_kill_leaves_in_a_finished_run_goes(file: Path, whole: Path, tmp_path: Path) -> None:
     """Between its seal and the end of its writer."""
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
-    for left in ("checkpoint.json", "run.lock"):
+    for left in ("tail-00000001", "ledger.jsonl.new"):
         (store / RUNS / "5" / left).write_text("{}")
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)

@@ -115,7 +115,7 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     import numpy as np
 
     from ..errors import StoreError
-    from ..store import chunks, ledger, root, tables
+    from ..store import chunks, ledger, root
 
     if not out.exists():
         return False
@@ -133,7 +133,7 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
             f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
         )
     if finished:
-        chunks.verify(tables.read_member(out, "surface"))
+        chunks.verify(chunks.read_member(out, "surface"))
     return finished
 
 

@@ -192,11 +192,10 @@ def _opened(path: Path, wanted: Surface) -> Ledger:
             if not np.array_equal(stored, axes[place.rpartition("/")[2]]):
                 raise StoreError(f"`{path}` must be the same surface, unfinished, but is another: remove it.")
         if not known or state.header != header:  # of other versions: it is begun again
-            state.header, unsound = header, list(state.chunks)
-            state.attributes = dict(header["attributes"])
-        if unsound:
+            store.restart(header, [])
+        elif unsound:
             store.forget(unsound)
-        if AXES not in state.chunks:
+        if AXES not in store.state.chunks:
             _put(store, AXES, axes)
     except BaseException:
         store.release()

@@ -1,8 +1,7 @@
-"""Columns in chunks on disk: growing row by row, checked, and read thinly where there are more than memory holds."""
+"""Columns of a store as they are read: checked, a block at a time, and thinly where they are many."""
 
-import hashlib
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,171 +10,21 @@ import numpy as np
 from ..columns import Column
 from ..errors import StoreError
 from ..sampling import extremes
-from . import seal, zarr3
-from .folder import Folder
-from .skeleton import groups_of
-from .tables import read_member
-from .zarr3 import DOCUMENT
+from .root import groups_of
 
 
 Window = tuple[float | None, float | None]
 
 
-class Appender:
-    """Grows the arrays of a group row by row, in whole chunks; rows that do not fill a chunk wait in memory.
+def read_member(path: str | Path, name: str) -> dict[str, Any]:
+    """The arrays of a group of a store, by name. Raises StoreError."""
+    import zarr  # a run is written without
 
-    A flush writes the waiting rows too, as a chunk that is written again when it is full: so the files of a finished
-    store do not depend on when it was flushed. Only then the metadata say how many rows there are: chunks beyond are
-    not acknowledged yet.
-    """
-
-    def __init__(self, folder: Folder, name: str, columns: dict[str, Column], chunk: int):
-        self.folder, self.name, self.chunk = folder, name, chunk
-        self.documents = documents(columns, chunk)
-        self.written, self.waiting, self.told = 0, 0, 0  # rows in full chunks, rows in memory, rows in the metadata
-        self.buffers = {
-            key: np.empty((chunk, *column.values.shape[1:]), column.values.dtype) for key, column in columns.items()
-        }
-        self.unflushed = False
-        self.partial = False  # whether there is a chunk that is not full, which may be acknowledged
-        self.checksums: dict[tuple[str, int], bytes] = {}  # of full chunks
-
-    @classmethod
-    def created(cls, folder: Folder, name: str, columns: dict[str, Column], chunk: int) -> "Appender":
-        """A new group whose arrays have the columns' names, types and attributes, and no rows."""
-        table = cls(folder, name, columns, chunk)
-        folder.mkdir(name)
-        folder.write(f"{name}/{DOCUMENT}", zarr3.dump(zarr3.group({})))
-        for key in columns:
-            folder.mkdir(f"{name}/{key}")
-            table._tell(key, 0)
-        return table
-
-    @property
-    def rows(self) -> int:
-        """How many rows were appended."""
-        return self.written + self.waiting
-
-    def append(self, columns: dict[str, Column]) -> None:
-        """Takes rows; writes every chunk that they fill."""
-        values = {name: column.values for name, column in columns.items()}
-        count, taken = len(next(iter(values.values()))), 0
-        while taken < count:
-            step = min(self.chunk - self.waiting, count - taken)
-            for name, buffer in self.buffers.items():
-                buffer[self.waiting : self.waiting + step] = values[name][taken : taken + step]
-            self.waiting, taken, self.unflushed = self.waiting + step, taken + step, True
-            if self.waiting == self.chunk:
-                self._write(self.chunk)
-                self.written, self.waiting, self.partial = self.written + self.chunk, 0, False
-
-    def flush(self) -> None:
-        """Writes the rows that wait, and how many there are."""
-        if self.unflushed and self.waiting:
-            self._write(self.waiting)
-            self.partial = True
-        self.unflushed = False
-        if self.told < self.rows:
-            for name in self.documents:
-                self._tell(name, self.rows, replacing=True)
-            self.told = self.rows
-
-    def _write(self, count: int) -> None:
-        for name, buffer in self.buffers.items():
-            self._put(name, self.written, buffer[:count], replacing=self.partial)
-
-    def _put(self, name: str, first: int, values: np.ndarray, *, replacing: bool) -> None:
-        self.folder.write(self._file(name, first), zarr3.encode(values, self.documents[name]), replacing=replacing)
-
-    def _file(self, name: str, first: int) -> str:
-        """The file of the chunk that begins at a row."""
-        return f"{self.name}/{name}/{zarr3.chunk_name(self.documents[name], first // self.chunk)}"
-
-    def _tell(self, name: str, rows: int, *, replacing: bool = False) -> None:
-        """Writes the metadata of an array of so many rows."""
-        document = self.documents[name]
-        document["shape"][0] = rows
-        self.folder.write(f"{self.name}/{name}/{DOCUMENT}", zarr3.dump(document), replacing=replacing)
-
-    def mark(self, name: str, rows: list[int], value: bool = True) -> None:
-        """Sets a column of flags in some rows, written or waiting."""
-        waiting = [row - self.written for row in rows if row >= self.written]
-        self.buffers[name][waiting] = value
-        self.unflushed = self.unflushed or bool(waiting)
-        older = [row for row in rows if row < self.written]
-        for start in {row // self.chunk * self.chunk for row in older}:
-            flags = zarr3.decode(self.folder.read(self._file(name, start)), self.documents[name])
-            flags[[row - start for row in older if start <= row < start + self.chunk]] = value
-            self._put(name, start, flags, replacing=True)
-
-    def reopen(self, rows: int, path: Path) -> None:
-        """Goes back to the rows that a checkpoint of the store at `path` acknowledges: removes the rest, and takes the
-        rows that do not fill a chunk into memory. Raises StoreError."""
-        for name, array in read_member(path, self.name).items():
-            if array.shape[0] < rows:
-                raise StoreError(f"`{name}` must hold the {rows} acknowledged rows, but has {array.shape[0]}.")
-        self.written, self.told = rows // self.chunk * self.chunk, rows
-        self.waiting = rows - self.written
-        for name in self.documents:
-            self._tell(name, rows, replacing=True)
-        self.folder.sync()  # metadata first: a writer that is killed on the way leaves chunks too many, never too few
-        for name, document in self.documents.items():
-            needed = {zarr3.chunk_name(document, k) for k in range(-(-rows // self.chunk))}
-            for file in self.folder.names(f"{self.name}/{name}"):
-                if file.startswith("c.") and file not in needed:
-                    self.folder.remove(f"{self.name}/{name}/{file}")
-        arrays = read_member(path, self.name)
-        verify(arrays)
-        for name, array in arrays.items():
-            self.buffers[name][: self.waiting] = array[self.written : rows]
-        self.unflushed = self.partial = True
-
-    def digest(self) -> str:
-        """A digest of all rows that were appended: of full chunks the checksums in their files, and those that wait.
-
-        Flags are passed over: `mark` may change them before the next checkpoint. Raises OSError.
-        """
-        waiting = {name: buffer[: self.waiting] for name, buffer in self.buffers.items()}
-
-        def checksum(name: str, start: int) -> bytes:
-            if (name, start) not in self.checksums:
-                self.checksums[name, start] = seal.checksum(self._file(name, start), self.folder.descriptor)
-            return self.checksums[name, start]
-
-        return _digest(waiting, range(0, self.written, self.chunk), checksum)
-
-
-def documents(columns: Mapping[str, Column], chunk: int) -> dict[str, dict[str, Any]]:
-    """The metadata of the arrays of a group that grows, without rows, by name."""
-    return {name: zarr3.array(column, {column.dims[0]: (0, chunk)}) for name, column in columns.items()}
-
-
-def create(path: Path, attributes: dict[str, Any]) -> Folder:
-    """A folder that becomes a store: gives it its root group."""
-    folder = Folder(path)
-    folder.write(DOCUMENT, zarr3.dump(zarr3.group(attributes)))
-    return folder
-
-
-def digest_of_rows(arrays: dict[str, Any], rows: int) -> str:
-    """The digest that an appender of so many rows would give. Raises what codecs raise."""
-    chunk = next(iter(arrays.values())).chunks[0]
-    written = rows // chunk * chunk
-    waiting = {name: array[written:rows] for name, array in arrays.items()}
-    return _digest(
-        waiting, range(0, written, chunk), lambda name, start: seal.checksum(chunk_file(arrays[name], start))
-    )
-
-
-def _digest(waiting: dict[str, np.ndarray], starts: range, checksum: Callable[[str, int], bytes]) -> str:
-    whole = hashlib.sha256()
-    for name, values in sorted(waiting.items()):
-        if values.dtype == bool:
-            continue
-        for start in starts:
-            whole.update(checksum(name, start))
-        whole.update(name.encode() + np.ascontiguousarray(values).tobytes())
-    return whole.hexdigest()
+    try:
+        group: Any = zarr.open_group(store=str(path), mode="r", path=name, use_consolidated=False)
+        return dict(sorted(group.arrays()))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise StoreError(f"`{path}` must hold a readable group `{name}`, but: {error}.") from None
 
 
 def verify(arrays: dict[str, Any]) -> None:

@@ -15,16 +15,11 @@ import uuid
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from ..arguments import flag
 from ..errors import StoreError
 from . import renaming
 from .ledger import Ledger, is_ledger
-from .lock import LOCK, Lock
-
-
-SCRATCH = ("*.partial", "*.new", ".*.part", ".*.part-*")  # what a killed writer leaves: zarr's files, and ours
 
 
 @contextlib.contextmanager
@@ -111,16 +106,15 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     if replaced and not overwrite:
         raise _exists(path)
     with contextlib.ExitStack() as stack:
-        lock: Any = stack.enter_context(lock_of(path)) if replaced else None
-        if isinstance(lock, Lock) and lock.made:
-            stack.callback(lock.remove)  # a store that stays has no lock that it had not before
+        lock = stack.enter_context(lock_of(path)) if replaced else None
         remove_stale(path)
         scratch = stack.enter_context(_scratch_folder(path))
         yield scratch
-        if lock is None:
+        if not replaced:
             rename_new(scratch, path)
             return
-        lock.check()
+        if lock is not None:
+            lock.check()
         if renaming.exchange(scratch, path):  # what was there is now the scratch folder, and goes with it
             synced(path.parent)
             return
@@ -134,9 +128,9 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
         shutil.rmtree(old, ignore_errors=True)
 
 
-def lock_of(path: Path) -> Ledger | Lock:
+def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
     """The lock of a store. Raises StoreError: another process writes it."""
-    return Ledger.locked(path) if is_ledger(path) else Lock(path)
+    return Ledger.locked(path) if is_ledger(path) else contextlib.nullcontext()
 
 
 @contextlib.contextmanager
@@ -191,8 +185,7 @@ def _removed(old: Path) -> bool:
             return False
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, _held(old))
-            if os.path.lexists(old / LOCK) or is_ledger(old):
-                stack.enter_context(lock_of(old))
+            stack.enter_context(lock_of(old))
             shutil.rmtree(old)
     except (OSError, StoreError):
         return False
@@ -230,12 +223,6 @@ def scratch_name(path: Path) -> Path:
     return path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")
 
 
-def replace_text(path: Path, text: str) -> None:
-    """Writes a file whole or not at all, also if the machine loses power. Raises OSError."""
-    with _replacing(path, overwrite=True) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-
-
 def synced(path: Path) -> None:
     """Waits until the disk itself has a file, or what a folder says of its files."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # not to wait where a pipe came to be
@@ -246,16 +233,6 @@ def synced(path: Path) -> None:
             raise
     finally:
         os.close(descriptor)
-
-
-def remove_scratch(folder: Path) -> None:
-    """Removes what a killed writer leaves in a store."""
-    for pattern in SCRATCH:
-        for path in folder.rglob(pattern):
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path)
-            else:
-                path.unlink(missing_ok=True)
 
 
 def own_folder(path: str | Path) -> Path:

@@ -28,21 +28,16 @@ class Folder:
         self.descriptor = os.open(path, READ | os.O_DIRECTORY)
         weakref.finalize(self, os.close, self.descriptor)
         self.unsynced: set[str] = set()  # files, and folders with new names
-        self.waiting: set[str] = set()  # files that get their names when their content is on the disk
 
     def mkdir(self, name: str) -> None:
         """Make a folder, unless it exists."""
         with contextlib.suppress(FileExistsError):
             os.mkdir(name, dir_fd=self.descriptor)
-            self.unsynced.add(name.rpartition("/")[0])
+        self.unsynced.add(name.rpartition("/")[0])  # who made it before may not have synced it
 
-    def write(self, name: str, data: bytes, *, replacing: bool = False, derived: bool = False) -> None:
-        """Write a file, whole or not at all; the file that it is `replacing` stays until the next `sync`. What is
-        `derived` can be made again, and is not synced."""
+    def write(self, name: str, data: bytes, *, derived: bool = False) -> None:
+        """Write a file, whole or not at all. What is `derived` can be made again, and is not synced."""
         self.put(name + NEW, data)
-        if replacing:
-            self.waiting.add(name)
-            return
         self.rename(name + NEW, name)
         self.unsynced |= set() if derived else {name, name.rpartition("/")[0]}
 
@@ -71,7 +66,6 @@ class Folder:
 
     def read(self, name: str) -> bytes:
         """Return the content of a file."""
-        name += NEW if name in self.waiting else ""
         with os.fdopen(os.open(name, READ, dir_fd=self.descriptor), "rb") as file:
             return file.read()
 
@@ -121,12 +115,8 @@ class Folder:
     def sync(self) -> None:
         """Wait until the disk has all that was written: a power failure cannot undo it."""
         with ThreadPoolExecutor(self.threads) as pool:
-            list(pool.map(self.sync_one, sorted(name + NEW for name in self.waiting)))
-            for name in sorted(self.waiting):
-                self.rename(name + NEW, name)
-            folders = {name.rpartition("/")[0] for name in self.waiting}
-            list(pool.map(self.sync_one, sorted(self.unsynced | folders)))
-        self.unsynced, self.waiting = set(), set()
+            list(pool.map(self.sync_one, sorted(self.unsynced)))
+        self.unsynced = set()
 
     def sync_one(self, name: str) -> None:
         """Wait until the disk has the content of a file, or the names in a folder."""

@@ -10,11 +10,13 @@ A finished store has a ledger of two records, the header and the seal: equal run
 """
 
 import contextlib
+import dataclasses
 import hashlib
+import itertools
 import json
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,11 +24,11 @@ from typing import Any
 from ..errors import StoreError
 from . import zarr3
 from .folder import NEW, Folder
+from .provenance import FORMAT_VERSION
 from .zarr3 import CHECKSUM, DOCUMENT
 
 
 LEDGER = "ledger.jsonl"
-FORMAT_VERSION = 2
 TAIL = "tail-"
 DIGITS = 16  # hexadecimal, of a digest
 PATH = re.compile(r"[^./\0][^/\0]*(/[^./\0][^/\0]*)?")  # of a group or an array: of nothing outside the store
@@ -67,8 +69,8 @@ class Acknowledged:
         self.chunks |= record.get("chunks", {})
         self.failed |= record.get("failed", {})
         self.failed = {key: sentence for key, sentence in self.failed.items() if key not in self.chunks}
-        self.changed |= record.get("changed", {})
-        self.attributes |= record.get("changed", {})
+        self.changed = ({} if "closing" in record else self.changed) | record.get("changed", {})
+        self.attributes = self.header["attributes"] | self.changed
         for name in ("rows", "tail", "end", "writer", "closing"):
             setattr(self, name, record.get(name, getattr(self, name)))
         self.seal = "seal" in record
@@ -84,6 +86,13 @@ class Acknowledged:
             for path in self.header["tables"][table]:
                 members[path]["shape"] = [rows, *members[path]["shape"][1:]]
         return {**members, "": zarr3.group(self.attributes, members)}
+
+    def unsealed(self, rows_of: dict[str, int]) -> Iterator[str]:
+        """Yield the chunks of so many rows that only the tail acknowledges; what is in their files is derived."""
+        for table, rows in rows_of.items():
+            grid = self.header["members"][self.header["tables"][table][0]]["chunk_grid"]
+            keys = (f"{table}/{k}" for k in range(-(-rows // grid["configuration"]["chunk_shape"][0])))
+            yield from (key for key in keys if key not in self.chunks)
 
     def files(self, key: str) -> list[str]:
         """Return the names of the files of a chunk."""
@@ -141,6 +150,15 @@ def records_of(raw: bytes) -> list[dict[str, Any]]:
     return records
 
 
+def acknowledged(raw: bytes) -> Acknowledged:
+    """Return what the bytes of a ledger acknowledge. Raises Damaged, and what records of another form raise."""
+    state = Acknowledged.of(records_of(raw))
+    state.documents()
+    for key in [*state.chunks, *itertools.islice(state.unsealed(state.rows), 1)]:
+        state.files(key)
+    return state
+
+
 def header(attributes: dict[str, Any], members: dict[str, Any], tables: dict[str, list[str]]) -> dict[str, Any]:
     """Return the header of a new store.
 
@@ -153,7 +171,6 @@ def header(attributes: dict[str, Any], members: dict[str, Any], tables: dict[str
     tables
         Table -> the paths of the arrays whose chunks are written together.
     """
-    attributes = attributes | {"format_version": FORMAT_VERSION}
     return {"format": FORMAT_VERSION, "attributes": attributes, "members": members, "tables": tables}
 
 
@@ -175,7 +192,7 @@ class Ledger:
     def created(cls, path: Path, head: dict[str, Any], folder: Folder | None = None) -> "Ledger":
         """Make the store of a header in an empty folder. Raises OSError."""
         self = cls(folder or Folder(path), path)
-        self.state = Acknowledged.of([head])
+        self.state = Acknowledged.of([json.loads(json.dumps(head))])
         self._lay_out()
         self._compact()
         return self
@@ -202,10 +219,11 @@ class Ledger:
         self._lock()
         try:
             with sound(path):
-                self.state = Acknowledged.of(records_of(self.folder.read(LEDGER)))
+                self.state = acknowledged(raw := self.folder.read(LEDGER))
+            self.before = raw.splitlines()[-1][:DIGITS].decode()
             self._lay_out()
             if not self.state.seal:
-                self._finish() if self.state.closing else self._compact()
+                self._complete() if self.state.closing else self._compact()
             self._tidy()
         except BaseException:
             self.release()
@@ -218,7 +236,8 @@ class Ledger:
             try:
                 self.held = self.folder.lock(LEDGER)
             except BlockingIOError:
-                writer = Acknowledged.of(records_of(self.folder.read(LEDGER))).writer
+                with sound(self.path):
+                    writer = acknowledged(self.folder.read(LEDGER)).writer
                 raise StoreError(f"`{self.path}` must have one writer, but {writer} is writing it.") from None
 
     def in_place(self) -> bool:
@@ -256,18 +275,18 @@ class Ledger:
             raise
 
     def _lay_out(self) -> None:
-        """Make folders and documents."""
+        """Make folders and documents; a power failure may undo them until something in them is acknowledged."""
         for path in self.state.header["members"]:
             self.folder.mkdir(path)
-        self._describe()
+        self._describe(self.state, derived=True)
 
-    def _describe(self, *, derived: bool = False) -> None:
-        for path, document in self.state.documents().items():
+    def _describe(self, state: Acknowledged, *, derived: bool = False) -> None:
+        for path, document in state.documents().items():
             name, data = f"{path}/{DOCUMENT}".lstrip("/"), zarr3.dump(document)
             if _found(self.folder.read, name) != data:
                 self.folder.write(name, data, derived=derived)
             elif not derived:
-                self.folder.unsynced.add(name)
+                self.folder.unsynced |= {name, path}
 
     def _replace(self, records: list[dict[str, Any]]) -> None:
         """Give the ledger these records, in one step; the new file is locked before it has its name."""
@@ -276,8 +295,7 @@ class Ledger:
             self.before, line = _line(self.before, record)
             whole += line
         self.folder.put(LEDGER + NEW, whole)
-        self.folder.unsynced.add(LEDGER + NEW)
-        self.folder.sync()
+        self.folder.sync_one(LEDGER + NEW)
         held = self.folder.lock(LEDGER + NEW)
         self.folder.rename(LEDGER + NEW, LEDGER)
         self.release()
@@ -304,6 +322,12 @@ class Ledger:
                     removed = removed or not place
         if removed:
             self.folder.sync_one("")
+
+    def _complete(self) -> None:
+        """Finish what was interrupted after its last record."""
+        self._describe(self.state)
+        self.folder.sync()
+        self._seal()
 
     def put(self, key: str, files: Mapping[str, bytes]) -> None:
         """Write the files of a chunk, which the next commit acknowledges."""
@@ -339,30 +363,39 @@ class Ledger:
         with self._whole():
             for name, data in files.items():
                 self.folder.write(name, data, derived=True)
-            self._describe(derived=True)
+            self._describe(self.state, derived=True)
 
     def finish(self, changed: dict[str, Any], **record: Any) -> None:
         """Acknowledge that all is there; `changed` are the last attributes. From then on the store is finished."""
-        self.commit(**record, changed=changed, closing=True)
+        record |= {"changed": changed, "closing": True}
         with self._whole():
-            self._finish()
+            closed = dataclasses.replace(self.state)
+            closed.add(record)
+            self._describe(closed)
+        self.commit(**record)
+        with self._whole():
+            self._seal()
 
-    def _finish(self) -> None:
-        """Write the last form of documents and ledger; repeated when it was interrupted."""
+    def _seal(self) -> None:
+        """Give the ledger of a store that is whole its last form."""
         state = self.state
-        self._describe()
         state.tail, state.seal, state.chunks = [], True, dict(sorted(state.chunks.items(), key=_by_number))
         self._replace([state.header, state.record("chunks", "rows", "end", "changed", "closing", "seal")])
         self._tidy()
 
     def forget(self, keys: list[str]) -> None:
         """Go on without some chunks, and without the end of a finished store: they are to be written again."""
+        self.restart(self.state.header, self.state.chunks.keys() - set(keys))
+
+    def restart(self, head: dict[str, Any], keys: Iterable[str], tail: bytes | None = None, **record: Any) -> None:
+        """Go on from some of the chunks, with another header and tail, in one step."""
         with self._whole():
-            state = self.state
-            state.chunks = {key: marked for key, marked in state.chunks.items() if key not in keys}
-            if state.seal:
-                state.attributes = dict(state.header["attributes"])
-                state.changed, state.closing, state.seal, state.end = {}, False, False, None
+            if tail is not None:
+                record["tail"] = [f"{TAIL}{1:08d}", mark_of_tail(tail)]
+                self.folder.write(record["tail"][0], tail)
+                self.folder.sync()
+            chunks = {key: self.state.chunks[key] for key in keys}
+            self.state = Acknowledged.of([json.loads(json.dumps(head)), {"chunks": chunks, **record}])
             self._compact()
             self._lay_out()
             self._tidy()
@@ -388,8 +421,8 @@ class Ledger:
         if not self.state.tail:
             return None
         name, marked = self.state.tail
-        data = self.folder.read(name)
-        if mark_of_tail(data) != marked:
+        data = _found(self.folder.read, name)
+        if data is None or mark_of_tail(data) != marked:
             raise Damaged(f"`{name}` is another")
         return data
 
@@ -420,7 +453,7 @@ def read(path: Path, *, chunks: bool = True) -> Acknowledged:
     with sound(path):
         try:
             folder = Folder(path)
-            state = Acknowledged.of(records_of(folder.read(LEDGER)))
+            state = acknowledged(folder.read(LEDGER))
             if chunks:
                 _compare(folder, state)
         except OSError as error:
@@ -439,22 +472,46 @@ def sound(path: Path) -> Iterator[None]:
 
 def _compare(folder: Folder, state: Acknowledged) -> None:
     """Compare a store with its ledger. Raises Damaged."""
+    rows: dict[str, int] = {}
     for member, document in state.documents().items():
         name = f"{member}/{DOCUMENT}".lstrip("/")
-        if _found(folder.read, name) != zarr3.dump(document):
-            raise Damaged(f"`{name}` is not what its ledger says" + ("" if state.seal else f": {WHOLE}"))
+        data = _found(folder.read, name)
+        if data != zarr3.dump(document):
+            found = {} if state.seal else _of_before(data, document)
+            if not found:
+                raise Damaged(f"`{name}` is not what its ledger says" + ("" if state.seal else f": {WHOLE}"))
+            document = found
+        rows[member] = document.get("shape", [0])[0]
     for group in {path.partition("/")[0] for path in state.header["members"]}:
         for name in folder.names(group):
             path = f"{group}/{name}"
             known = path in state.header["members"] or name.isdigit() or name[0] == "."  # runs
             if not known and _found(folder.tip, f"{path}/{DOCUMENT}"):
                 raise Damaged(f"`{path}` is not in its ledger")
+    for key in state.unsealed({table: rows[state.header["tables"][table][0]] for table in state.rows}):
+        if missing := [name for name in state.files(key) if not _found(folder.tip, name)]:
+            raise Damaged(f"`{missing[0]}` is missing: {WHOLE}")
     for key, marked in state.chunks.items():
         tips = {name: _found(folder.tip, name) for name in state.files(key)}
         if missing := [name for name, found in tips.items() if found is None]:
             raise Damaged(f"`{missing[0]}` is missing")
         if mark({name: found for name, found in tips.items() if found}) != marked:
             raise Damaged(f"a file of its chunk `{key}` is another")
+
+
+def _of_before(data: bytes | None, document: dict[str, Any]) -> dict[str, Any]:
+    """Return a document of an unfinished store as it was at an earlier commit; empty if it cannot be that."""
+    try:
+        found = json.loads(data or b"{}")
+        wanted = json.loads(zarr3.dump(document))
+        if "shape" in wanted:
+            fewer = 0 <= found["shape"][0] <= wanted["shape"][0]
+            wanted["shape"][0] = found["shape"][0]
+            return found if fewer and found == wanted else {}
+        names = found["attributes"].keys() == wanted["attributes"].keys()
+        return found if names and found["node_type"] == "group" else {}
+    except (ValueError, LookupError, TypeError, AttributeError):
+        return {}
 
 
 def _found(read: Callable[[str], Any], name: str) -> Any:

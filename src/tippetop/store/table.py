@@ -63,6 +63,28 @@ class Table:
         path = next(path for path in self.late if path.endswith(f"/{column}"))
         self._joined(path)[rows] = value
 
+    def values(self, column: str) -> np.ndarray:
+        """Return all rows of a column."""
+        path = f"{self.name}/{column}"
+        chunks = [] if path in self.late else [self._stored(path, k) for k in range(self.written // self.chunk)]
+        return np.concatenate([*chunks, self._joined(path)])
+
+    def _stored(self, path: str, k: int) -> np.ndarray:
+        document = self.documents[path]
+        return zarr3.decode(self.ledger.folder.read(self._file(path, k * self.chunk)), document)
+
+    def cut(self, rows: int) -> None:
+        """Take the first rows of the table of a finished store: full chunks stay, the rest waits again."""
+        self.rows, self.written = rows, rows // self.chunk * self.chunk
+        for path in self.documents:
+            first = 0 if path in self.late else self.written // self.chunk
+            parts = [self._stored(path, k) for k in range(first, -(-rows // self.chunk))]
+            self.waiting[path] = [np.concatenate([*self.waiting[path], *parts])[: rows - first * self.chunk]]
+
+    def chunks(self) -> list[str]:
+        """Return the keys of the full chunks in the ledger."""
+        return [f"{self.name}/{k}" for k in range(self.written // self.chunk)]
+
     def derived(self) -> dict[str, bytes]:
         """Return the files of chunks that are not acknowledged, for readers of an unfinished store."""
         return {

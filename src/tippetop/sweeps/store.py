@@ -93,7 +93,7 @@ class SweepStore:
     def finish(self) -> None:
         """Marks the sweep as whole."""
         if not self.ledger.state.seal:
-            self._now(lambda: self.ledger.finish(FINISHED))
+            self._now(lambda: self.ledger.finish(self.ledger.state.changed | FINISHED))
 
 
 def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dict[str, str]]:

@@ -15,7 +15,7 @@ from ..problem import Problem
 from ..progress import reporting
 from ..runs import recording, resuming
 from ..scenario import build
-from ..store import chunks, files, provenance, root, tables
+from ..store import files, provenance, root
 from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
@@ -156,8 +156,7 @@ def whole_run(place: Path, problem: Problem) -> None:
     """Reads every chunk of a finished run in a sweep. Raises StoreError, which says what to do."""
     try:
         _refuse_another(place, problem)
-        for group in ("trajectory", "events"):
-            chunks.verify(tables.read_member(place, group))
+        resuming.opened(place).release()
     except StoreError as error:
         raise StoreError(
             f"`{place}` is not as it was made: {error} Remove it: the same command runs that top again."
@@ -171,17 +170,16 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
         place = runs / str(top)
         if not place.exists():
             recording.record(problem, place, stop=stop)
-        elif root.attributes(place)["status"] == "running":
+        elif root.root_of(place)["status"] == "running":
             _refuse_another(place, problem)
             resuming.resume(place, stop=stop)
         else:
             whole_run(place, problem)
-            recording.tidy(place)
 
 
 def _refuse_another(place: Path, problem: Problem) -> None:
     """Raises StoreError if a run is not the one that the plan makes."""
-    scenario, attrs = root.finite(build.resolved(problem)), root.attributes(place)
+    scenario, attrs = root.finite(build.resolved(problem)), root.root_of(place)
     for name, value in scenario.items():
         if attrs.get(name) != value:
             raise StoreError(f"`{place}` must be the run that the plan makes, but has another `{name}`.")
