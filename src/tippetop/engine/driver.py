@@ -213,10 +213,18 @@ class Driver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps; rows go to the request as they come."""
+        self.empty()
+        return self.proceed(request, most)
+
+    def empty(self) -> None:
+        """Forget samples and passages."""
         self.log.filled[0] = self.samples.filled[0] = 0
+
+    def proceed(self, request: Request, most: int) -> Slice:
+        """Advance, and keep the samples of the slices before this one where they are."""
         tally = self.tally
         before = int(tally["steps"])
-        samples, passages = self._drive(request, most)
+        samples, passages = self.drive(request, most)
         status, last = STATUSES[int(tally["status"])], self.state[None, :]
         if tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
             last = passages.states[-1:]
@@ -225,9 +233,10 @@ class Driver:
         ended = None if status is Status.RUNNING else status
         return Slice(steps, self.reached(passages), last[:, :n].copy(), samples[:, :n], passages, ended)
 
-    def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
-        """Make the steps of a slice. Return samples and passages."""
-        wanted, loop, steps = self.wanted, self.loop, 0
+    def drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
+        """Make at most `most` steps. Return their samples, which stay in place, and their passages."""
+        wanted, loop, log, steps = self.wanted, self.loop, self.log, 0
+        sampled, logged = int(self.samples.filled[0]), int(log.filled[0])
         while True:
             wanted.ask(request)
             left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
@@ -245,12 +254,9 @@ class Driver:
                 request.take(rows.times[first : wanted.made], rows.states[:, first : wanted.made].T)
             if wanted.made == first or wanted.made < len(rows.times):
                 break
-        log, count = self.log, int(self.log.filled[0])
-        columns = [c[:count] for c in (log.time, log.event, log.sign, log.at_pole, log.states)]
-        if count > 0:
-            order = np.argsort(columns[0], kind="stable")
-            columns = [c[order] for c in columns]
-        return self.samples.states[: int(self.samples.filled[0])].copy(), Passages(*columns)
+        order = logged + log.time[logged : int(log.filled[0])].argsort(kind="stable")
+        columns = (c[order] for c in (log.time, log.event, log.sign, log.at_pole, log.states))
+        return self.samples.states[sampled : int(self.samples.filled[0])], Passages(*columns)
 
     def _filling(self, times: np.ndarray, steps: bool) -> Rows:
         """Rows at these times: the same ones as long as these times are wanted."""

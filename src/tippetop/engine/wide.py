@@ -74,7 +74,7 @@ class WideDriver(Driver):
         """The steps of the run."""
         return cast(WideSteps, self.place.stepper)
 
-    def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
+    def drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
         samples: list[np.ndarray] = []
         passages = [self._passages(0, np.zeros(len(self.rows.events)))]
         ends: list[tuple[float, np.ndarray]] = []

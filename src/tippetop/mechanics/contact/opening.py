@@ -11,6 +11,7 @@ from typing import Any
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, PARTS, Law, all_laws, has_parts, is_frictionless
+from ..inlining import inlined
 from ..operand import formula, leaves, refill
 from ..parameter import Parameter
 from ..system import System
@@ -174,7 +175,8 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
     names = (*(event.name for event in phase.events), *((CLOCK,) if regions or phase.label == "flight" else ()))
     exits = tuple(map(way_out, names))
     forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
-    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball)
+    fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
+    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
 
 
 # --- systems --------------------------------------------------------------------------------------

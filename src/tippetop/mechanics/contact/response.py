@@ -5,6 +5,7 @@ Components along e, 2hat, zhat (names without `vector`) are singular at the pole
 
 from typing import NamedTuple
 
+from ..inlining import inlined
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from .body import angular_velocity, arm, arm2, axis_rate, height
 
@@ -26,6 +27,7 @@ class Mobility(NamedTuple):
     tt: Operand  # K_22
 
 
+@inlined
 @formula
 def mobility(s, z, b):
     """K by sin(theta), cos(theta). [contact 1]"""
@@ -96,6 +98,7 @@ def bias(s, z, theta_dot, phi_dot, omega3, b):
     )
 
 
+@inlined
 @formula
 def bias_vector(u, L, b):
     """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free rotation."""
@@ -122,6 +125,7 @@ def contact_acceleration_vector(u, b, F, body):
     return plus(b, mobility_times(u, F, body))
 
 
+@inlined
 @formula
 def jumps(u, p, b):
     """What the impulse p, (3,), adds to the velocity of the centre of mass and to L: p/m and a x p."""

@@ -388,9 +388,9 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
 
     A region is the first, by rising x, whose end is not reached."""
     names = []
-    for b in bodies:
+    for b in bodies if regions else ():
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
-        s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b)) if regions else None
+        s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
         for name, region in regions.items():
             if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
                 names.append(name)
