@@ -35,6 +35,7 @@ EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the s
 FIRST = 256  # steps of a run that are all looked at: a short run has no more
 ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
 STATUSES = {status.code: status for status in Status}
+RUNNING = Status.RUNNING.code
 PLACES = 4  # that a thread keeps of an integrator, 1 MB each of which a short run fills a part
 
 
@@ -185,11 +186,12 @@ class Driver:
         whole, pars = np.zeros(len(compiled.integrator.state), start.dtype), body[: len(compiled.integrator.pars)]
         whole[: len(start)] = start  # the others are integrals of event functions
         if tallies is not None:
-            self.place = place = Place(compiled, self._stepper(whole, pars), rows, tallies, lasting)
+            self.place = place = Place(compiled, self._stepper(), rows, tallies, lasting)
         else:
-            self.place = place = place_for(self, compiled, lambda: self._stepper(whole, pars))
+            self.place = place = place_for(self, compiled, self._stepper)
         self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
         self.motion, self.loop = place.motion, place.loop
+        self.status, self.steps, self.upto, self.time = (self.tallies.lane[n] for n in ("status", "steps", "upto", "t"))
         self.variables, self.number = len(start), start.dtype.type
         self.rows.events[:] = rows.events
         if tallies is None:
@@ -201,9 +203,9 @@ class Driver:
         self.put(whole, (self.number(0), self.number(0)))
         self.end_at(end)
 
-    def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
+    def _stepper(self) -> Stepper:
         """Return new steps of the integrator, in a place of its own."""
-        return stepper_of(self.compiled, state, np.array(pars, float))
+        return stepper_of(self.compiled)
 
     def take(self, pars: Sequence[Any]) -> None:
         """Take the parameters of the integrator."""
@@ -213,50 +215,64 @@ class Driver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps; rows go to the request as they come."""
-        self.empty()
-        return self.proceed(request, most)
+        self.forget()
+        piece = self.proceed(request, most)
+        piece.samples, piece.passages = piece.samples.copy(), Passages(*(c.copy() for c in piece.passages))
+        return piece
 
-    def empty(self) -> None:
+    def forget(self) -> None:
         """Forget samples and passages."""
         self.log.filled[0] = self.samples.filled[0] = 0
 
     def proceed(self, request: Request, most: int) -> Slice:
-        """Advance, and keep the samples of the slices before this one where they are."""
-        tally = self.tally
-        before = int(tally["steps"])
-        samples, passages = self.drive(request, most)
-        status, last = STATUSES[int(tally["status"])], self.state[None, :]
-        if tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
-            last = passages.states[-1:]
-        n, steps = self.variables, int(tally["steps"]) - before
-        passages = passages._replace(states=passages.states[:, :n])
-        ended = None if status is Status.RUNNING else status
-        return Slice(steps, self.reached(passages), last[:, :n].copy(), samples[:, :n], passages, ended)
+        """Advance, but keep the samples and passages before: those of the slice come in the same arrays."""
+        sampled, logged, before = int(self.samples.filled[0]), int(self.log.filled[0]), int(self.steps[0])
+        self._drive(request, most)
+        passages, last, n = self._passages(logged), self.state, self.variables
+        if self.upto[0] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
+            last = passages.states[-1]
+        code, steps = int(self.status[0]), int(self.steps[0]) - before
+        ended = None if code == RUNNING else STATUSES[code]
+        samples = self._sampled(sampled)[:, :n]
+        return Slice(steps, self.reached(passages), last[None, :n].copy(), samples, passages, ended)
 
-    def drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
-        """Make at most `most` steps. Return their samples, which stay in place, and their passages."""
-        wanted, loop, log, steps = self.wanted, self.loop, self.log, 0
-        sampled, logged = int(self.samples.filled[0]), int(log.filled[0])
+    def _drive(self, request: Request, most: int) -> None:
+        """Make the steps of a slice."""
+        wanted, steps = self.wanted, 0
         while True:
             wanted.ask(request)
-            left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
+            left = most - steps if self.status[0] == RUNNING else 0
             if not len(wanted.times):
-                loop.fill(NO_ROWS)
-                loop.drive(left)
+                self._made(NO_ROWS, left)
                 break
             rows = self._filling(wanted.times, request.steps)
             first = wanted.made
             rows.filled[0] = first
-            loop.fill(rows)
-            steps += loop.drive(left)
+            steps += self._made(rows, left)
             wanted.made = int(rows.filled[0])
             if wanted.made > first:
-                request.take(rows.times[first : wanted.made], rows.states[:, first : wanted.made].T)
+                request.take(rows.times[first : wanted.made], self._states(rows, first))
             if wanted.made == first or wanted.made < len(rows.times):
                 break
-        order = logged + log.time[logged : int(log.filled[0])].argsort(kind="stable")
-        columns = (c[order] for c in (log.time, log.event, log.sign, log.at_pole, log.states))
-        return self.samples.states[sampled : int(self.samples.filled[0])], Passages(*columns)
+
+    def _made(self, rows: Rows, most: int) -> int:
+        """Make at most so many steps, and write these rows. Return the number of steps."""
+        self.loop.fill(rows)
+        return self.loop.drive(most)
+
+    def _states(self, rows: Rows, first: int) -> np.ndarray:
+        """Return the states of the rows that the last steps have made, (k, variables), from number `first` on."""
+        return rows.states[:, first : int(rows.filled[0])].T
+
+    def _sampled(self, first: int) -> np.ndarray:
+        """Return the states that were sampled, from number `first` on."""
+        return self.samples.states[first : int(self.samples.filled[0])]
+
+    def _passages(self, first: int) -> Passages:
+        """Return the passages of the log from number `first` on."""
+        log, found = self.log, slice(first, int(self.log.filled[0]))
+        states = log.states[found, : self.variables]
+        return Passages(log.time[found], log.event[found], log.sign[found], log.at_pole[found], states)
 
     def _filling(self, times: np.ndarray, steps: bool) -> Rows:
         """Rows at these times: the same ones as long as these times are wanted."""
@@ -267,7 +283,7 @@ class Driver:
 
     def reached(self, passages: Passages) -> Any:
         """Return the internal time where a slice with these passages has ended."""
-        return float(self.tally["t"])
+        return float(self.time[0])
 
     # --- where the run is -----------------------------------------------------------------------------------------
 

@@ -7,8 +7,9 @@ import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from itertools import compress
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
-from .driver import Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
+from .driver import RUNNING, Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
 from .expressions import Formulas
 from .phase_tables import PhaseTables
 from .sampled import Sampler
@@ -31,7 +32,7 @@ from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bou
 
 
 MOST_CHANGES = 10_000  # of phase in a run
-PER_SLICE = 64  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
+PER_SLICE = 256  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
@@ -139,12 +140,9 @@ class Track:
         return whole
 
 
-class Part(NamedTuple):
-    """States of a phase that become rows of the run."""
-
-    track: Track
-    whole: Sequence  # the integrals of the run, scaled, before the phase moved some
-    states: np.ndarray  # (n, at least the variables of the phase)
+Part = tuple[Track, Sequence, np.ndarray]
+"""States of a phase that become rows of the run: the phase; the integrals of the run, scaled, before it moved some; the
+states, (n, at least the variables of the phase)."""
 
 
 class HybridDriver:
@@ -186,10 +184,12 @@ class HybridDriver:
         self.numbers = {name: k for k, name in enumerate(events)}
         for event in in_phases:
             self.rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
+        numbers = [(place, *number) for place, number in enumerate(self.rows.numbers.tolist())]
+        self.kept = [numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()]
         self.lasting = {name for name, event in events.items() if event.lasting}
         self.tallies = new_tallies(self.rows, 1)
         self.tallies.functions[SIGN] = 0.0  # not known
-        self.beginning = [self.tallies.lane[name] for name in ("status", "upto", "tiny", "steps", "t")]
+        self.beginning = [self.tallies.lane[name] for name in ("upto", "tiny", "steps", "status", "t")]
         self.row_times, self.tables = Wanted(), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
@@ -258,7 +258,7 @@ class HybridDriver:
         self.waits = n.delay > 0 and n.series is None
         self._begin_events(n, track.record._make(q), now, before)
         self.began = float(time)
-        for field, value in zip(self.beginning, (Status.RUNNING.code, 1.0, 0, 0, self.began), strict=True):
+        for field, value in zip(self.beginning, (1.0, 0, 0, RUNNING, self.began), strict=True):
             field[0] = value
         self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 
@@ -270,30 +270,30 @@ class HybridDriver:
 
     def _begin_events(self, n: Next, q: Any, now: Any, before: Part | None) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
-        track, functions, live, signs, zeros = self.track, self.tallies.functions, set(), [], []
+        track, live = self.track, set()
         values = track.formulas.functions(q, self._integrals(), track.b)
         if n.series is not None:
             self._fill(float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now))
-        known_signs = functions[SIGN, track.numbers, 0].tolist()
-        for event, value, known in zip(track.events, values, known_signs, strict=True):
+        signs, zeros = (self.tallies.functions[kind, :, 0] for kind in (SIGN, ON_ZERO))
+        for number, event, value in zip(track.numbers, track.events, values, strict=True):
             name, value = event.name, float(value)
-            by_value, zero = 1.0 if value > 0 else -1.0, 0
+            sign, zero = 1.0 if value > 0 else -1.0, 0
             if name in track.exits:
-                sign = n.sides.get(name, by_value if event.direction == 0 else -event.direction)
+                sign = n.sides.get(name, -event.direction or sign)
                 zero = -n.zeros.get(name, 0)
             elif name in self.live:
-                sign = known if abs(value) < BELOW else by_value
-                if sign != known and n.series is not None:
+                known = signs[number]
+                if abs(value) < BELOW:
+                    sign = known
+                elif sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
                 elif sign != known and before and (event.sense or (event.lasting and sign == event.direction)):
                     self._note(name, now, before, int(sign))  # of theta: it has a corner
-            else:
-                sign, zero = by_value, abs(value) < BELOW
-            if name not in track.exits:
                 live.add(name)
-            signs.append(sign)
-            zeros.append(zero)
-        functions[SIGN, track.numbers, 0], functions[ON_ZERO, track.numbers, 0] = signs, zeros
+            else:
+                zero = abs(value) < BELOW
+                live.add(name)
+            signs[number], zeros[number] = sign, zero
         self.live = live
 
     def _integrals(self) -> Any:
@@ -308,16 +308,11 @@ class HybridDriver:
         self.request, self.steps = request, request.steps
         self.asked: list[tuple[np.ndarray, Part]] = []
         self.samples: list[Part] = []
-        self.log: list[tuple[Passages, Part]] = []
+        self.log: list[tuple[Any, ...]] = []  # the columns of passages, and a part instead of their states
         for track in self.tracks.values():
-            track.driver.empty()
+            track.driver.forget()
         steps, status = 0, None
-        while True:
-            last = self._part(self.state[None])
-            if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
-                when, status = self.end, Status.FINISHED
-                self.tally["upto"] = 0.0
-                break
+        while self.clock[0] < self.end:
             if self.waits:
                 self.waits = False
                 self._fill(self.began, lambda times: self._part(np.repeat(self.state[None], len(times), axis=0)))
@@ -328,22 +323,22 @@ class HybridDriver:
             ending = sampled if sampled and status is Status.FINISHED else self._ending(piece)
             if len(piece.samples):
                 self.samples.append(self._part(piece.samples))
-            count = len(piece.passages.times) - (ending not in (None, CLOCK, sampled))
-            if count:
-                passages = Passages(*(column[:count] for column in piece.passages))
-                self.log.append((passages, self._part(passages.states)))
-            if ending is None and (status is not None or steps >= most or not track.sampler):
+            *columns, states = piece.passages
+            if ending not in (None, CLOCK, sampled):  # the jump logs it
+                *columns, states = (column[:-1] for column in piece.passages)
+            if len(states):
+                self.log.append((*columns, self._part(states)))
+            if ending is not None:
+                status = self._jump(ending, last, when)
+            if status is not None or steps >= most or (self.changes % PER_SLICE == 0 if ending else not track.sampler):
                 break
-            if ending is None:
-                continue
-            status = self._jump(ending, last, when)
-            full = steps >= most or self.changes % PER_SLICE == 0
-            if status is not None or (full and self.clock[0] < self.end):
-                break
+        if status is None:
+            last = self._part(self.state[None])
+            if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
+                when, status = self.end, Status.FINISHED
+                self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        else:
-            last = self._part(self.state[None])
         return self._slice(steps, when, last, status)
 
     def _sample(self) -> str:
@@ -373,7 +368,7 @@ class HybridDriver:
         """Take up what follows the end of a phase in its last state. Return how it ends the run, or None."""
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
-        now, track, state = self.number(when), self.track, last.states[0]
+        now, track, state = self.number(when), self.track, last[2][0]
         self.world.left = self.end - now
         self.whole = track.moved(self.whole, state)
         x = track.phase.leave(track.q(state), track.b)
@@ -412,17 +407,15 @@ class HybridDriver:
         self.asked.append((times, self._part(states)))
 
     def _part(self, states: np.ndarray) -> Part:
-        return Part(self.track, self.whole, states)
+        return self.track, self.whole, states
 
     def _note(self, name: str, time: Any, part: Part, sign: int) -> None:
         """Log an event that no step has logged, in a state of a phase."""
         number = self.numbers[name]
-        one = np.array([number]), np.array([sign]), np.zeros(1, bool)
-        self.log.append((Passages(np.array([time], dtype=self.number), *one, part.states), part))
+        self.log.append((np.array([time]), [number], [sign], [False], part))
         if name in self.lasting:
             self.tally["lasts_since"] = float(time)
-        first, last = self.rows.events[number][["first", "last"]]
-        for place, (what, direction) in enumerate(self.rows.numbers[first:last], first):
+        for place, what, direction in self.kept[number]:
             kept = self.tallies.kept[:, 0]
             if direction * sign < 0:
                 continue
@@ -466,16 +459,16 @@ class HybridDriver:
     def _rows(self, parts: Sequence[Part]) -> np.ndarray:
         """Return the rows of parts, one after another; those of one phase are made together."""
         system, number = self.problem.system, self.number
-        lengths = [len(part.states) for part in parts]
+        lengths = [len(states) for _, _, states in parts]
         rows = np.empty((sum(lengths), self.variables), number)
         moving = self.variables - len(self.whole)
         for track in self.tracks.values():
-            chosen = [part.track is track for part in parts]
+            chosen = [one is track for one, _, _ in parts]
             if not any(chosen):
                 continue
-            alike = [part for part in parts if part.track is track]
-            states = np.concatenate([part.states[:, : track.width].T for part in alike], axis=1)
-            whole = np.repeat(np.array([part.whole for part in alike]).T, [len(p.states) for p in alike], axis=1)
+            _, wholes, pieces = zip(*compress(parts, chosen), strict=True)
+            states = np.concatenate([piece[:, : track.width] for piece in pieces]).T.copy()
+            whole = np.repeat(np.array(wholes).T, list(compress(lengths, chosen)), axis=1)
             whole[track.integrals] = states[track.moving :]
             q, carried = track.record(*states[: track.moving]), self.carried(*(whole * number(1 / INTEGRAL_SCALE)))
             record = system.row(track.phase, q, carried, self.body) if system.row else track.phase.leave(q, track.b)
@@ -487,16 +480,15 @@ class HybridDriver:
 
     def _slice(self, steps: int, when: Any, last: Part, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
-        groups = [part for _, part in self.asked], [part for _, part in self.log], self.samples, [last]
+        groups = [part for _, part in self.asked], [found[-1] for found in self.log], self.samples, [last]
         rows = self._rows([part for group in groups for part in group])
-        ends = np.cumsum([sum(len(part.states) for part in group) for group in groups])
+        ends = np.cumsum([sum(len(states) for _, _, states in group) for group in groups])
         asked, logged, samples, last_row = np.split(rows, ends[:-1])
         if self.asked:
             self.request.take(np.concatenate([times for times, _ in self.asked]), asked)
         none = np.zeros(0, int)
-        empty = np.zeros(0, self.number), none, none, none > 0
-        columns = [empty, *(passages[:-1] for passages, _ in self.log)]
-        passages = Passages(*map(np.concatenate, zip(*columns, strict=True)), logged)
+        columns = zip((np.zeros(0, self.number), none, none, none > 0), *(found[:-1] for found in self.log), strict=True)
+        passages = Passages(*map(np.concatenate, columns), logged)
         return Slice(steps, when, last_row, samples, passages, status, self.tables.take())
 
     # --- where the run is -----------------------------------------------------------------------------------------
