@@ -130,7 +130,7 @@ class Track:
     def state(self, q: Any, whole: Sequence) -> list:
         """Return all variables of the phase, of its state and the integrals of the run, scaled."""
         state = [*q, *(whole[k] for k in self.integrals)]
-        return state + [0 * whole[0]] * (len(self.driver.state) - len(state))
+        return state + [self.driver.number(0)] * (len(self.driver.state) - len(state))
 
     def moved(self, whole: Sequence, state: np.ndarray) -> list:
         """Return the integrals of the run, scaled, of which the phase has moved some."""
