@@ -487,7 +487,9 @@ class HybridDriver:
         if self.asked:
             self.request.take(np.concatenate([times for times, _ in self.asked]), asked)
         none = np.zeros(0, int)
-        columns = zip((np.zeros(0, self.number), none, none, none > 0), *(found[:-1] for found in self.log), strict=True)
+        columns = zip(
+            (np.zeros(0, self.number), none, none, none > 0), *(found[:-1] for found in self.log), strict=True
+        )
         passages = Passages(*map(np.concatenate, columns), logged)
         return Slice(steps, when, last_row, samples, passages, status, self.tables.take())
 

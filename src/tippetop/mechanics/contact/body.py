@@ -249,16 +249,3 @@ def modified_energy_rate(push_u, push_n, s, b):
     """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
     turn = (b.c - b.R * s.z) * s.phi_dot_s2 + b.R * (s.L3 / b.I3) * s.s2
     return b.m * (height(s.z, b) * (s.z_dot * push_u) + turn * push_n) / s.s2
-
-
-@formula
-def vertical_inertia(z, b):
-    """Half of I1 + m c^2 sin(theta)^2 [kg m^2]: the factor of theta'^2 where the reaction is vertical. [section 3.3]"""
-    return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
-
-
-@formula
-def vertical_potential(z, Lz, L3, b):
-    """E - m|r'|^2/2 - vertical_inertia theta'^2 [J], by L_z and L_3 about the centre of mass: without friction both
-    are constant, and this is the effective potential of the nutation."""
-    return height_energy(z, b) + L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * b.I1 * ((1 - z) * (1 + z)))

@@ -6,27 +6,9 @@ horizontal slip w (cos beta e + sin beta 2hat) nothing is singular where the sli
 
 from typing import NamedTuple
 
-from ..operand import Operand, Vector, cos, dot, exp, formula, plus, sin, sqrt
+from ..operand import Operand, Vector, dot, formula, plus, sqrt
 from .body import angular_velocity, contact_velocity
 from .response import Mobility, jumps, mobility
-
-
-class ImpactRates(NamedTuple):
-    """By sigma [kg]: of the direction beta and log w, of v_n, of the normal impulse and of its work."""
-
-    beta: Operand
-    log_w: Operand
-    v_n: Operand
-    impulse: Operand
-    work_n: Operand
-
-
-@formula
-def impact_rates(beta, log_w, v_n, K, mu):
-    """The equations of an impact that slips."""
-    C, S, w = cos(beta), sin(beta), exp(log_w)
-    along, across = K.ez - mu * C * K.ee, -(mu * S * K.tt)
-    return ImpactRates(C * across - S * along, C * along + S * across, w * (K.zz - mu * C * K.ez), w, w * v_n)
 
 
 # --- what arrives -----------------------------------------------------------------------------------------------------

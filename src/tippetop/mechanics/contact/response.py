@@ -10,14 +10,6 @@ from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from .body import angular_velocity, arm, arm2, axis_rate, height
 
 
-class Components(NamedTuple):
-    """Components of a vector along e, 2hat and zhat."""
-
-    e: Operand
-    t: Operand  # along 2hat = zhat x e
-    z: Operand
-
-
 class Mobility(NamedTuple):
     """K: acceleration of the contact point per force there, velocity per impulse [1/kg]; K_e2 = K_2z = 0."""
 
@@ -87,17 +79,6 @@ def other_mobility_inverse_times(u, x, excess, b):
     )
 
 
-@formula
-def bias(s, z, theta_dot, phi_dot, omega3, b):
-    """b, the acceleration of the contact point without a force there [m/s^2]. [contact 1]"""
-    H, q, swing = height(z, b), b.c - b.R * z, theta_dot**2 + (phi_dot * s) ** 2
-    return Components(
-        s * phi_dot * omega3 * (b.I3 * H / b.I1 - b.R) - b.c * (s * swing),
-        omega3 * theta_dot * (b.I3 * q / b.I1 + b.R * z),
-        -b.g - b.c * (z * swing - b.I3 * (phi_dot * omega3 * s**2) / b.I1),
-    )
-
-
 @inlined
 @formula
 def bias_vector(u, L, b):
@@ -111,12 +92,6 @@ def bias_vector(u, L, b):
         spin * turn.y + b.c * (w3 * precession.y - swing * u.y),
         spin * turn.z + b.c * (w3 * precession.z - swing * u.z) - b.g,
     )
-
-
-@formula
-def contact_acceleration(b, K, F):
-    """b + K F, Components [m/s^2]."""
-    return Components(b.e + K.ee * F.e + K.ez * F.z, b.t + K.tt * F.t, b.z + K.ez * F.e + K.zz * F.z)
 
 
 @formula
