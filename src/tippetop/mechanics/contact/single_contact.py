@@ -255,17 +255,17 @@ STICK = ending(
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
     lambda s, b: s.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
 )
+SLIDES = (
+    directed_rates,
+    lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
+    directed_enter,
+    directed_leave,
+)
 DIRECTED_SLIP = phase_of(
     "slip",
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
-    (
-        directed_rates,
-        lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
-        directed_enter,
-        directed_leave,
-        lambda q, b: Reaction(directed_force(q, b)),
-    ),
+    (*SLIDES, lambda q, b: Reaction(directed_force(q, b))),
     work=lambda q, b: -(q.w * dot(direction(q), directed_force(q, b))),
     impulse=lambda q, b: directed_force(q, b).z,
 )
@@ -466,18 +466,7 @@ def directed_acts(q, b):
 
 WITH_PARTS = {
     "slip": slip_under(smooth_friction, (LIFTOFF, TOUCH), lambda omega, b: 0 * omega.z),
-    "directed": loaded_phase(
-        "slip",
-        DIRECTED,
-        (LIFTOFF, TOUCH, STICK),
-        (
-            directed_rates,
-            lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
-            directed_enter,
-            directed_leave,
-        ),
-        directed_acts,
-    ),
+    "directed": loaded_phase("slip", DIRECTED, (LIFTOFF, TOUCH, STICK), SLIDES, directed_acts),
     "roll": without_slip("roll", (LIFTOFF, TOUCH, replace(CONE, formula=loaded_cone)), sticking),
 }
 """The phases of contacts under laws with parts, apart from those of discs."""
