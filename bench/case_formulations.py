@@ -99,7 +99,9 @@ def _inverting(*settings: str) -> Problem:
 
 
 def _system(problem: Problem) -> tuple[list, np.ndarray, list[float]]:
-    sys = equations_of_motion(formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables).rates
+    sys = equations_of_motion(
+        formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
+    ).rates
     return sys, problem.start(), [float(leaf) for leaf in leaves(problem.internal_body)]
 
 

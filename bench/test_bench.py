@@ -37,7 +37,9 @@ def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:
     import heyoka as hy
 
     problem = minimal.problem
-    equations = equations_of_motion(formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables).rates
+    equations = equations_of_motion(
+        formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
+    ).rates
     chosen = equations[: problem.variables.moving]
     function = hy.cfunc([rate for _, rate in chosen], [v for v, _ in chosen])
     pars = [float(leaf) for leaf in _leaves(minimal.body)]

@@ -23,7 +23,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import Solution, solve
-from tippetop.runs.sinks import Memory, Nowhere
+from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
 
 
@@ -334,7 +334,7 @@ def test_rows_at_steps_are_each_there_once(
     integration, memory = Integration(made), Memory()
     of_body = integration.driver.motion.pars
 
-    def spoil(_: Integration) -> None:
+    def spoil(_: object) -> None:
         of_body[3] = np.nan
 
     integration.run(memory, spoil if end == "non-finite" else None)
@@ -369,7 +369,7 @@ def test_slices_of_any_length_are_one_run() -> None:
 
 def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
     integration = Integration(build.load("inverting", None, 0.2))
-    integration.run(Nowhere())
+    integration.run(Memory(keeps_rows=False))
     assert (integration.status, integration.filled) == (Status.FINISHED, 0)
 
 
@@ -378,7 +378,9 @@ def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str)
     """An event function that is a variable plus a number: the same number, to the bit, as heyoka finds at zero."""
     made = build.load(preset, None, 0.1)
     code = driver_of(made).compiled
-    q, _, body, rates = equations_of_motion(formulas_of(made.system, made.form.name, type(made.friction)), made.variables)
+    q, _, body, rates = equations_of_motion(
+        formulas_of(made.system, made.form.name, type(made.friction)), made.variables
+    )
     scalars = made.form.scalars(q, body)
     several = 0
     for event, row in zip(made.system.events, code.rows.events, strict=True):

@@ -65,7 +65,10 @@ class WideSteps(Called):
     def follow(self) -> None:
         """Keep the end of the last step where the loop has: as a sample, as a row."""
         rows = self.records["output"]
-        for filled, kept in ((self.records["samples"].filled[0], self.samples), (rows.filled[0] - self.first, self.rows)):
+        for filled, kept in (
+            (self.records["samples"].filled[0], self.samples),
+            (rows.filled[0] - self.first, self.rows),
+        ):
             if filled > len(kept):
                 kept.append(self.integrator.state.copy())
 
