@@ -171,8 +171,8 @@ class HybridDriver:
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
-        system, number = problem.system, problem.number
-        self.problem, self.stop, self.number = problem, stop, number
+        system, number = problem.system, float if problem.precision == "double" else problem.number
+        self.problem, self.stop, self.number = problem, stop, number  # floats are faster than NumPy's
         self.variables = len(problem.variables.names)
         self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
         self.body, self.phases = _assembled(problem)
