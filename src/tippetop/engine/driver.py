@@ -216,27 +216,19 @@ class Driver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps; rows go to the request as they come."""
         self.forget()
-        piece = self.proceed(request, most)
-        piece.samples, piece.passages = piece.samples.copy(), Passages(*(c.copy() for c in piece.passages))
-        return piece
+        before, n = int(self.steps[0]), self.variables
+        self.drive(request, most)
+        when, last = self.reached()
+        code, steps = int(self.status[0]), int(self.steps[0]) - before
+        ended = None if code == RUNNING else STATUSES[code]
+        passages = Passages(*(column.copy() for column in self.passages()))
+        return Slice(steps, when, last[None, :n].copy(), self.sampled()[:, :n].copy(), passages, ended)
 
     def forget(self) -> None:
         """Forget samples and passages."""
         self.log.filled[0] = self.samples.filled[0] = 0
 
-    def proceed(self, request: Request, most: int) -> Slice:
-        """Advance, but keep the samples and passages before: those of the slice come in the same arrays."""
-        sampled, logged, before = int(self.samples.filled[0]), int(self.log.filled[0]), int(self.steps[0])
-        self._drive(request, most)
-        passages, last, n = self._passages(logged), self.state, self.variables
-        if self.upto[0] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
-            last = passages.states[-1]
-        code, steps = int(self.status[0]), int(self.steps[0]) - before
-        ended = None if code == RUNNING else STATUSES[code]
-        samples = self._sampled(sampled)[:, :n]
-        return Slice(steps, self.reached(passages), last[None, :n].copy(), samples, passages, ended)
-
-    def _drive(self, request: Request, most: int) -> None:
+    def drive(self, request: Request, most: int) -> None:
         """Make the steps of a slice."""
         wanted, steps = self.wanted, 0
         while True:
@@ -264,15 +256,26 @@ class Driver:
         """Return the states of the rows that the last steps have made, (k, variables), from number `first` on."""
         return rows.states[:, first : int(rows.filled[0])].T
 
-    def _sampled(self, first: int) -> np.ndarray:
-        """Return the states that were sampled, from number `first` on."""
-        return self.samples.states[first : int(self.samples.filled[0])]
+    def sampled(self) -> np.ndarray:
+        """Return the states that were sampled, where they are."""
+        return self.samples.states[: int(self.samples.filled[0])]
 
-    def _passages(self, first: int) -> Passages:
-        """Return the passages of the log from number `first` on."""
-        log, found = self.log, slice(first, int(self.log.filled[0]))
+    def passages(self) -> Passages:
+        """Return the passages of the log, where they are."""
+        log, found = self.log, slice(int(self.log.filled[0]))
         states = log.states[found, : self.variables]
         return Passages(log.time[found], log.event[found], log.sign[found], log.at_pole[found], states)
+
+    def drop(self) -> None:
+        """Remove the last passage."""
+        self.log.filled[0] -= 1
+
+    def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
+        """Add a passage that no step has."""
+        log, at = self.log, int(self.log.filled[0])
+        log.time[at], log.event[at], log.sign[at], log.at_pole[at] = time, number, sign, False
+        log.states[at, : len(state)] = state
+        log.filled[0] += 1
 
     def _filling(self, times: np.ndarray, steps: bool) -> Rows:
         """Rows at these times: the same ones as long as these times are wanted."""
@@ -281,9 +284,10 @@ class Driver:
             self.filling = Rows(times, states, filled, steps)
         return self.filling
 
-    def reached(self, passages: Passages) -> Any:
-        """Return the internal time where a slice with these passages has ended."""
-        return float(self.time[0])
+    def reached(self) -> tuple[Any, np.ndarray]:
+        """Return the internal time reached, and the state: of the last passage, if it ended the run within a step."""
+        state = self.log.states[self.log.filled[0] - 1] if self.upto[0] < 1.0 else self.state
+        return float(self.time[0]), state
 
     # --- where the run is -----------------------------------------------------------------------------------------
 

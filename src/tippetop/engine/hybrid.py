@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from itertools import compress
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
-from .driver import RUNNING, Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
+from .driver import RUNNING, STATUSES, Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
 from .expressions import Formulas
 from .phase_tables import PhaseTables
 from .sampled import Sampler
@@ -100,6 +100,7 @@ class Track:
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
         self.driver.wanted = run.row_times
+        self.driver.forget()
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
 
@@ -123,6 +124,11 @@ class Track:
         mark_bounded(records)
         return records
 
+    @property
+    def found(self) -> tuple[int, int]:
+        """The numbers of samples and passages of a slice so far."""
+        return int(self.driver.samples.filled[0]), int(self.driver.log.filled[0])
+
     def q(self, state: np.ndarray) -> Any:
         """Return the record of a state; doubles become floats, which formulas take faster."""
         return self.record._make(state[: self.moving].tolist())
@@ -140,9 +146,12 @@ class Track:
         return whole
 
 
-Part = tuple[Track, Sequence, np.ndarray]
-"""States of a phase that become rows of the run: the phase; the integrals of the run, scaled, before it moved some; the
-states, (n, at least the variables of the phase)."""
+class Span(NamedTuple):
+    """States of a phase that become rows of the run, apart from these states."""
+
+    track: Track
+    whole: Sequence  # the integrals of the run, scaled, before the phase moved some
+    count: int
 
 
 class HybridDriver:
@@ -194,6 +203,7 @@ class HybridDriver:
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[str] = set()
+        self.spans: list[tuple] = []  # the phases of a slice: each, the integrals, and what its track had found before
         self.world = SimpleNamespace(
             body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
             rates=self._rates,
@@ -243,8 +253,8 @@ class HybridDriver:
         b = b or phase.parameters(self.body)
         return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
-    def _enter(self, n: Next, now: Any, before: Part | None) -> None:
-        """Take up what follows a state `before` of the present phase, at an internal time."""
+    def _enter(self, n: Next, now: Any, before: Track | None) -> None:
+        """Take up what follows a phase `before`, at an internal time."""
         track = self.track = self.track_of(n.phase)
         self.world.phase = track.phase
         if n.cause != "":
@@ -256,7 +266,9 @@ class HybridDriver:
         q = track.phase.enter(n.x, track.b)
         track.driver.put(track.state(q, self.whole), (time, 0 * time))
         self.waits = n.delay > 0 and n.series is None
+        found = track.found
         self._begin_events(n, track.record._make(q), now, before)
+        self.spans.append((track, self.whole, *(found if n.series is not None else track.found)))
         self.began = float(time)
         for field, value in zip(self.beginning, (1.0, 0, 0, RUNNING, self.began), strict=True):
             field[0] = value
@@ -268,7 +280,7 @@ class HybridDriver:
         self.until = clock
         self.track.driver.end_at(clock if self.clocked else self.end)
 
-    def _begin_events(self, n: Next, q: Any, now: Any, before: Part | None) -> None:
+    def _begin_events(self, n: Next, q: Any, now: Any, before: Track | None) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
         track, live = self.track, set()
         values = track.formulas.functions(q, self._integrals(), track.b)
@@ -288,7 +300,7 @@ class HybridDriver:
                 elif sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
                 elif sign != known and before and (event.sense or (event.lasting and sign == event.direction)):
-                    self._note(name, now, before, int(sign))  # of theta: it has a corner
+                    self._note(name, now, before, self.last, int(sign))  # of theta: it has a corner
                 live.add(name)
             else:
                 zero = abs(value) < BELOW
@@ -306,40 +318,38 @@ class HybridDriver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps, through as many phases as they take."""
         self.request, self.steps = request, request.steps
-        self.asked: list[tuple[np.ndarray, Part]] = []
-        self.samples: list[Part] = []
-        self.log: list[tuple[Any, ...]] = []  # the columns of passages, and a part instead of their states
+        self.asked: list[tuple[Track, Sequence, np.ndarray, np.ndarray]] = []
         for track in self.tracks.values():
             track.driver.forget()
+        self.spans = [(self.track, self.whole, 0, 0)]
         steps, status = 0, None
         while self.clock[0] < self.end:
             if self.waits:
                 self.waits = False
-                self._fill(self.began, lambda times: self._part(np.repeat(self.state[None], len(times), axis=0)))
-            track, sampled = self.track, self._sample()
-            piece = track.driver.proceed(self, 1 if track.sampler else most - steps)
-            steps += piece.steps
-            when, status, last = piece.time, piece.status, self._part(piece.last)
-            ending = sampled if sampled and status is Status.FINISHED else self._ending(piece)
-            if len(piece.samples):
-                self.samples.append(self._part(piece.samples))
-            *columns, states = piece.passages
+                self._fill(self.began, lambda times: np.repeat(self.state[None], len(times), axis=0))
+            track, sampled, driver = self.track, self._sample(), self.track.driver
+            before = int(driver.steps[0])
+            driver.drive(self, 1 if track.sampler else most - steps)
+            steps += int(driver.steps[0]) - before
+            when, last = driver.reached()
+            self.last = last[: track.width].copy()
+            code = int(driver.status[0])
+            status = None if code == RUNNING else STATUSES[code]
+            ending = sampled if sampled and status is Status.FINISHED else self._ending(status)
             if ending not in (None, CLOCK, sampled):  # the jump logs it
-                *columns, states = (column[:-1] for column in piece.passages)
-            if len(states):
-                self.log.append((*columns, self._part(states)))
+                driver.drop()
             if ending is not None:
-                status = self._jump(ending, last, when)
+                status = self._jump(ending, when)
             if status is not None or steps >= most or (self.changes % PER_SLICE == 0 if ending else not track.sampler):
                 break
         if status is None:
-            last = self._part(self.state[None])
+            track, self.last = self.track, self.state[: self.track.width].copy()
             if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
                 when, status = self.end, Status.FINISHED
                 self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        return self._slice(steps, when, last, status)
+        return self._slice(steps, when, track, status)
 
     def _sample(self) -> str:
         """Let the phase end where a sampled event happens in its next step. Return that event, or nothing."""
@@ -353,22 +363,23 @@ class HybridDriver:
         driver.end_at(first[1])
         return str(first[0])
 
-    def _ending(self, piece: Slice) -> str | None:
+    def _ending(self, status: Status | None) -> str | None:
         """Return the exit by which the present phase ends; None if it does not, or ends the run."""
-        if piece.status is Status.FINISHED:
+        if status is Status.FINISHED:
             return CLOCK if self.clocked else None
-        if piece.status is None or not len(piece.passages.events):
+        log = self.track.driver.log
+        if status is None or not log.filled[0]:
             return None
-        number = int(piece.passages.events[-1])
+        number = int(log.event[log.filled[0] - 1])
         event = self.track.events[self.track.numbers.index(number)]
         ends = self.track.driver.rows.events[number]["ends"]
         return event.name if ends and event.name in self.track.exits else None
 
-    def _jump(self, ending: str, last: Part, when: Any) -> Status | None:
+    def _jump(self, ending: str, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state. Return how it ends the run, or None."""
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
-        now, track, state = self.number(when), self.track, last[2][0]
+        now, track, state = self.number(when), self.track, self.last
         self.world.left = self.end - now
         self.whole = track.moved(self.whole, state)
         x = track.phase.leave(track.q(state), track.b)
@@ -380,7 +391,7 @@ class HybridDriver:
             self.sentence = str(error)
             return Status.STALLED
         for name in n.logged:
-            self._note(name, now + n.logged_after, last, 1)
+            self._note(name, now + n.logged_after, track, state, 1)
         if n.ends:
             self.sentence = n.message
             self.tables.add(float(when), n.rows)
@@ -393,7 +404,7 @@ class HybridDriver:
             self.sentence = f"the contact has changed its phase {MOST_CHANGES} times"
         if self.sentence:
             return Status.STALLED
-        self._enter(n, now, last)
+        self._enter(n, now, track)
         return None
 
     # --- rows -----------------------------------------------------------------------------------------------------
@@ -404,15 +415,12 @@ class HybridDriver:
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
         """Take states of the present phase that were asked for."""
-        self.asked.append((times, self._part(states)))
+        self.asked.append((self.track, self.whole, times, states))
 
-    def _part(self, states: np.ndarray) -> Part:
-        return self.track, self.whole, states
-
-    def _note(self, name: str, time: Any, part: Part, sign: int) -> None:
+    def _note(self, name: str, time: Any, track: Track, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of a phase."""
         number = self.numbers[name]
-        self.log.append((np.array([time]), [number], [sign], [False], part))
+        track.driver.note(time, number, sign, state)
         if name in self.lasting:
             self.tally["lasts_since"] = float(time)
         for place, what, direction in self.kept[number]:
@@ -424,22 +432,22 @@ class HybridDriver:
             elif what == LAST or np.isnan(kept[place]):
                 kept[place] = float(time)
 
-    def _series(self, n: Next, since: np.ndarray) -> Part:
+    def _series(self, n: Next, since: np.ndarray) -> np.ndarray:
         """Return states at times since the beginning of a jump that takes time."""
         t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
         q, carried = n.series(t)
         moved = [carried[k] * INTEGRAL_SCALE for k in self.track.integrals]
         states = [[self.number(one) for one in np.broadcast_to(value, t.shape)] for value in (*q, *moved)]
-        return self._part(np.array(states).T)
+        return np.array(states).T
 
-    def _fill(self, until: float, made: Callable[[np.ndarray], Part]) -> None:
+    def _fill(self, until: float, made: Callable[[np.ndarray], np.ndarray]) -> None:
         """Give the rows that are wanted before a time, at which the present phase makes its first step."""
         while not self.steps:
             self.row_times.ask(self)
             left = self.row_times.left
             count = int(np.searchsorted(left, until))
             if count:
-                self.asked.append((left[:count], made(left[:count])))
+                self.take(left[:count], made(left[:count]))
             self.row_times.made += count
             if count < len(left) or not count:
                 break
@@ -454,44 +462,51 @@ class HybridDriver:
             return float(track.formulas.functions(q, carried, track.b)[k])
 
         t = zero_of(function, known, n.delay)
-        self._note(event.name, now + t, self._series(n, np.array([t])), -int(known))
+        self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(self, parts: Sequence[Part]) -> np.ndarray:
-        """Return the rows of parts, one after another; those of one phase are made together."""
+    def _rows(self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]) -> np.ndarray:
+        """Return the rows of spans, one after another, of states by phase."""
         system, number = self.problem.system, self.number
-        lengths = [len(states) for _, _, states in parts]
-        rows = np.empty((sum(lengths), self.variables), number)
+        counts = [span.count for span in spans]
+        rows = np.empty((self.variables, sum(counts)), number)
         moving = self.variables - len(self.whole)
-        for track in self.tracks.values():
-            chosen = [one is track for one, _, _ in parts]
-            if not any(chosen):
-                continue
-            _, wholes, pieces = zip(*compress(parts, chosen), strict=True)
-            states = np.concatenate([piece[:, : track.width] for piece in pieces]).T.copy()
-            whole = np.repeat(np.array(wholes).T, list(compress(lengths, chosen)), axis=1)
-            whole[track.integrals] = states[track.moving :]
-            q, carried = track.record(*states[: track.moving]), self.carried(*(whole * number(1 / INTEGRAL_SCALE)))
+        for track, pieces in states.items():
+            mine = [span.track is track for span in spans]
+            state = np.concatenate([piece[:, : track.width] for piece in pieces]).T.copy()
+            wholes = np.array([span.whole for span in compress(spans, mine)])
+            whole = np.repeat(wholes.T, list(compress(counts, mine)), axis=1)
+            whole[track.integrals] = state[track.moving :]
+            q, carried = track.record(*state[: track.moving]), self.carried(*(whole * number(1 / INTEGRAL_SCALE)))
             record = system.row(track.phase, q, carried, self.body) if system.row else track.phase.leave(q, track.b)
-            made = np.empty((self.variables, len(q[0])), number)
+            places = np.flatnonzero(np.repeat(mine, counts))
             for k, value in enumerate((*record[:moving], *whole)):
-                made[k] = value
-            rows[np.repeat(chosen, lengths)] = made.T
-        return rows
+                rows[k, places] = value
+        return rows.T
 
-    def _slice(self, steps: int, when: Any, last: Part, status: Status | None) -> Slice:
+    def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
-        groups = [part for _, part in self.asked], [found[-1] for found in self.log], self.samples, [last]
-        rows = self._rows([part for group in groups for part in group])
-        ends = np.cumsum([sum(len(states) for _, _, states in group) for group in groups])
-        asked, logged, samples, last_row = np.split(rows, ends[:-1])
-        if self.asked:
-            self.request.take(np.concatenate([times for times, _ in self.asked]), asked)
-        none = np.zeros(0, int)
-        columns = zip(
-            (np.zeros(0, self.number), none, none, none > 0), *(found[:-1] for found in self.log), strict=True
-        )
-        passages = Passages(*map(np.concatenate, columns), logged)
-        return Slice(steps, when, last_row, samples, passages, status, self.tables.take())
+        asked = [Span(track, whole, len(times)) for track, whole, times, _ in self.asked]
+        samples, logged, ends = [], [], {track: track.found for track in self.tracks.values()}
+        for of, whole, *found in reversed(self.spans):
+            samples.append(Span(of, whole, ends[of][0] - found[0]))
+            logged.append(Span(of, whole, ends[of][1] - found[1]))
+            ends[of] = found
+        groups = asked, samples[::-1], logged[::-1], [Span(track, self.whole, 1)]
+        found, states = {}, {}
+        for one in self.tracks.values():
+            passages, own = one.driver.passages(), [states for of, _, _, states in self.asked if of is one]
+            pieces = [*own, one.driver.sampled(), passages.states, *([self.last[None]] if one is track else [])]
+            states |= {one: pieces} if any(map(len, pieces)) else {}
+            found[one] = passages
+        rows = self._rows([span for group in groups for span in group], states)
+        parts = np.split(rows, np.cumsum([sum(span.count for span in group) for group in groups])[:-1])
+        if asked:
+            self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
+        owners = [list(found).index(span.track) for span in groups[2] for _ in range(span.count)]
+        order = np.argsort(np.argsort(owners, kind="stable"))
+        columns = [np.concatenate(column)[order] for column in zip(*(p[:-1] for p in found.values()), strict=True)]
+        passages = Passages(*columns, parts[2])
+        return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
 
     # --- where the run is -----------------------------------------------------------------------------------------
 
@@ -522,7 +537,7 @@ class HybridDriver:
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([self._part(self.state[None])])
+        return self._rows([Span(self.track, self.whole, 1)], {self.track: [self.state[None]]})
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""

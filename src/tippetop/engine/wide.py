@@ -31,15 +31,13 @@ class WideSteps(Called):
     """
 
     end: Any = None  # internal time of the end of the run
+    samples: list[np.ndarray]
+    times: list[Any]  # of the log, and states there
+    states: list[np.ndarray]
 
     def begin(self) -> None:
-        """Forget the rows that were kept; and samples and zeros, if the loop has none any more."""
+        """Forget the rows that were kept."""
         self.rows: list[np.ndarray] = []
-        if self.records["samples"].filled[0] == 0:
-            self.samples: list[np.ndarray] = []
-        if self.records["log"].filled[0] == 0:
-            self.times: list[Any] = []
-            self.states: list[np.ndarray] = []
         self.first = int(self.records["output"].filled[0])
 
     def step(self, motion: Motion) -> None:
@@ -121,18 +119,32 @@ class WideDriver(Driver):
     def _states(self, rows: Rows, first: int) -> np.ndarray:
         return np.array(self.stepper.rows)[:, : self.variables]
 
-    def _sampled(self, first: int) -> np.ndarray:
-        return np.array(self.stepper.samples[first:], self.number).reshape(-1, len(self.state))
+    def forget(self) -> None:
+        super().forget()
+        self.stepper.samples, self.stepper.times, self.stepper.states = [], [], []
 
-    def _passages(self, first: int) -> Passages:
-        log, found = self.log, slice(first, int(self.log.filled[0]))
-        times, states = (np.array(kept[found], self.number) for kept in (self.stepper.times, self.stepper.states))
-        states = states.reshape(len(times), len(self.state))[:, : self.variables]
-        return Passages(times, log.event[found], log.sign[found], log.at_pole[found], states)
+    def sampled(self) -> np.ndarray:
+        return np.array(self.stepper.samples, self.number).reshape(-1, len(self.state))
 
-    def reached(self, passages: Passages) -> Any:
-        """Return the internal time where a slice with these passages has ended."""
-        return passages.times[-1] if self.tally["upto"] < 1.0 else self.stepper.integrator.time
+    def passages(self) -> Passages:
+        times, states = (np.array(kept, self.number) for kept in (self.stepper.times, self.stepper.states))
+        states = states.reshape(len(times), len(self.state))
+        return super().passages()._replace(times=times, states=states[:, : self.variables])
+
+    def drop(self) -> None:
+        super().drop()
+        self.stepper.times.pop()
+        self.stepper.states.pop()
+
+    def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
+        super().note(float(time), number, sign, state.astype(float))
+        self.stepper.times.append(time)
+        self.stepper.states.append(np.concatenate([state, self.state[len(state) :]]))
+
+    def reached(self) -> tuple[Any, np.ndarray]:
+        within = self.upto[0] < 1.0
+        time = self.stepper.times[-1] if within else self.stepper.integrator.time
+        return time, self.stepper.states[-1] if within else self.state
 
     @property
     def clock(self) -> tuple[Any, Any]:
