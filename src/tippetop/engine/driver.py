@@ -191,7 +191,8 @@ class Driver:
             self.place = place = place_for(self, compiled, self._stepper)
         self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
         self.motion, self.loop = place.motion, place.loop
-        self.status, self.steps, self.upto, self.time = (self.tallies.lane[n] for n in ("status", "steps", "upto", "t"))
+        names = "status", "steps", "upto", "tiny", "t"
+        self.status, self.steps, self.upto, self.tiny, self.time = (self.tallies.lane[name] for name in names)
         self.variables, self.number = len(start), start.dtype.type
         self.rows.events[:] = rows.events
         if tallies is None:

@@ -198,7 +198,6 @@ class HybridDriver:
         self.lasting = {name for name, event in events.items() if event.lasting}
         self.tallies = new_tallies(self.rows, 1)
         self.tallies.functions[SIGN] = 0.0  # not known
-        self.beginning = [self.tallies.lane[name] for name in ("upto", "tiny", "steps", "status", "t")]
         self.row_times, self.tables = Wanted(), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
@@ -270,8 +269,9 @@ class HybridDriver:
         self._begin_events(n, track.record._make(q), now, before)
         self.spans.append((track, self.whole, *(found if n.series is not None else track.found)))
         self.began = float(time)
-        for field, value in zip(self.beginning, (1.0, 0, 0, RUNNING, self.began), strict=True):
-            field[0] = value
+        driver = track.driver
+        driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
+        driver.time[0] = self.began
         self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 
     def _set_clock(self, clock: Any) -> None:
