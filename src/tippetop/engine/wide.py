@@ -156,7 +156,7 @@ class WideDriver(Driver):
         """All that is integrated."""
         return self.stepper.integrator.state
 
-    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
         ta = self.stepper.integrator
         ta.state[:], ta.dtime = state, clock

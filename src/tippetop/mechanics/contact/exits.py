@@ -86,14 +86,15 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
 
 
 @lru_cache
-def law_under(record: type, system: System) -> Law:
+def law_under(record: Any, system: System) -> Law:
     """Return the law of a record in a system."""
     return named(record, system.laws)[1]  # type: ignore[index]
 
 
 def law_of(world: Any) -> Law:
     """Return the law of the contact."""
-    return law_under(type(world.body[0].friction), world.system)
+    record: Any = type(world.body[0].friction)
+    return law_under(record, world.system)
 
 
 def point(x: Moving, b: Touch) -> Vector:
