@@ -472,7 +472,7 @@ class HybridDriver:
         moving = self.variables - len(self.whole)
         for track, pieces in states.items():
             mine = [span.track is track for span in spans]
-            state = np.concatenate([piece[:, : track.width] for piece in pieces]).T.copy()
+            state = np.concatenate([piece.T[: track.width] for piece in pieces], axis=1)
             wholes = np.array([span.whole for span in compress(spans, mine)])
             whole = np.repeat(wholes.T, list(compress(counts, mine)), axis=1)
             whole[track.integrals] = state[track.moving :]
