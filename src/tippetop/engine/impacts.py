@@ -304,7 +304,7 @@ class LoadedImpacts:
         motions = loaded.stretches(law)
         while self.left > 0:
             rests = self.region == loaded.REST
-            if not rests and (passed == "stops" or loaded.is_slow(law, q, b)):
+            if not rests and loaded.is_slow(law, q, b, passed == "stops"):
                 q, passed, span = loaded.stopped(law, q, b), "", LOADED_SPAN
                 self.region, self.mode, rests = loaded.REST, "stick", True
                 by = motions[loaded.REST].acts(q, b)
@@ -337,7 +337,7 @@ class LoadedImpacts:
 
     def _slid(self, q: Any, by: Any) -> Any:
         """Return the motion where friction can no longer hold the contact."""
-        q = loaded.slide(self.law, loaded.stretches(self.law)[""] if not self.law.regions else None, q, by, self.b)
+        q = loaded.slide(self.law, loaded.stretches(self.law).get(""), q, by, self.b)
         self.region, self.mode = loaded.region_at(self.law, q, self.b), "slip"
         return q
 
@@ -347,11 +347,12 @@ class LoadedImpacts:
             formulas = loaded_formulas(stretch, self.law.record)
             self.drivers[self.region] = driver_of(formulas, self.precision, self.stop)
         driver = self.drivers[self.region]
-        signs = [-event.direction for event in stretch.events]
-        zeros = [-float(event.name == passed) for event in stretch.events]
-        for k, event in enumerate(stretch.events):
-            if event.name == "slowest" and (passed == event.name or event.formula(q, by, self.b) >= 0):
-                signs[k] = 1
+        signs, zeros = [], []
+        for event in stretch.events:
+            beyond = event.name == passed if event.name in ("stops", "slowest") else False
+            grows = event.name == "slowest" and event.formula(q, by, self.b) >= 0
+            signs.append(event.direction if beyond or grows else -event.direction)
+            zeros.append(-float(event.name == passed))
         driver.take(leaves(self.b)[: len(driver.motion.pars)])
         return piece_of(driver, q, signs, zeros, CLOCK_RATE * end, self.left)
 
@@ -385,9 +386,12 @@ class Impacts:
         if self.loaded:
             b = b._replace(clearance=(), lever=())
             pressed, q = self.loaded.struck(x.u, x.L, a.v, b, e_n)
-            works = q.work_n, q.work_t, pressed.work_n, self.loaded.mode
-            p = a.e.x * q.px + a.e.y * q.py, a.e.x * q.py - a.e.y * q.px, q.p_z
-            impact, twist = Impact(*p, *a.v, *works), Vector(q.tx, q.ty, q.tz)
+            p, after = (
+                (a.e.x * x + a.e.y * y, a.e.x * y - a.e.y * x, z)
+                for x, y, z in ((q.px, q.py, q.p_z), (q.vx, q.vy, q.v_n))
+            )
+            works = q.work_n, q.work_t, pressed.work_n
+            impact, twist = Impact._make((*p, *after, *works, self.loaded.mode, 0, 0)), Vector(q.tx, q.ty, q.tz)
         elif self.is_dry:
             impact = struck(*v, a.K, getattr(b.friction, "mu", 0 * b.m), e_n, self.restitution)
         elif self.law.regions:

@@ -142,18 +142,19 @@ def new_stretches(law: Law) -> dict[str, Stretch]:
     at_rest = {REST: stretch(None, (), ())}
     if not law.regions:
         slow = stops(lambda q, by, b: sqrt(q.vx**2 + q.vy**2) - STOPS_AT)
-        events = (slow,) if law.set_valued else ()
-        return {"": stretch(smooth_friction, events, (), law.set_valued), **at_rest}
-    some = {}
+        ends = (slow,) if law.set_valued else ()
+        return {"": stretch(smooth_friction, ends, (), law.set_valued), **at_rest}
+    some, torque = {}, law.torque
+    assert torque is not None
     for name, region in law.regions.items():
-        ends = [way for way in region.borders if way.event != "slow"]
+        borders = [way for way in region.borders if way.event != "slow"]
         events = (
             stops(lambda q, by, b: RESTS.formula(speeds(by, b), b.touch)),
             Event("slowest", "slip begins to grow", growth, 1, "slowest"),
-            *(Event(way.event, "", border(way), way.direction, way.event) for way in ends),
+            *(Event(way.event, "", border(way), way.direction, way.event) for way in borders),
         )
-        friction = disc_friction(region.drag, law.torque)
-        some[name] = stretch(friction, events, tuple((way.event, way.follows) for way in ends))
+        friction = disc_friction(region.drag, torque)
+        some[name] = stretch(friction, events, tuple((way.event, way.follows) for way in borders))
     return some | at_rest
 
 
@@ -165,11 +166,11 @@ def border(way: Any) -> Callable:
 # --- stops, and what follows them -----------------------------------------------------------------
 
 
-def is_slow(law: Law, q: Any, b: Any) -> bool:
-    """Return whether the contact rests, or is about to."""
+def is_slow(law: Law, q: Any, b: Any, stops: bool) -> bool:
+    """Return whether the contact rests, or is about to, as it is where its slip has just stopped."""
     if law.regions:
-        return bool(b.touch.friction.mu > 0 and speed2(q, b) <= rest_speed2(b.touch))
-    return bool(law.set_valued and speed2(q, b) <= STOPS_AT**2)
+        return bool(b.touch.friction.mu > 0 and (stops or speed2(q, b) <= rest_speed2(b.touch)))
+    return bool(law.set_valued and (stops or speed2(q, b) <= STOPS_AT**2))
 
 
 def speed2(q: Any, b: Any) -> Any:
@@ -192,8 +193,9 @@ def left(law: Law, by: Acts, b: Any) -> Any:
     return friction.mu - sqrt(by.force.x**2 + by.force.y**2)
 
 
-def slide(law: Law, stretch: Stretch, q: Any, by: Acts, b: Any) -> Any:
-    """Return the motion where a contact at rest begins to slide; `by` is what would hold it."""
+def slide(law: Law, stretch: Any, q: Any, by: Acts, b: Any) -> Any:
+    """Return the motion where a contact at rest begins to slide; `by` is what would hold it,
+    `stretch` the motion of sliding under a law without regions."""
     if law.regions:
         v, edge = direction(by.force, by.torque.z, b.touch.friction)
         speed = 2 * sqrt(rest_speed2(b.touch))
