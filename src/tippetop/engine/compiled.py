@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .code_cache import compiled_once
-from .expressions import Formulas, equations_of_motion, formulas_of
+from .expressions import Formulas, equations_of_motion
 from .loop import new_motion
 from .opt_level import opt_level
 from .stepper import Called, Loaded, Stepper, call, is_fused, load
@@ -48,20 +47,6 @@ class Compiled(NamedTuple):
 
 HUGE = 100_000  # terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
-
-
-def compiled(
-    system: System,
-    form_name: str,
-    friction: Any,
-    precision: str,
-    tolerance: float,
-    lanes: int,
-    compact: bool,
-    orientation: bool,
-) -> Compiled:
-    """Return `compiled_from` the formulas of a system in a form, with the type of the record of a friction law."""
-    return compiled_from(formulas_of(system, form_name, friction), precision, tolerance, lanes, compact, orientation)
 
 
 @lru_cache(maxsize=MOST_COMPILED)

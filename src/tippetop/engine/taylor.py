@@ -82,7 +82,8 @@ def new_driver(
     Driver
     """
     code = code_for(problem, formulas_of(system, form.name, body.friction.__class__), stop)
-    rows = looked_for(code.rows, system.events, problem.events, stops=problem.on_liftoff != "continue")
+    watched = (not event.sense or event.name in problem.events for event in system.events)  # turnings are many
+    rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
     return kind_of_driver(problem)(code, rows, leaves(body), start, functions, internal_end(problem))
 
 
