@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from .compilation import entry, kernel
-from .level_crossings import Level, band_of, crossings, swing
+from .compilation import entry, inlined, kernel
+from .level_crossings import Level, band_of, swing
 from .minimise import AT_REST, MOST_EXTREMES, NEARLY, Status, clipped, extremes, factor, lowest, minimise, settled
 from .staging import BLOCK, first, get, put, second, third, width
 
@@ -17,9 +17,8 @@ from .staging import BLOCK, first, get, put, second, third, width
 STAGED = 8  # doubles that a stage may hand to the next
 STEPS = 2  # of Halley, for every point: almost all points of a dense grid are then at rest
 BLOCK_STEP_IN_POINTS = 64  # a step of one point by itself costs as much as that of so many in a block
-ROWS_BETWEEN_GUESSES = (
-    32  # rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid
-)
+ROWS_BETWEEN_GUESSES = 32
+"""Rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid."""
 
 
 @kernel
@@ -77,19 +76,25 @@ def carried_on(near, far, ahead, q):
         q[j] = clipped((near[j] + step if small else near[j] * far[j]) / (1.0 if small else far[j] - step))
 
 
+@inlined
+def staged(whole, like, r, q, points, stages):
+    """Work the first two stages of a formula at q of the points of a block. Return a result of the second."""
+    one = first(whole, 1.0, like, r)
+    for j in range(q.size):
+        put(stages, j, first(whole, q[j], get(points, j, like), r))
+    for j in range(q.size):
+        put(stages, j, second(whole, get(stages, j, one), q[j], get(points, j, like), r))
+    return second(whole, one, 1.0, like, r)
+
+
 @kernel
 def steps(slopes, like, r, q, last, points, stages, count, enough):
     """Steps q of the points of a block until most are at rest; those that are stay, whatever their neighbours do."""
     n = restless = q.size
-    one = first(slopes, 1.0, like, r)
-    two = second(slopes, one, 1.0, like, r)
     for step in range(8):
         if step >= count and BLOCK_STEP_IN_POINTS * restless <= n:
             break
-        for j in range(n):
-            put(stages, j, first(slopes, q[j], get(points, j, like), r))
-        for j in range(n):
-            put(stages, j, second(slopes, get(stages, j, one), q[j], get(points, j, like), r))
+        two = staged(slopes, like, r, q, points, stages)
         restless = 0
         for j in range(n):
             g1, g2, g3 = third(slopes, get(stages, j, two), q[j], get(points, j, like), r)
@@ -103,12 +108,7 @@ def steps(slopes, like, r, q, last, points, stages, count, enough):
 @kernel
 def values(value, like, r, q, F, points, stages):
     """The values at q of the points of a block."""
-    one = first(value, 1.0, like, r)
-    two = second(value, one, 1.0, like, r)
-    for j in range(q.size):
-        put(stages, j, first(value, q[j], get(points, j, like), r))
-    for j in range(q.size):
-        put(stages, j, second(value, get(stages, j, one), q[j], get(points, j, like), r))
+    two = staged(value, like, r, q, points, stages)
     for j in range(q.size):
         F[j] = third(value, get(stages, j, two), q[j], get(points, j, like), r)
 
@@ -134,7 +134,9 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
     p = prepare(x, y, r)
     count = 1
     if several:
-        q[0], count = lowest(slopes, value, p, r)
+        turns = np.full(MOST_EXTREMES, np.nan)
+        count = (extremes(slopes, p, r, turns) + 1) // 2
+        q[0] = turns[2 * lowest(value, turns, 0, count - 1, p, r)]
     else:
         q[0] = settled(slopes, clipped(guess(p, r)) if anew else q[0], p, r)
         if np.isnan(q[0]):
@@ -264,7 +266,7 @@ def turnings(prepare, guess, slopes, value, ends, excess, bend):
             out = F[k], q[k], how
             row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, *out, *steps)
             p = prepare(xs[i], ys[i], r)
-            low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
+            low[i], high[i], status[i], _, _ = band_of(excess, q[k], 1, 0, levels[i], allowance, p, r)
             bends[i] = bend(q[i], p, r)
 
     return turnings
@@ -279,24 +281,24 @@ def wells(prepare, slopes, value, excess, bend):
 
     @entry
     def wells(allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status):
-        turns = np.empty(MOST_EXTREMES)
+        turns = np.full(MOST_EXTREMES, np.nan)
         for i in range(xs.size):
             low[i] = high[i] = other[0, i] = other[1, i] = q[i] = F[i] = bends[i] = np.nan
             status[i] = Level.UNDEFINED
-            if not (np.isfinite(xs[i]) and np.isfinite(ys[i]) and np.isfinite(levels[i])):
+            if not np.isfinite(xs[i] + ys[i] + levels[i]):
                 continue
             p = prepare(xs[i], ys[i], r)
             count = extremes(slopes, p, r, turns)
             minima = (count + 1) // 2
             if np.isnan(at[i]):
-                well = _lowest(value, turns, 0, minima - 1, p, r)
+                well = lowest(value, turns, 0, minima - 1, p, r)
             else:
                 well = 0
                 while well + 1 < minima and at[i] > turns[2 * well + 1]:
                     well += 1
             band = band_of(excess, turns, count, well, levels[i], allowance, p, r)
             low[i], high[i], status[i], first, last = band
-            k = _lowest(value, turns, first, last, p, r)
+            k = lowest(value, turns, first, last, p, r)
             q[i] = turns[2 * k]
             F[i], bends[i] = value(q[i], p, r), bend(q[i], p, r)
             for another in range(minima):
@@ -306,17 +308,6 @@ def wells(prepare, slopes, value, excess, bend):
                         other[0, i], other[1, i] = band[0], band[1]
 
     return wells
-
-
-@kernel
-def _lowest(value, turns, first, last, p, r):
-    """Which of the minima from `first` to `last` is the lowest."""
-    best, least = first, np.inf
-    for k in range(first, last + 1):
-        V = value(turns[2 * k], p, r)
-        if least > V:
-            best, least = k, V
-    return best
 
 
 def periods(prepare, excess, inertia):
