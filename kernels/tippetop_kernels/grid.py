@@ -2,7 +2,6 @@
 
 import itertools
 import os
-import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -186,7 +185,7 @@ def heights(prepare, guess, slopes, value, ends):
 
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
-    """Calls work(slice of rows) on all threads, this one among them; kernels release the interpreter's lock.
+    """Call work(slice of rows) on all threads; kernels release the interpreter's lock.
 
     Slices begin at multiples of `ROWS_BETWEEN_GUESSES` and shrink towards the end: a call takes 40 us to unpack its
     records, and no thread should wait long for another. Not numba's prange: it does not take records of records, and
@@ -200,22 +199,9 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
     while end < rows:
         end += max(1, (rows - end) // (2 * threads * ROWS_BETWEEN_GUESSES)) * ROWS_BETWEEN_GUESSES
         ends.append(min(end, rows))
-    pieces = (slice(*pair) for pair in itertools.pairwise(ends))
-    lock = threading.Lock()
-
-    def take() -> None:
-        while True:
-            with lock:
-                piece = next(pieces, None)
-            if piece is None:
-                return
-            work(piece)
-
-    with ThreadPoolExecutor(threads - 1) as pool:
-        helpers = [pool.submit(take) for _ in range(threads - 1)]
-        take()
-        for helper in helpers:
-            helper.result()
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in pool.map(work, itertools.starmap(slice, itertools.pairwise(ends))):
+            pass
 
 
 def gradients(prepare, gradient):

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
+from ..awaiting import awaited
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .code_cache import compiled_once
@@ -47,6 +48,36 @@ class Compiled(NamedTuple):
 
 HUGE = 100_000  # terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
+
+
+def awaited_once(make: Callable, key: tuple, text: str, stop: threading.Event | None = None) -> Any:
+    """Return `make(*key)`, which is cached; the first time, wait for it on a thread.
+
+    Parameters
+    ----------
+    make
+        A cached function.
+    key
+        Its arguments.
+    text
+        What is waited for.
+    stop
+        Set it to give up.
+
+    Raises
+    ------
+    Interrupted
+        If `stop` is set meanwhile.
+    """
+    if (make, key) not in _known:  # a thread takes 0.1 ms
+        awaited(lambda: make(*key), text, stop)
+        if len(_known) >= MOST_COMPILED:  # some may have gone since
+            _known.clear()
+        _known.add((make, key))
+    return make(*key)
+
+
+_known: set[tuple] = set()  # what this process has compiled
 
 
 @lru_cache(maxsize=MOST_COMPILED)

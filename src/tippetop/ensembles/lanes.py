@@ -4,16 +4,17 @@ No lane sees another: a top's numbers depend on its own only.
 """
 
 from collections.abc import Callable, Collection
+
 import numpy as np
 
-from ..awaiting import awaited
-from ..engine.compiled import compiled_from, stepper_of
+from ..engine.compiled import stepper_of
 from ..engine.expressions import formulas_of
 from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import LANE_RECORD, EventRows, StopRules, looked_for, new_log, new_samples, new_tallies
+from ..engine.taylor import compiled_when
 from ..mechanics.events import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
@@ -45,8 +46,7 @@ class Lanes:
     def __init__(self, tops: Problems, lanes: int = LANES, wanted: Collection[str] | None = None, every: int = EVERY):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
-        options = "double", base.tolerance, lanes, False, tops.orientation
-        code = awaited(lambda: compiled_from(formulas, *options), "the equations are being compiled")
+        code = compiled_when((formulas, "double", base.tolerance, lanes, False, tops.orientation))
         self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
