@@ -23,7 +23,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import Solution, solve
-from tippetop.runs.sinks import Memory, Nowhere
+from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
 
 
@@ -337,7 +337,7 @@ def test_rows_at_steps_are_each_there_once(
     integration, memory = Integration(made), Memory()
     of_body = integration.driver.motion.pars
 
-    def spoil(_: Integration) -> None:
+    def spoil(_: object) -> None:
         of_body[3] = np.nan
 
     integration.run(memory, spoil if end == "non-finite" else None)
@@ -372,7 +372,7 @@ def test_slices_of_any_length_are_one_run() -> None:
 
 def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
     integration = Integration(build.load("inverting", None, 0.2))
-    integration.run(Nowhere())
+    integration.run(Memory(keeps_rows=False))
     assert (integration.status, integration.filled) == (Status.FINISHED, 0)
 
 
