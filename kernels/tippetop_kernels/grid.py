@@ -238,40 +238,20 @@ def potentials(prepare, slopes, value):
     return potentials
 
 
-def turnings(prepare, guess, slopes, value, ends, excess, bend):
-    """Return the kernel of the minimum, the crossings around it, and a Level at points (xs, ys, levels).
+def turnings(prepare, slopes, value, excess, bend):
+    """Return the kernel of a minimum, the crossings around it, and a Level at points (xs, ys, levels).
 
-    All arrays are (n,).
+    It takes the minimum in whose basin `at` lies, the lowest where it is NaN; then the lowest that the band contains.
+    It fills `other` (2, n) with the crossings of a band elsewhere. All other arrays are (n,).
     """
 
     @entry
-    def turnings(several, allowance, xs, ys, levels, r, low, high, q, F, bends, status):
-        how, steps = np.empty(1, np.int8), (STEPS, AT_REST, (ys, ys, 0.0))
-        for i in range(xs.size):
-            k = slice(i, i + 1)
-            out = F[k], q[k], how
-            row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, *out, *steps)
-            p = prepare(xs[i], ys[i], r)
-            low[i], high[i], status[i], _, _ = band_of(excess, q[k], 1, 0, levels[i], allowance, p, r)
-            bends[i] = bend(q[i], p, r)
-
-    return turnings
-
-
-def wells(prepare, slopes, value, excess, bend):
-    """Return the kernel of `turnings` for functions of several minima.
-
-    It takes the minimum in whose basin `at` (n,) lies, the lowest where it is NaN; then the lowest that the band
-    contains. It fills `other` (2, n) with the crossings of a band elsewhere.
-    """
-
-    @entry
-    def wells(allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status):
+    def turnings(allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status):
         turns = np.full(MOST_EXTREMES, np.nan)
         for i in range(xs.size):
             low[i] = high[i] = other[0, i] = other[1, i] = q[i] = F[i] = bends[i] = np.nan
             status[i] = Level.UNDEFINED
-            if not np.isfinite(xs[i] + ys[i] + levels[i]):
+            if not np.isfinite(xs[i] + ys[i]):
                 continue
             p = prepare(xs[i], ys[i], r)
             count = extremes(slopes, p, r, turns)
@@ -293,7 +273,7 @@ def wells(prepare, slopes, value, excess, bend):
                     if band[2] != Level.BELOW:
                         other[0, i], other[1, i] = band[0], band[1]
 
-    return wells
+    return turnings
 
 
 def periods(prepare, excess, inertia):
