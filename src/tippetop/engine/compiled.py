@@ -110,12 +110,12 @@ def compiled_from(
     """
     number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
     q, carried, body, equations = equations_of_motion(formulas, variables)
-    sources = []
+    sources, of_integrals = [], [integral.of or None for integral in variables.integrals]
     for e, (event, formula) in enumerate(zip(formulas.events, formulas.functions(q, carried, body), strict=True)):
         function = hy.expression(0.0) + formula
         source = _source(function, equations, partial(_at_zero, e, formulas, variables))
-        if not source and event.extremes and (integral := _integral_of(e, formulas, variables)):
-            source = integral, 1, INTEGRAL_SCALE, 0.0
+        if not source and event.extremes in of_integrals:
+            source = variables.moving + of_integrals.index(event.extremes), 1, INTEGRAL_SCALE, 0.0
         sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
         if not source:
             equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
@@ -159,28 +159,6 @@ def _at_zero(e: int, formulas: Formulas, variables: Variables, index: int) -> fl
     state[index] = 0.0
     with np.errstate(all="ignore"):  # the others mean nothing
         return float(formulas.functions(*variables.split(list(state)), formulas.body(repeat(1.0)))[e])
-
-
-STATES = 3  # at which a rate is compared
-ALIKE = 1e-11  # relative: formulas of one quantity differ by rounding, others do not agree in so many digits
-
-
-def _integral_of(e: int, formulas: Formulas, variables: Variables) -> int:
-    """Index of the integral whose rate is an event function, if it is written in other words: their values agree for
-    random bodies in random states. 0 if there is none. So the normal force, which is dear, is not integrated twice."""
-    if formulas.sample is None:
-        return 0
-    random = np.random.default_rng(len(variables.names))
-    alike = np.ones(len(variables.integrals), bool)
-    for _ in range(STATES):
-        numbers = iter(random.uniform(0.5, 1.0, 100).tolist())
-        with np.errstate(all="ignore"):
-            q, body = formulas.sample(numbers)
-            carried = variables.carried(*(next(numbers) for _ in variables.integrals))
-            wanted = float(formulas.functions(q, carried, body)[e])
-            rates = np.array([float(integral.rate(q, carried, body)) for integral in variables.integrals])
-        alike &= np.abs(rates - wanted) <= ALIKE * abs(wanted)
-    return variables.moving + int(np.argmax(alike)) if alike.any() else 0
 
 
 def _machine(integrator: Any) -> Loaded | None:
