@@ -57,7 +57,7 @@ class WideSteps(Called):
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
             motion.tc[:, :, 0] = ta.tc
-            if not np.isfinite(motion.tc.sum()):
+            if not np.abs(motion.tc).max() < LARGEST:
                 motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
 
     def follow(self) -> None:
