@@ -211,12 +211,13 @@ class Observation:
 
     def _axes(self, value: Any, slope: Any) -> tuple[np.ndarray, Any]:
         """The axes of the body (rows, space, axes), and how they turn."""
-        first, third = (np.stack([value[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third"))
+
+        def vectors(table: Any) -> list[np.ndarray]:
+            return [np.stack([table[name] for name in names], axis=1) for names in (AXES[:3], AXES[3:])]
+
+        first, third = vectors(value)
         axes = np.stack([first, np.cross(third, first), third], axis=2)
-        if slope is None:
-            return axes, None
-        moved = (np.stack([slope[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third"))
-        return axes, residuals.turning(first, third, *moved)
+        return axes, None if slope is None else residuals.turning(first, third, *vectors(slope))
 
 
 def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:

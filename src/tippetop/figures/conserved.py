@@ -29,7 +29,8 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
         when, most = worst(t, values)
         _curve(ax, when, most, words, color, dashes(i), alone=".")
     _dress(ax, attrs, own)
-    words = "relative change" if compact() else f"relative change since t = {_start(attrs, t)} s, worst per bin"
+    since = number(0.0 if attrs.get("first_row") else float(t[0]))
+    words = "relative change" if compact() else f"relative change since t = {since} s, worst per bin"
     ax.set(ylabel=words, xlim=span(t))
     return ax
 
@@ -100,9 +101,9 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
         if name == "jellett" and "jellett_lost" in trajectory and trajectory["jellett_lost"].values.any():
             values, words = values + trajectory["jellett_lost"].values, "λ + what torques took"
         words += ", since its ball touched first" if len(handed) else ""
-        pieces = np.split(values, handed)
-        start = [None if "ball" in trajectory else first.get(name)] + [None] * (len(pieces) - 1)
-        curves.append((words, np.concatenate([relative(*both) for both in zip(pieces, start, strict=True)])))
+        piece, *others = np.split(values, handed)
+        begun = None if "ball" in trajectory else first.get(name)
+        curves.append((words, np.concatenate([relative(piece, begun), *map(relative, others)])))
     if "energy" in trajectory:
         work = trajectory["work"].values if "work" in trajectory else 0.0
         begun = first["energy"] + first.get("work", 0.0) if first else None
@@ -110,9 +111,7 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
     if "axis" in trajectory:
         length = np.linalg.norm(trajectory["axis"].values, axis=1)
         curves.append(("length of the axis $|\\hat{3}|$", relative(length, 1.0 if first else None)))
-    colours = ink()
-    inks = (colours.run, colours.upper, colours.lower, colours.quiet, colours.alarm)
-    return [(words, values, color) for (words, values), color in zip(curves, inks, strict=False)]
+    return [(*curve, color) for curve, color in zip(curves, ink()[:5], strict=False)]
 
 
 def _handed_over(trajectory: Any, attrs: dict[str, Any]) -> np.ndarray:
@@ -126,7 +125,3 @@ def relative(values: np.ndarray, first: float | None = None) -> np.ndarray:
     """Relative changes since the first of these values, or since the one that is given."""
     start = values[0] if first is None else first
     return np.abs(values - start) / (abs(start) if start else 1.0)
-
-
-def _start(attrs: dict[str, Any], t: np.ndarray) -> str:
-    return "0" if attrs.get("first_row") else number(float(t[0]))

@@ -71,14 +71,13 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         ("work", taken, colours.lower, 0.9),
     )
     curves = {name: trajectory[name].values for name, *_ in names if name in trajectory}
-    lost = ""
-    if "modified_energy" in curves and not (touches := on_sphere(trajectory)).all():
-        lost = "; none on the stem, in the air"
-        curves["modified_energy"] = np.where(touches, curves["modified_energy"], np.nan)
-        if not touches.any():
-            del curves["modified_energy"]
+    touches = on_sphere(trajectory)
+    lost = "" if touches.all() else "; none on the stem, in the air"
+    if "modified_energy" in curves:
+        modified = np.where(touches, curves.pop("modified_energy"), np.nan)
+        curves |= {"modified_energy": modified} if touches.any() else {}
     level = max(float(np.nanmax(np.abs(values))) for values in curves.values()) or 1.0
-    changes = {name: float(np.ptp(values[np.isfinite(values)])) for name, values in curves.items()}
+    changes = {name: float(np.nanmax(values) - np.nanmin(values)) for name, values in curves.items()}
     if all(change <= CONSTANT * level for change in changes.values()):
         curves.pop("work", None)  # nothing is taken
     origin = float(curves["energy"][0])

@@ -19,6 +19,7 @@ CREAM, BLUE, ORANGE, WOOD, IRON = (
 )
 SECTORS = 8  # of a body around its axis, in turns light and dark: they show the spin
 SEE_THROUGH = 0.45  # how much of the hidden mass shows through the body
+FINE = 2  # rays along each side of a pixel
 BEYOND = 1e9  # the depth at which nothing is
 
 Array = np.ndarray
@@ -37,7 +38,7 @@ class Scene(NamedTuple):
     tip: Array | None = None
 
 
-def picture(scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int, fine: int = 2) -> Array:
+def picture(scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int) -> Array:
     """The scene as (height, width, 4): colours and how opaque, from 0 to 1; what is beside the body is transparent.
 
     Parameters
@@ -48,11 +49,8 @@ def picture(scene: Scene, left: float, right: float, bottom: float, top: float, 
         The part of the plane of the picture.
     pixels
         The height of the picture.
-    fine
-        Rays along each side of a pixel.
     """
-    rows = pixels * fine
-    columns = max(1, round(pixels * (right - left) / (top - bottom))) * fine
+    rows, columns = FINE * pixels, FINE * max(1, round(pixels * (right - left) / (top - bottom)))
     x = left + (right - left) * (np.arange(columns) + 0.5) / columns
     y = top - (top - bottom) * (np.arange(rows) + 0.5) / rows
     origin = x[None, :, None] * RIGHT + y[:, None, None] * UP - 50.0 * AHEAD
@@ -61,7 +59,7 @@ def picture(scene: Scene, left: float, right: float, bottom: float, top: float, 
     colour = np.where(seen[..., None], _lit(normal, paint), 0.0)
     alpha = np.where(seen, 1.0, _shadow(scene, origin))
     whole = np.concatenate([colour * alpha[..., None], alpha[..., None]], axis=-1)
-    mean = whole.reshape(rows // fine, fine, columns // fine, fine, 4).mean(axis=(1, 3))
+    mean = whole.reshape(pixels, FINE, -1, FINE, 4).mean(axis=(1, 3))
     mean[..., :3] /= np.maximum(mean[..., 3:], 1e-12)
     return np.clip(mean, 0, 1)
 

@@ -65,6 +65,7 @@ FONT = 10.0
 """Font size [points] of figures that are at least FONT_WIDTH [inches] wide."""
 FONT_WIDTH = 7.0
 LEAST_FONT = 6.5
+WIDTH = 95  # letters of a line of a title
 COMPACT = (5.0, 4.0)
 """Below this width or height [inches] a figure has one line of title and one panel."""
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (6, 2, 1, 2, 1, 2)))
@@ -86,6 +87,8 @@ RC: dict[str, Any] = {
     "agg.path.chunksize": 20000,
     "svg.hashsalt": "tippetop",  # the same picture has the same bytes
 }
+LINES = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
+PAPERS = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
 
 
 def ink() -> Ink:
@@ -146,21 +149,17 @@ def legend(ax: Axes, place: str, *, own: bool, **options: Any) -> None:
     """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own; else in it."""
     if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
         return
+    most = options.pop("ncols", 1)
     if not own:
-        ax.legend(**{name: value for name, value in options.items() if name != "ncols"})
+        ax.legend(**options)
         return
     whole: Any = ax.get_figure(root=True)
-    named = {
-        label: handle for axes in whole.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    fitted(whole, place, {"handles": [*named.values()]} | options)
-
-
-def fitted(whole: Any, place: str, options: dict[str, Any]) -> None:
-    """A legend outside of the panels that is no wider than the figure: in fewer columns, then in broken lines."""
+    pairs = [pair for axes in whole.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+    options = {"handles": [*{label: handle for handle, label in pairs}.values()]} | options
+    # no wider than the figure: in fewer columns, then in broken lines
     room = 0.98 * whole.bbox.width
-    for columns in range(options.get("ncols", 1), 0, -1):
-        key = whole.legend(loc=f"outside {place}", **(options | {"ncols": columns}))
+    for columns in range(most, 0, -1):
+        key = whole.legend(loc=f"outside {place}", ncols=columns, **options)
         if key.get_window_extent().width <= room:
             return
         if columns > 1:
@@ -179,10 +178,10 @@ def broken(words: str, letters: int) -> str:
     return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
 
-def letters(most: int) -> int:
+def letters() -> int:
     """Return the number of letters in a line of a title, for the requested size."""
     size = _size.get()
-    return most if size is None else max(20, min(most, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
+    return WIDTH if size is None else max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
 
 
 def compact() -> bool:
@@ -196,9 +195,9 @@ def dashes(number: int) -> Any:
     return DASHES[number % len(DASHES)]
 
 
-def heading(text: str, most: int) -> str:
-    """Return a title on lines of at most `most` letters; for a compact figure its first part."""
-    return broken(text.partition(":")[0] if compact() else text, letters(most))
+def heading(text: str) -> str:
+    """Return a title on lines that fit the figure; for a compact figure its first part."""
+    return broken(text.partition(":")[0] if compact() else text, letters())
 
 
 def _letter_sizes(width: float) -> dict[str, Any]:
@@ -236,10 +235,7 @@ def styled(*, dark: bool = False, size: tuple[float, float] | None = None, ax: A
     colours = DARK if dark else LIGHT
     given = RC | _letter_sizes(size[0] if size else FONT_WIDTH) | {"grid.color": colours.grid}
     if dark:
-        lines = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
-        given |= dict.fromkeys(lines, "#d5dae0") | dict.fromkeys(
-            ("figure.facecolor", "axes.facecolor", "savefig.facecolor"), colours.paper
-        )
+        given |= dict.fromkeys(LINES, "#d5dae0") | dict.fromkeys(PAPERS, colours.paper)
     if ax is not None:
         size = tuple(ax.get_window_extent().size / ax.get_figure(root=True).dpi)
     token, sized = _ink.set(colours), _size.set(size)
@@ -256,7 +252,6 @@ def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) 
 
     Raises StoreError: the disk, or there is a file already, unless it may be overwritten.
     """
-    path = Path(path)
     with writing(path), replacing(path, overwrite=overwrite) as scratch:
         ending = path.suffix.removeprefix(".").lower()
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
