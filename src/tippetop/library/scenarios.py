@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from ..arguments import measured_values, plain
 from ..errors import InputError
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
@@ -13,7 +14,6 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import build, reading
-from ..scenario.numbers import measured_values, plain
 from .bodies import Top
 from .extensions import extended, given_columns, given_events
 from .laws import table_of
