@@ -56,7 +56,7 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     panels[-1].set_xlabel("time t (s)")
     for axes in panels[1:]:
         _cut(axes)
-    legend(panels[0], "upper right", own=True, ncols=4)
+    legend(panels[0], "upper right", ncols=4)
     return fig
 
 

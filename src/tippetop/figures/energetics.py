@@ -61,7 +61,7 @@ def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes |
 
 def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Energy E, modified energy E~ and what friction has taken; changes since the start, where they are slight."""
-    own, colours = ax is None, ink()
+    colours = ink()
     ax = panel(ax, 10, 4.8)
     t = trajectory["time"].values
     taken = "taken by friction and impacts" if "phase" in trajectory else "taken by friction"
@@ -95,5 +95,5 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     if all(changes[name] <= CONSTANT * level for name in curves):
         ends = [float(values[0]) / size for values in curves.values()]
         ax.set_ylim(min(0, 1.3 * min(ends)), max(0, 1.3 * max(ends)))
-    legend(ax, "upper right", own=own, ncols=3)
+    legend(ax, "upper right", ncols=3)
     return ax

@@ -56,7 +56,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
     axes.view_init(elev=28, azim=-108)
     words = f"Minimal surface F({_symbol(x_name)}, {_symbol(y_name)}), the least energy"
     axes.set_title(f"{title}\n{words}" if title and not small else words)
-    legend(axes, "lower center", own=ax is None, ncols=3)
+    legend(axes, "lower center", ncols=3)
     return axes
 
 
@@ -81,7 +81,7 @@ def _spinning(axes: Any, lines: Any, x: np.ndarray, x_size: float, y_size: float
 def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
     """theta(t) on the nutational band that the main equation predicts; logged turning angles as dots; below, how far
     they lie from the nearer edge of the band. `dataset` as `band` gives it; events: time, theta, edge (predicted)."""
-    own, colours = ax is None, ink()
+    colours = ink()
     away = np.abs(events["theta"].values - events["edge"].values)
     ax, below = panels_over_time(ax, 1.4 if np.isfinite(away).any() else 0)
     step = max(1, dataset["time"].size // MOST_POINTS)
@@ -105,7 +105,7 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
     if top - bottom > WIDE:
         ticks_of_pi(ax)
     ax.set(ylabel="inclination θ (rad)", title=heading(title), ylim=(bottom - room, top + room), xlim=(t[0], t[-1]))
-    legend(ax, "upper right", own=own, ncols=4, markerscale=2)
+    legend(ax, "upper right", ncols=4, markerscale=2)
     if below is not None:
         exact = int((away <= EXACT).sum())
         below.semilogy(events["time"].values, np.where(away > EXACT, away, np.nan), ".", ms=3, color=colours.run)
@@ -124,7 +124,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
 
     `section`: F along D at that lambda; `lines`: marked lines at that lambda: the boundary values (D0, E0), (D1, E1).
     """
-    own, colours = ax is None, ink()
+    colours = ink()
     ax = panel(ax, 9, 5.8)
     D, F = section["D"].values, 1e3 * section["F"].values.ravel()
     size, power = _scale(D)
@@ -148,7 +148,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
         title=heading(title),
         xlim=(D[0] / size, D[-1] / size),
     )
-    legend(ax, "lower center", own=own, ncols=4)
+    legend(ax, "lower center", ncols=4)
     return ax
 
 

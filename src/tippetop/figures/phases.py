@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..columns import flag_names
-from .style import ink, legend
+from .style import ink, is_ours, legend
 
 
 ORDER = ("slip", "roll", "rest", "flight", "both")
@@ -18,8 +18,8 @@ MOST_SHADES = 100  # with more phases, cells of equal width have the mean of the
 CELLS = 500  # each wider than a pixel
 
 
-def mark(panels: list[Axes], phases: Any, impacts: Any, *, own: bool = True) -> None:
-    """Shades the phases in panels over time, and marks the impacts; a legend below names both.
+def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
+    """Shades the phases in panels over time, and marks the impacts; a legend below our own figures names both.
 
     Parameters
     ----------
@@ -27,8 +27,6 @@ def mark(panels: list[Axes], phases: Any, impacts: Any, *, own: bool = True) -> 
         Panels that have the time as their x axis.
     phases, impacts
         The groups of the run's store, Datasets or columns by name.
-    own
-        Whether the figure is ours: then the legend stands below it.
     """
     begun, ended = phases["start"].values, phases["end"].values
     if not len(begun):
@@ -61,8 +59,8 @@ def mark(panels: list[Axes], phases: Any, impacts: Any, *, own: bool = True) -> 
         if count := len(when):
             words = f"{count} impact" + "s" * (count > 1) + " of the stem" * (ball == "stem")
             handles.append(Line2D([], [], color=color, marker="|", ms=9, mew=1.4, ls="none", label=words))
-    if own:
-        legend(panels[0], "lower center", own=True, handles=handles, ncols=len(handles))
+    if is_ours():
+        legend(panels[0], "lower center", handles=handles, ncols=len(handles))
 
 
 def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.ndarray, np.ndarray]:

@@ -160,10 +160,9 @@ def _shadow(scene: Scene, origin: Array) -> Array:
     dark: Any = np.zeros(origin.shape[:2])
     for centre, radius in thick:
         between = centre - floor
-        off = np.linalg.norm(between - (between @ LIGHT)[..., None] * LIGHT, axis=-1) / max(radius, 1e-12)
+        off = np.linalg.norm(between - (between @ LIGHT)[..., None] * LIGHT, axis=-1) / radius
         dark = np.maximum(dark, 0.30 * np.clip((1.15 - off) / 0.5, 0, 1))
-        touch = np.linalg.norm(floor - centre * np.array([1, 1, 0]), axis=-1) / max(radius, 1e-12)
-        dark = np.maximum(
-            dark, 0.45 * np.exp(-((touch / 0.35) ** 2)) * (scene.kind != "heavy" and centre[2] - radius < 0.05)
-        )
+        if scene.kind != "heavy" and centre[2] - radius < 0.05:
+            touch = np.linalg.norm(between[..., :2], axis=-1) / radius
+            dark = np.maximum(dark, 0.45 * np.exp(-((touch / 0.35) ** 2)))
     return dark

@@ -58,7 +58,7 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         axes.set_title(view.words)
     fig.colorbar(lines, ax=list(panels), pad=0.01, **bar)
     fig.suptitle(title(attrs), x=0.01, ha="left")
-    legend(panels[0], "lower center", own=True, ncols=3)
+    legend(panels[0], "lower center", ncols=3)
     return panels[0]
 
 

@@ -58,8 +58,17 @@ DARK = Ink(
     "#c4a5ff",
 )  # fmt: skip
 RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
-_ink: ContextVar[Ink] = ContextVar("ink", default=LIGHT)
-_size: ContextVar[tuple[float, float] | None] = ContextVar("size", default=None)
+
+
+class Setting(NamedTuple):
+    """What is drawn: in which colours, how large [inches], and whether the figure is ours or a panel of the user's."""
+
+    ink: Ink = LIGHT
+    size: tuple[float, float] | None = None
+    ours: bool = True
+
+
+_setting: ContextVar[Setting] = ContextVar("setting", default=Setting())  # noqa: B039 - a tuple
 
 FONT = 10.0
 """Font size [points] of figures that are at least FONT_WIDTH [inches] wide."""
@@ -93,7 +102,12 @@ PAPERS = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
 
 def ink() -> Ink:
     """The colours of the figure that is being drawn."""
-    return _ink.get()
+    return _setting.get().ink
+
+
+def is_ours() -> bool:
+    """Return whether the figure that is being drawn is ours, rather than a panel of the user's."""
+    return _setting.get().ours
 
 
 class ShownFigure(Figure):
@@ -107,7 +121,7 @@ class ShownFigure(Figure):
 
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
     """An empty figure of the size that was asked for, else this one, inches; with room managed by matplotlib."""
-    fig = ShownFigure(figsize=_size.get() or (width, height), layout="constrained", **options)
+    fig = ShownFigure(figsize=_setting.get().size or (width, height), layout="constrained", **options)
     FigureCanvasAgg(fig)
     return fig
 
@@ -145,12 +159,12 @@ def mark_ends(axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[
         axes.plot(*(part[at] for part in path), style, color=colours.mark, mfc=face, ms=size, zorder=6, label=words)
 
 
-def legend(ax: Axes, place: str, *, own: bool, **options: Any) -> None:
+def legend(ax: Axes, place: str, **options: Any) -> None:
     """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own; else in it."""
     if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
         return
     most = options.pop("ncols", 1)
-    if not own:
+    if not is_ours():
         ax.legend(**options)
         return
     whole: Any = ax.get_figure(root=True)
@@ -180,13 +194,13 @@ def broken(words: str, letters: int) -> str:
 
 def letters() -> int:
     """Return the number of letters in a line of a title, for the requested size."""
-    size = _size.get()
+    size = _setting.get().size
     return WIDTH if size is None else max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
 
 
 def compact() -> bool:
     """Return whether the requested size has no room for more than the curves."""
-    size = _size.get()
+    size = _setting.get().size
     return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
 
 
@@ -238,13 +252,12 @@ def styled(*, dark: bool = False, size: tuple[float, float] | None = None, ax: A
         given |= dict.fromkeys(LINES, "#d5dae0") | dict.fromkeys(PAPERS, colours.paper)
     if ax is not None:
         size = tuple(ax.get_window_extent().size / ax.get_figure(root=True).dpi)
-    token, sized = _ink.set(colours), _size.set(size)
+    token = _setting.set(Setting(colours, size, ax is None))
     try:
         with mpl.rc_context(dict(mpl.rcParamsDefault) | given if ax is None else {}):  # type: ignore[arg-type]
             yield
     finally:
-        _ink.reset(token)
-        _size.reset(sized)
+        _setting.reset(token)
 
 
 def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) -> None:

@@ -108,7 +108,7 @@ def _over_two(sweep_map: Any) -> Axes:
         axes.set_yscale("log")
     axes.set_ylim(y.edges[0], y.edges[-1])
     if entries:
-        legend(axes, "lower center", own=True, handles=entries, ncols=2 if len(entries) < 7 else 3)
+        legend(axes, "lower center", handles=entries, ncols=2 if len(entries) < 7 else 3)
     return axes
 
 
@@ -177,7 +177,7 @@ def _over_one(sweep_map: Any) -> Axes:
         for i, at in enumerate(x.span[:-1][passed]):
             axes.axvline(at, color=inks.mark, lw=1.0, ls=style, label=_mathematical(label) if i == 0 else None)
     _dress(axes, sweep_map, x)
-    legend(axes, "lower center", own=True, ncols=3)
+    legend(axes, "lower center", ncols=3)
     return axes
 
 
