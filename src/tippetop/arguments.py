@@ -103,6 +103,36 @@ def named_arguments(function: F) -> F:
     return called  # type: ignore[return-value]
 
 
+def takes(*sources: Callable, options: Callable[[], str] | None = None) -> Callable[[F], F]:
+    """Give a function, in place of its **keywords, the keyword arguments of other functions: a decorator.
+
+    Parameters
+    ----------
+    sources
+        The functions.
+    options
+        Makes the text that replaces `{options}` in its docstring; `{names}` there become the names.
+    """
+
+    def decorated(function: F) -> F:
+        own = inspect.signature(function)
+        before: list[inspect.Parameter] = []
+        after: list[inspect.Parameter] = []
+        for parameter in own.parameters.values():
+            if parameter.kind is not parameter.VAR_KEYWORD:
+                (after if parameter.kind is parameter.KEYWORD_ONLY else before).append(parameter)
+        taken = {p.name for p in (*before, *after)}
+        added = [p for source in sources for p in inspect.signature(source).parameters.values()]
+        added = [p for p in added if p.kind is p.KEYWORD_ONLY and p.name not in taken]
+        function.__signature__ = own.replace(parameters=[*before, *added, *after])  # type: ignore[attr-defined]
+        if function.__doc__:
+            text = function.__doc__.replace("{names}", ", ".join(p.name for p in added))
+            function.__doc__ = text.replace("    {options}", options() if options else "")
+        return named_arguments(function)
+
+    return decorated
+
+
 def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
     """Raises TypeError for a keyword that a function has not."""
     for name in named:

@@ -282,12 +282,13 @@ def _units(tables: dict[str, Any]) -> dict[str, str]:
     """Units of the keys of [friction] and [run]; of a law that is not known here, none."""
     from ..mechanics.friction import PARTS
     from ..mechanics.systems import find
+    from ..options import UNITS
 
     system = find(tables["system"])
     law = system.laws.get(tables.get("friction", {}).get("law")) if system is not None else None
     rules = PARTS | dict(law.parameters) if law is not None else {}
     friction = {name: p.unit.symbol for name, p in rules.items()}
-    return friction | {"until": "s", "output_step": "s", "output_times": "s"}
+    return friction | {name: unit.symbol for name, unit in UNITS.items()}
 
 
 def units_of(problem: Any) -> dict[str, str]:

@@ -36,7 +36,7 @@ POLE_DISTANCE = 0.5
 # Largest difference in theta [rad] between a run and its repetition in the next wider precision.
 MAX_THETA_ERROR = 1e-10
 
-NEXT_PRECISION = {"double": "longdouble", "longdouble": "quad"}
+NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
 
 
