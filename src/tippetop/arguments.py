@@ -91,44 +91,35 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
     return keys
 
 
-def named_arguments(function: F) -> F:
-    """The function, which answers an unknown keyword with a TypeError that names the nearest one."""
-    known = list(inspect.signature(function).parameters)
+def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F]:
+    """Give a function, in place of its **keywords, the keyword arguments of another one: a decorator.
 
-    @functools.wraps(function)
-    def called(*arguments: Any, **named: Any) -> Any:
-        refuse_unknown(function.__name__, named, known)
-        return function(*arguments, **named)
-
-    return called  # type: ignore[return-value]
-
-
-def takes(*sources: Callable, options: Callable[[], str] | None = None) -> Callable[[F], F]:
-    """Give a function, in place of its **keywords, the keyword arguments of other functions: a decorator.
+    An unknown keyword raises a TypeError that names the nearest one.
 
     Parameters
     ----------
-    sources
-        The functions.
+    source
+        The other function.
     options
-        Makes the text that replaces `{options}` in its docstring; `{names}` there become the names.
+        Makes the text that replaces `{options}` in the docstring; `{names}` there become the names.
     """
 
     def decorated(function: F) -> F:
         own = inspect.signature(function)
-        before: list[inspect.Parameter] = []
-        after: list[inspect.Parameter] = []
-        for parameter in own.parameters.values():
-            if parameter.kind is not parameter.VAR_KEYWORD:
-                (after if parameter.kind is parameter.KEYWORD_ONLY else before).append(parameter)
-        taken = {p.name for p in (*before, *after)}
-        added = [p for source in sources for p in inspect.signature(source).parameters.values()]
-        added = [p for p in added if p.kind is p.KEYWORD_ONLY and p.name not in taken]
-        function.__signature__ = own.replace(parameters=[*before, *added, *after])  # type: ignore[attr-defined]
-        if function.__doc__:
-            text = function.__doc__.replace("{names}", ", ".join(p.name for p in added))
-            function.__doc__ = text.replace("    {options}", options() if options else "")
-        return named_arguments(function)
+        kept = {name: p for name, p in own.parameters.items() if p.kind is not p.VAR_KEYWORD}
+        others = inspect.signature(source).parameters.values()
+        added = [p for p in others if p.kind is p.KEYWORD_ONLY and p.name not in kept]
+        known = [*kept, *(p.name for p in added)]
+
+        @functools.wraps(function)
+        def called(*arguments: Any, **named: Any) -> Any:
+            refuse_unknown(function.__name__, named, known)
+            return function(*arguments, **named)
+
+        called.__signature__ = own.replace(parameters=[*kept.values(), *added])  # type: ignore[attr-defined]
+        text = (function.__doc__ or "").replace("{names}", ", ".join(p.name for p in added))
+        called.__doc__ = text.replace("    {options}", options())
+        return called  # type: ignore[return-value]
 
     return decorated
 

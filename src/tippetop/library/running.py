@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@takes(problem_of, options=documentation)
+@takes(problem_of, documentation)
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
