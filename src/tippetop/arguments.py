@@ -6,7 +6,7 @@ import inspect
 import math
 import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -15,6 +15,8 @@ from .errors import InputError, StoreError, suggestion
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from .mechanics.units import Unit
 
 
 F = TypeVar("F", bound=Callable)
@@ -71,6 +73,46 @@ def instance(name: str, value: Any, kind: type, words: str) -> None:
 def flag(name: str, value: Any) -> None:
     """Raises InputError if the argument is neither True nor False: "no" would count as yes."""
     instance(name, value, bool, "True or False")
+
+
+def measured(name: str, value: Any, unit: "Unit") -> float:
+    """Return an argument, a finite number or a text such as "1480 rpm", in SI units. Raises InputError."""
+    from .mechanics.quantity import number_of
+
+    return number_of(value, name, unit) if isinstance(value, str) else finite(name, value)
+
+
+def measured_values(name: str, values: Any, unit: "Unit") -> Any:
+    """Return an argument that may be a number, a text or an array of them: texts as numbers in SI units, an array of
+    numbers unchecked. Raises InputError."""
+    import numpy as np
+
+    given = values.tolist() if isinstance(values, np.ndarray) and values.dtype.kind in "UO" else values
+    if isinstance(given, list | tuple) and any(isinstance(value, str) for value in given):
+        return [measured(name, value, unit) for value in given]
+    return measured(name, given, unit) if isinstance(given, str) or np.ndim(given) == 0 else given
+
+
+def within(name: str, values: Any, low: float, high: float, words: str) -> None:
+    """Raise InputError if a number, or one of an array, is outside an interval; NaN is not."""
+    import numpy as np
+
+    array = np.asarray(values)
+    if array.dtype.kind in "fiu" and (beyond := array[(array < low) | (array > high)]).size:
+        raise InputError([f"`{name}` must lie in {words}, but is {beyond[0]:g}."])
+
+
+def plain(value: Any) -> Any:
+    """Return a value as TOML contains it: Python's numbers and lists instead of those of numpy, and of tuples."""
+    import numpy as np
+
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if hasattr(value, "__array__") and not isinstance(value, str | Mapping):  # of pandas, of xarray
+        return np.asarray(value).tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:

@@ -14,7 +14,7 @@ import pytest
 import tippetop
 from tippetop.engine import compiled as compiling
 from tippetop.engine.driver import Driver
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.status import Status
 from tippetop.engine.stepper import Called, Loaded
 from tippetop.engine.taylor import driver_of
@@ -288,13 +288,11 @@ def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(request: pyte
 
 def test_steps_that_differ_are_noticed() -> None:
     """The comparison is one of bits: code that makes another step is not used."""
-    made = build.load("inverting", ["form=vector"], 0.1)
-    driver = driver_of(made)
-    other = build.load("inverting", ["form=vector", "run.tolerance=1e-9"], 0.1)
-    mixed = driver.compiled._replace(machine=driver_of(other).compiled.machine)
-    arguments = driver.motion.state[:, 0].copy(), driver.motion.pars[:, 0].copy()  # type: ignore[attr-defined]
-    assert compiling.is_same_step(driver.compiled._replace(agrees=[]), *arguments)
-    assert not compiling.is_same_step(mixed._replace(agrees=[]), *arguments)
+    tolerances = ("1e-16", "1e-9")
+    made = [build.load("inverting", ["form=vector", f"run.tolerance={tolerance}"], 0.1) for tolerance in tolerances]
+    code, other = (driver_of(problem).compiled for problem in made)
+    assert code.machine and compiling.is_same_step(code.machine, code.integrator)
+    assert other.machine and not compiling.is_same_step(other.machine, code.integrator)
 
 
 # --- what a run leaves alone ------------------------------------------------------------------------------------------
@@ -380,7 +378,9 @@ def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str)
     """An event function that is a variable plus a number: the same number, to the bit, as heyoka finds at zero."""
     made = build.load(preset, None, 0.1)
     code = driver_of(made).compiled
-    q, _, body, rates = equations_of_motion(made.system, made.variables, type(made.friction))
+    q, _, body, rates = equations_of_motion(
+        formulas_of(made.system, made.form.name, type(made.friction)), made.variables
+    )
     scalars = made.form.scalars(q, body)
     several = 0
     for event, row in zip(made.system.events, code.rows.events, strict=True):

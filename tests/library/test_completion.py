@@ -10,6 +10,7 @@ import pytest
 from mypy import api
 
 import tippetop as tt
+from tippetop.cli import outcome
 from tippetop.options import OPTIONS
 
 
@@ -56,3 +57,13 @@ def test_jedi_completes(typed: str, known: str) -> None:
     """As Jupyter does while nothing has been run yet."""
     script = jedi.Script(f"import tippetop as tt\n{typed}")
     assert known in [completion.name for completion in script.complete(2, len(typed))]
+
+
+def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["new", "inverting"]) == outcome(["help", "scenario"]) == 0
+    printed = capsys.readouterr().out
+    for name in OPTIONS:
+        assert printed.count(f"\n{name} ") + printed.count(f"\n# {name} ") == 2
+        if name not in ("until", "columns"):  # options of `tippetop run` themselves
+            assert outcome(["run", "inverting", f"--{name.replace('_', '-')}", "1"]) == 2
+            assert f"write --set run.{name}=1." in capsys.readouterr().err

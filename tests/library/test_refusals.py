@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 
 import tippetop as tt
+from tippetop.arguments import plain
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.operand import formula, sqrt
 from tippetop.mechanics.system import Parameter
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
 from tippetop.scenario import reference
-from tippetop.scenario.numbers import plain
 
 
 BODY: dict[str, Any] = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}

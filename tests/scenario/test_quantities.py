@@ -7,9 +7,9 @@ import pytest
 
 import tippetop as tt
 from tippetop.errors import InputError
+from tippetop.mechanics.quantity import number_of
 from tippetop.mechanics.units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, RADIAN_PER_SECOND, Unit
 from tippetop.scenario import build
-from tippetop.scenario.quantities import number_of
 
 
 @pytest.mark.parametrize(

@@ -25,8 +25,8 @@ def _seconds(_: Any, tokens: Sequence[Token]) -> float:
     try:
         return float(text)
     except ValueError:
+        from ..mechanics.quantity import number_of
         from ..mechanics.units import SECOND
-        from ..scenario.quantities import number_of
 
         try:
             return number_of(text, option, SECOND)

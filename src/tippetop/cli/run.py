@@ -208,7 +208,7 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite:
 
     if isinstance(groups, Path):
         groups = for_figures(groups, attrs)
-    drawing.draw("theta", groups, attrs, figure, overwrite=overwrite)
+    drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
 
 
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:

@@ -7,10 +7,10 @@ import numpy as np
 
 from ..arguments import dotted_keys
 from ..errors import InputError
+from ..mechanics.quantity import number_of
 from ..mechanics.units import RADIAN
 from ..problem import Problem
 from ..progress import reporting
-from ..scenario.quantities import number_of
 from .fitting import Fit, fit
 from .motion import Convention, motion
 from .observation import Observation

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ..arguments import measured_values, within
 from ..columns import require
 from ..errors import InputError
 from ..landscape import marked_lines as lines_of
@@ -13,7 +14,6 @@ from ..landscape.body import landscape_of
 from ..mechanics.system import System
 from ..mechanics.units import JELLETT, JOULE, ONE, RADIAN
 from ..problem import Problem
-from ..scenario.numbers import measured_values, within
 from .bodies import Top
 from .run import Run
 from .sources import problem_behind

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, takes, whole
+from ..arguments import dotted_keys, measured_values, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.system import Parameter, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..scenario.numbers import measured_values
 from ..sweeps.chunk import alone
 from .bodies import Top
 from .scenarios import problem_of

@@ -4,12 +4,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, flag, path_of
+from ..arguments import finite, flag, measured, path_of
 from ..errors import InputError
 from ..figures import catalogue, drawing
 from ..figures.catalogue import FIGURES, Look
 from ..mechanics.units import SECOND
-from ..scenario.numbers import measured
 
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import html
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import in_python, path_of
+from ..arguments import in_python, measured, path_of
 from ..errors import InputError, StoreError
 from ..mechanics.caching import cached_property
 from ..mechanics.units import SECOND
@@ -16,7 +16,6 @@ from ..runs.phases import NAMES
 from ..runs.results import Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
-from ..scenario.numbers import measured
 from ..store import root
 
 

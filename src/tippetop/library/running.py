@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import flag, in_python, instance, path_of, takes
+from ..arguments import flag, in_python, instance, measured, path_of, takes
 from ..errors import InputError, Interrupted
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
@@ -17,7 +17,6 @@ from ..progress import Bar
 from ..runs.cost import warning
 from ..runs.reporting import RunProgress
 from ..runs.run import solve
-from ..scenario.numbers import measured
 from ..store import root
 from .bodies import Top
 from .extensions import of_stored

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..arguments import takes
+from ..arguments import measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
@@ -16,7 +16,6 @@ from ..options import run_options
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import build, reading
-from ..scenario.numbers import measured_values, plain
 from .bodies import Top
 from .extensions import extended, given_columns, given_events
 from .laws import table_of

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import path_of
+from ..arguments import measured, path_of
 from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.caching import cached_property
@@ -15,7 +15,6 @@ from ..runs.phases import NAMES
 from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario import build
-from ..scenario.numbers import measured
 from ..store import chunks, root, skeleton
 from ..store.seal import SEAL
 from .run import Run, Window

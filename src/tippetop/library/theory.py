@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import instance
+from ..arguments import instance, measured, within
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.friction import has_parts
@@ -19,7 +19,6 @@ from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND, SECOND
 from ..problem import Problem
-from ..scenario.numbers import measured, within
 from .bodies import HeavyTop, TippeTop, Top
 from .laws import record_of
 from .run import Run

@@ -6,11 +6,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..arguments import path_of
+from ..arguments import measured, path_of, plain
 from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.friction import LAWS
+from ..mechanics.quantity import worked_out
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..mechanics.units import SECOND, Unit
@@ -26,9 +27,7 @@ from ..problem import (
     shape_faults,
 )
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
-from .numbers import measured, plain
 from .own_records import other_records, own_records
-from .quantities import worked_out
 from .reading import override, read, times_until
 from .schema import scenario_model
 from .sentences import scenario_sentence

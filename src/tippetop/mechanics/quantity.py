@@ -1,0 +1,267 @@
+"""Numbers as people write them: "3/10", "2/5*m*R^2", "20 g", "1480 rpm"; computed exactly, rounded once.
+
+`ast` reads the arithmetic and pint the units, in fractions. They are not mixed, because `m`, `g` and `R` are names of
+both: a text is arithmetic of numbers and names, or arithmetic of numbers followed by a unit.
+"""
+
+import ast
+import math
+import operator
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, NoReturn
+
+from ..errors import InputError, suggestion
+from .units import RADIAN_PER_SECOND, Unit
+
+
+PI = Fraction("3.14159265358979323846264338327950288419716939937510")
+MOST_CHARACTERS = 200
+MOST_POWER = 12
+MOST_BITS = 8192  # of numerator and denominator: doubles need 1075 at most
+OPERATORS: dict[type, Callable] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+MEASURED = re.compile(r"\s*(?P<number>[-+0-9.eE/*() ]*[0-9.)])\s*(?P<unit>(?![eE][-+]?\d)[^\W\d_].*|[°%].*)", re.DOTALL)
+UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")
+"""One part of a unit. pint computes the rest of what it is given, however large."""
+POWER = re.compile(r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))")  # m2, s-1, m^2, m**(-1)
+SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
+HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
+FORMS = (
+    'be a number, arithmetic of numbers (and of parameters, where there are any: "2/5*m*R^2"), '
+    'or a number with its unit ("20 g", "2 min")'
+)
+
+
+def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None, own: str = "") -> float:
+    """Return the number of a text in SI units.
+
+    Parameters
+    ----------
+    text
+        Arithmetic of numbers, pi and `names` (+ - * / ^ and brackets), or arithmetic of numbers and then a unit.
+    key
+        The dotted name of the number, for messages.
+    unit
+        The unit of the result.
+    names
+        Numbers by name, or pairs of a text and its unit. They must not depend on themselves.
+    own
+        The name among them whose number the text is, if any.
+
+    Returns
+    -------
+    float
+        The double that is nearest to the exact number.
+
+    Raises
+    ------
+    InputError
+        If the text is not a number, has an unknown name, or has another dimension.
+    """
+    reading = _Reading(text, key, unit, dict(names or {}), (own,) if own else ())
+    try:
+        return float(reading.exact())
+    except ZeroDivisionError:
+        reading.refuse("be a number", f'"{text}" divides by zero')
+    except OverflowError:
+        reading.refuse("be a number in the range of a double", f'"{text}" is not')
+
+
+@dataclass
+class _Reading:
+    """A text that is read; `under` has the names whose numbers depend on it."""
+
+    text: str
+    key: str
+    unit: Unit
+    names: dict[str, Any]
+    under: tuple[str, ...] = ()
+
+    def refuse(self, must: str, found: str = "", near: str = "") -> NoReturn:
+        """Raise InputError."""
+        found = found or f'is "{self.text}"'
+        raise InputError([f"`{self.key}` must {must}, but {found}.{near}"]) from None
+
+    def exact(self) -> Fraction:
+        """Return the number."""
+        if len(self.text) > MOST_CHARACTERS:
+            self.refuse(f"be at most {MOST_CHARACTERS} characters of arithmetic", f"has {len(self.text)}")
+        measured = MEASURED.fullmatch(self.text)
+        head = _tree(measured["number"]) if measured and not self.text.rstrip().endswith(tuple("*/+-(^")) else None
+        if measured is None or head is None:
+            return self.value(_tree(self.text))
+        if isinstance(head, ast.BinOp) and isinstance(head.op, ast.Add | ast.Sub) and head.col_offset == 0:
+            self.refuse("have its sum in brackets before a unit")
+        return self.converted(self.value(head), measured["unit"].strip())
+
+    def value(self, node: ast.expr | None) -> Fraction:
+        """Return the number of an expression."""
+        match node:
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+                return _literal(ast.get_source_segment(_python(self.text), node) or str(number), number)
+            case ast.Name(id="pi"):
+                return PI
+            case ast.Name(id=name):
+                return self.named(name)
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=inner):
+                value = self.value(inner)
+                return -value if isinstance(sign, ast.USub) else value
+            case ast.BinOp(left=left, op=ast.Pow(), right=right):
+                power = self.value(right)
+                if power.denominator != 1 or abs(power) > MOST_POWER:
+                    self.refuse(f"have whole powers up to {MOST_POWER}")
+                return _small(self.value(left), abs(int(power))) ** int(power)
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
+                return _small(OPERATORS[type(op)](self.value(left), self.value(right)))
+        return self.refuse(FORMS)
+
+    def named(self, name: str) -> Fraction:
+        """Return the number of a name in an expression."""
+        if name in self.under:
+            raise InputError([f'`parameters.{name}` must not depend on itself, but does, by "{self.text}".'])
+        if name not in self.names:
+            near = suggestion(name, self.names)
+            if name == self.text.strip():
+                self.refuse("be a number", f"is {self.text!r}", near)
+            others = f", pi and {', '.join(n for n in self.names if n not in self.under)}" if self.names else " and pi"
+            self.refuse(f"be a number, or arithmetic of numbers{others}", f'"{self.text}" has {name!r}', near)
+        value = self.names[name]
+        if isinstance(value, tuple):  # a text and its unit
+            inner = _Reading(value[0], f"parameters.{name}", value[1], self.names, (*self.under, name))
+            value = self.names[name] = inner.exact()
+        return value if isinstance(value, Fraction) else Fraction(str(value))
+
+    def converted(self, value: Fraction, given: str) -> Fraction:
+        """Return a number with a unit in SI units."""
+        import pint
+
+        symbol = self.unit.symbol
+        must = "have no unit" if symbol == "1" else f"be in {symbol} or what can be converted to it"
+        if self.unit == RADIAN_PER_SECOND and HERTZ.search(given):
+            self.refuse("be in rad/s, deg/s or rpm", f'"{self.text}" could be turns or radians per second')
+        measured, wanted = _powers(given), "" if symbol == "1" else _powers(symbol)
+        if UNIT.sub("", measured):
+            self.refuse(must, f'"{given}" is no unit')
+        registry = _registry()
+        try:
+            number = Fraction(registry.Quantity(value, measured).to(wanted or "dimensionless").magnitude)
+            parts, asked = (dict(registry.Quantity(1, u).to_root_units().unit_items()) for u in (measured, wanted))
+        except pint.DimensionalityError:
+            self.refuse(must)
+        except pint.UndefinedUnitError:
+            self.refuse(must, f'"{given}" is no unit')
+        except (pint.PintError, ValueError, TypeError, AttributeError, SyntaxError, AssertionError, RecursionError):
+            self.refuse(FORMS)
+        # pint takes angles and their powers for pure numbers; s-1 for rad s-1 is understood
+        turned = parts.get("radian", 0)
+        if "count" in parts or (turned != asked.get("radian", 0) and (turned or not parts)):
+            self.refuse(must)
+        return number
+
+
+def _python(text: str) -> str:
+    return text.strip().replace("^", "**")
+
+
+def _tree(text: str) -> ast.expr | None:
+    """Return the arithmetic of a text; None if there is none."""
+    try:
+        return ast.parse(_python(text), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _literal(digits: str, number: float) -> Fraction:
+    exponent = EXPONENT.search(digits)
+    if exponent and abs(int(exponent[1])) > MOST_BITS // 4:
+        raise OverflowError
+    try:
+        return Fraction(digits)
+    except ValueError:  # 0x10
+        return Fraction(str(number))
+
+
+def _small(value: Fraction, power: int = 1) -> Fraction:
+    """Return a number. Raises OverflowError if its power has more digits than can matter."""
+    if max(value.numerator.bit_length(), value.denominator.bit_length()) * power > MOST_BITS:
+        raise OverflowError
+    return value
+
+
+def _powers(unit: str) -> str:
+    """Return a unit with `**` before each power."""
+    return POWER.sub(lambda power: f"**({power[2].strip('+')}{power[3]})", unit.translate(SUPERSCRIPTS))
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    """Return pint's units, with exact fractions."""
+    import pint
+
+    registry: Any = pint.UnitRegistry(non_int_type=Fraction)
+    registry.define("@alias turn = rev")
+    return registry
+
+
+# --- tables -----------------------------------------------------------------------------------------------------------
+
+
+def worked_out(tables: Mapping[str, Any], units: Mapping[str, Mapping[str, Unit]]) -> dict[str, Any]:
+    """Return tables with numbers in place of texts.
+
+    Parameters
+    ----------
+    tables
+        The tables of a scenario, or any others.
+    units
+        The unit of each number, by table and key; other keys are kept. Every table may name numbers of `parameters`.
+
+    Returns
+    -------
+    dict
+        The tables.
+
+    Raises
+    ------
+    InputError
+        One sentence for each text that is not a number.
+    """
+    given, faults = tables.get("parameters"), []
+    of_body = units.get("parameters", {})
+    names = {
+        name: (value, of_body[name]) if isinstance(value, str) else value
+        for name, value in (given.items() if isinstance(given, Mapping) else ())
+        if name in of_body and (isinstance(value, str) or _is_number(value))
+    }
+    result = dict(tables)
+    for table, of_table in units.items():
+        values = tables.get(table)
+        if not isinstance(values, Mapping):
+            continue
+        read = {}
+        for name, unit in of_table.items():
+            if isinstance(text := values.get(name), str):
+                try:
+                    read[name] = number_of(text, f"{table}.{name}", unit, names, name if table == "parameters" else "")
+                except InputError as error:
+                    faults += error.sentences
+        result[table] = {**values, **read} if read else values
+    if faults:
+        raise InputError(faults)
+    return result
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return abs(value) <= sys.float_info.max
+    return isinstance(value, float) and math.isfinite(value)
