@@ -11,7 +11,7 @@ from mypy import api
 
 import tippetop as tt
 from tippetop.cli import outcome
-from tippetop.options import OPTIONS
+from tippetop.problem.options import OPTIONS
 
 
 STUB = Path(tt.__file__).with_suffix(".pyi")

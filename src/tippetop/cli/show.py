@@ -277,7 +277,7 @@ def _units(tables: dict[str, Any]) -> dict[str, str]:
     """Units of the keys of [friction] and [run]; of a law that is not known here, none."""
     from ..mechanics.friction import PARTS
     from ..mechanics.systems import find
-    from ..options import UNITS
+    from ..problem.options import UNITS
 
     system = find(tables["system"])
     law = system.laws.get(tables.get("friction", {}).get("law")) if system is not None else None

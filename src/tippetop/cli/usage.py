@@ -80,7 +80,7 @@ def scenario_key(word: str) -> str | None:
     """The dotted key of a scenario that a word stands for: theta -> initial.theta; None if there is none."""
     from ..mechanics.friction import PARTS
     from ..mechanics.systems import SYSTEMS
-    from ..options import OPTIONS
+    from ..problem.options import OPTIONS
 
     tables: dict[str, Any] = {}
     for system in SYSTEMS.values():

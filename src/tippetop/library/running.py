@@ -11,8 +11,8 @@ from ..errors import InputError, Interrupted
 from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
-from ..options import documentation
 from ..problem import Problem
+from ..problem.options import documentation
 from ..progress import Bar
 from ..runs.cost import warning
 from ..runs.reporting import RunProgress

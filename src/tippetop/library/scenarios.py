@@ -12,8 +12,8 @@ from ..mechanics.events import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.systems import check
 from ..mechanics.units import SECOND
-from ..options import run_options
 from ..problem import Problem
+from ..problem.options import run_options
 from ..runs import starting
 from ..scenario import build, reading
 from .bodies import Top

@@ -4,13 +4,13 @@
 of a run is computed there, and a single run is the case n = 1.
 """
 
-from ..options import KEYFRAME_STEPS, ROUNDING, UNTIL
 from .choice import AUTO, Choice, choice
 from .differentiable import MOST_DERIVATIVES, derivative_faults, kept_faults, refuse
 from .faults import key_faults, shape_faults, variation_faults
 from .kept import ORIENTATION, PSI, TURN, column_faults, column_names
 from .many import Problems
 from .one import PRECISIONS, Problem
+from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
 
 
 __all__ = [

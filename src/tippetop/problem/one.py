@@ -16,12 +16,12 @@ from ..mechanics.readonly import freeze
 from ..mechanics.system import Form, Parameter, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
-from ..options import KEYFRAME_STEPS, UNTIL, RunOptions
 from ..sampling import EvenTimes, ListedTimes
 from .choice import Choice, choice
 from .faults import given_names
 from .kept import column_names
 from .many import Problems, StartedFrom
+from .options import KEYFRAME_STEPS, UNTIL, RunOptions
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}

@@ -15,7 +15,7 @@ from ..engine.status import Status
 from ..engine.taylor import fingerprint
 from ..errors import InputError, StoreError
 from ..mechanics.system import System
-from ..options import MOST_ROWS
+from ..problem.options import MOST_ROWS
 from ..sampling import EvenTimes
 from ..scenario import build
 from ..store import chunks, root, skeleton, tables

@@ -15,7 +15,6 @@ from ..mechanics.quantity import worked_out
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..mechanics.units import SECOND, Unit
-from ..options import KEYFRAME_STEPS, NUMBERS, RunOptions
 from ..problem import (
     AUTO,
     TURN,
@@ -26,6 +25,7 @@ from ..problem import (
     kept_faults,
     shape_faults,
 )
+from ..problem.options import KEYFRAME_STEPS, NUMBERS, RunOptions
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
 from .own_records import other_records, own_records
 from .reading import override, read, times_until

@@ -18,8 +18,8 @@ from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws, that_open
 from ..mechanics.units import Unit
-from ..options import UNITS, UNTIL
 from ..problem import ORIENTATION, PSI
+from ..problem.options import UNITS, UNTIL
 from .schema import ContactTable, RunTable
 
 

@@ -11,8 +11,8 @@ from pydantic_core import PydanticCustomError
 from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.contact.struck import RESTITUTIONS
 from ..mechanics.system import Parameter, System
-from ..options import HINTS, OPTIONS
 from ..problem import AUTO
+from ..problem.options import HINTS, OPTIONS
 
 
 # --- the shape of a scenario ----------------------------------------------------------------------------------------

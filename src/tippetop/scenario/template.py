@@ -9,8 +9,8 @@ from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, laws_of
-from ..options import OPTIONS, UNITS, UNTIL
 from ..problem import AUTO
+from ..problem.options import OPTIONS, UNITS, UNTIL
 from . import reading
 from .build import system_of
 from .contact import system_with_contact

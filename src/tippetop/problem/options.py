@@ -9,10 +9,10 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .errors import suggestion
-from .mechanics.parameter import Parameter
-from .mechanics.units import SECOND, Unit
-from .sampling import EvenTimes, ListedTimes
+from ..errors import suggestion
+from ..mechanics.parameter import Parameter
+from ..mechanics.units import SECOND, Unit
+from ..sampling import EvenTimes, ListedTimes
 
 
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
