@@ -2,7 +2,7 @@
 
 import contextlib
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +13,7 @@ from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..problem.options import documentation
-from ..progress import Bar
-from ..runs.cost import warning
-from ..runs.reporting import RunProgress
+from ..runs.cost import Patience, following, warn
 from ..runs.run import solve
 from ..store import root
 from .bodies import Top
@@ -103,6 +101,7 @@ def run(
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
     flag("overwrite", overwrite)
+    flag("progress", progress)
     problem = problem_of(source, friction, **scenario)
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
@@ -111,7 +110,7 @@ def run(
     place = path_of("out", out)
     from ..runs.recording import record
 
-    with _following(progress) as follow, in_python(), _resumable(place):
+    with following(bar=progress) as follow, in_python(), _resumable(place):
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
     return StoredRun(place, problem.system)
 
@@ -130,29 +129,13 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
     -------
     Run
     """
+    flag("progress", progress)
     instance("problem", problem, Problem, "a Problem, as `load` gives it")
     problem = checked(problem)
     if problem.output == "keyframes":
         raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
-    with _following(progress) as follow:
+    with following(bar=progress) as follow:
         return Run(solve(problem, follow))
-
-
-@contextlib.contextmanager
-def _following(progress: bool) -> Iterator[Callable[[RunProgress], None]]:
-    """What is called after every slice: it warns of a long run, and moves a bar, if one is wanted."""
-    flag("progress", progress)
-    patience = warning()
-    if not progress:
-        yield patience
-        return
-
-    def follow(present: RunProgress) -> None:
-        bar.update(present.t_end, present.problem.until)
-        patience(present)
-
-    with Bar("s", "t = {done:.4g} s") as bar:
-        yield follow
 
 
 @contextlib.contextmanager
@@ -249,7 +232,7 @@ def resume(
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):
-        continued(place, end, warning(), stop=stop, accept_other_version=accept_other_version, known=own)
+        continued(place, end, Patience(warn), stop=stop, accept_other_version=accept_other_version, known=own)
     return StoredRun(place, own)
 
 
