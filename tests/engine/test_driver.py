@@ -291,8 +291,10 @@ def test_steps_that_differ_are_noticed() -> None:
     tolerances = ("1e-16", "1e-9")
     made = [build.load("inverting", ["form=vector", f"run.tolerance={tolerance}"], 0.1) for tolerance in tolerances]
     code, other = (driver_of(problem).compiled for problem in made)
-    assert code.machine and compiling.is_same_step(code.machine, code.integrator)
-    assert other.machine and not compiling.is_same_step(other.machine, code.integrator)
+    assert code.machine
+    assert compiling.is_same_step(code.machine, code.integrator)
+    assert other.machine
+    assert not compiling.is_same_step(other.machine, code.integrator)
 
 
 # --- what a run leaves alone ------------------------------------------------------------------------------------------

@@ -109,6 +109,12 @@ def sticking(u, L, body):
     b, per_force = bias_vector(u, L, body), load(angular_velocity(u, L, body), body.friction)
     if per_force is None:
         return reaction_of_rolling_vector(u, b, body), None
+    return held_point(u, b, per_force, body)
+
+
+@formula
+def held_point(u, b, per_force, body):
+    """Force and torque (3,) that cancel the acceleration b of the contact point, with this torque per normal force."""
     of_bias = mobility_inverse_times(u, b, body)
     of_torque = mobility_inverse_times(u, torque_acceleration(u, per_force, body), body)
     N = -of_bias.z / (1 + of_torque.z)

@@ -280,8 +280,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact, after = world.struck(x, b, e_n)
     x = gained(x, work=-after.gained, impulse=after.p.z)
-    if impact.twist:
-        x = gained(x, jellett_lost=impact.twist * contact.arm(x.u, b).z)
+    if any(after.twist):
+        x = gained(x, jellett_lost=dot(after.twist, contact.arm(x.u, b)))
     velocity, v_n = after.velocity, after.v.z
     if e_n == 0:
         velocity, v_n = velocity._replace(z=velocity.z - v_n), 0.0  # it does not rise by rounding

@@ -60,9 +60,11 @@ def arrival(u, L, velocity, b):
 
 
 class Struck(NamedTuple):
-    """A body after an impact: impulse, L, velocities of the centre of mass and of the contact point, energy gained."""
+    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and of the contact
+    point, energy gained."""
 
     p: Vector
+    twist: Vector
     L: Vector
     velocity: Vector
     v: Vector
@@ -71,11 +73,10 @@ class Struck(NamedTuple):
 
 @formula
 def after_impact(u, L, velocity, a, p_e, p_2, p_z, twist, b):
-    """The body after an impulse at its contact and, of a patch, one of a torque about the vertical."""
+    """The body after an impulse at its contact and one of a torque, (3,)."""
     p = Vector(p_e * a.e.x - p_2 * a.e.y, p_e * a.e.y + p_2 * a.e.x, p_z)
     pushed, turned = jumps(u, p, b)
-    velocity, newer = plus(velocity, pushed), plus(L, turned)
-    newer = Vector(newer.x, newer.y, newer.z + twist)
+    velocity, newer = plus(velocity, pushed), plus(plus(L, turned), twist)
     v = contact_velocity(u, newer, velocity, b)
-    drilled = twist * (angular_velocity(u, L, b).z + angular_velocity(u, newer, b).z)
-    return Struck(p, newer, velocity, v, (dot(p, a.v) + dot(p, v) + drilled) / 2)
+    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
+    return Struck(p, twist, newer, velocity, v, (dot(p, a.v) + dot(p, v) + drilled) / 2)
