@@ -84,7 +84,7 @@ def go(folder: Folder, place: Path, chance: random.Random, note: Callable[[int],
     try:
         store = Ledger.opened(place, folder)
     except FileNotFoundError:
-        store = Ledger.created(place, header(), folder)
+        store = Ledger.created(place, header(), folder, bare=True)
     with store:
         if store.state.seal:
             return
@@ -189,7 +189,9 @@ def test_a_store_on_a_real_disk_is_that_of_the_model_and_xarray_reads_it(tmp_pat
 
 
 def test_rows_of_an_unfinished_store_are_read(tmp_path: Path) -> None:
-    with Ledger.created(tmp_path, header()) as store:
+    with Ledger.created(tmp_path, header(), bare=True) as store:
+        assert ledger.read(tmp_path).attributes["status"] == "running"
+        assert xr.open_zarr(tmp_path, group="trajectory").sizes["trajectory"] == 0
         toy = Toy(store)
         for _ in range(13):
             toy.step()

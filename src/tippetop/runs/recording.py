@@ -227,7 +227,7 @@ def record(
     """
     with new_store(target, overwrite=overwrite) as scratch:
         integration = Integration(problem, stop)
-        store = Ledger.created(scratch, header(integration))
+        store = Ledger.created(scratch, header(integration), bare=True)
     store.path = Path(target)
     with store:
         return run_into(integration, store, progress, stop)

@@ -21,7 +21,7 @@ def read_member(path: str | Path, name: str) -> dict[str, Any]:
     import zarr  # a run is written without
 
     try:
-        group: Any = zarr.open_group(store=str(path), mode="r", path=name, use_consolidated=False)
+        group: Any = zarr.open_group(store=str(path), mode="r")[name]
         return dict(sorted(group.arrays()))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{name}`, but: {error}.") from None

@@ -132,7 +132,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
 
     attrs = attributes(path_of("path", path))
     try:
-        table = xr.open_zarr(Path(path), group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        table = xr.open_zarr(Path(path), group=group, chunks=None).assign_attrs(attrs)
         return with_coordinates(table)
     except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
