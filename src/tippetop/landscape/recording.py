@@ -100,7 +100,7 @@ def write(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Writes F [J], z and status of a surface into the group `surface` of a store at `path`, or goes on with it.
+    """Writes F [J], z and status of a surface into the group `surface` of a store at `path`, or continues it.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def write(
     """
     path = files.own_folder(path)
     files.refuse_inside(path)
-    with files.writing(path, "The same command goes on from here."), _opened(path, wanted) as store:
+    with files.writing(path, "The same command continues it."), _opened(path, wanted) as store:
         blocks = list(wanted.blocks())
         for done, (i, j) in enumerate(blocks, 1):
             key = f"{GROUP}/{i // wanted.chunk}.{j // wanted.chunk}"

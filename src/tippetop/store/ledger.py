@@ -399,11 +399,11 @@ class Ledger:
         self._tidy()
 
     def forget(self, keys: list[str]) -> None:
-        """Go on without some chunks, and without the end of a finished store: they are to be written again."""
+        """Continue without some chunks, and without the end of a finished store: they are to be written again."""
         self.restart(self.state.header, self.state.chunks.keys() - set(keys))
 
     def restart(self, head: dict[str, Any], keys: Iterable[str], tail: bytes | None = None, **record: Any) -> None:
-        """Go on from some of the chunks, with another header and tail, in one step."""
+        """Continue from some of the chunks, with another header and tail, in one step."""
         with self._whole():
             if tail is not None:
                 record["tail"] = [f"{TAIL}{1:08d}", mark_of_tail(tail)]
@@ -495,10 +495,10 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         if data is None and member and not (state.rows or state.chunks):
             continue  # a run that has just begun
         if data != zarr3.dump(document):
-            found = {} if state.seal else _of_before(data, document)
-            if not found:
+            stored = {} if state.seal else _of_before(data, document)
+            if not stored:
                 raise Damaged(f"`{name}` is not what its ledger says" + ("" if state.seal else f": {WHOLE}"))
-            document = found
+            document = stored
         rows[member] = document.get("shape", [0])[0]
     for group in {path.partition("/")[0] for path in state.header["members"]}:
         for name in folder.names(group):
@@ -511,23 +511,23 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
             raise Damaged(f"`{missing[0]}` is missing: {WHOLE}")
     for key, marked in state.chunks.items():
         tips = {name: _found(folder.tip, name) for name in state.files(key)}
-        if missing := [name for name, found in tips.items() if found is None]:
+        if missing := [name for name, stored in tips.items() if stored is None]:
             raise Damaged(f"`{missing[0]}` is missing")
-        if mark({name: found for name, found in tips.items() if found}) != marked:
+        if mark({name: stored for name, stored in tips.items() if stored}) != marked:
             raise Damaged(f"a file of its chunk `{key}` is another")
 
 
 def _of_before(data: bytes | None, document: dict[str, Any]) -> dict[str, Any]:
     """Return a document of an unfinished store as it was at an earlier commit; empty if it cannot be that."""
     try:
-        found = json.loads(data or b"{}")
+        stored = json.loads(data or b"{}")
         wanted = json.loads(zarr3.dump(document))
         if "shape" in wanted:
-            fewer = 0 <= found["shape"][0] <= wanted["shape"][0]
-            wanted["shape"][0] = found["shape"][0]
-            return found if fewer and found == wanted else {}
-        names = found["attributes"].keys() == wanted["attributes"].keys()
-        return found if names and found["node_type"] == "group" else {}
+            fewer = 0 <= stored["shape"][0] <= wanted["shape"][0]
+            wanted["shape"][0] = stored["shape"][0]
+            return stored if fewer and stored == wanted else {}
+        names = stored["attributes"].keys() == wanted["attributes"].keys()
+        return stored if names and stored["node_type"] == "group" else {}
     except (ValueError, LookupError, TypeError, AttributeError):
         return {}
 

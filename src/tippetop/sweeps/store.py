@@ -115,12 +115,12 @@ def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
             if folder.exists():
                 _refuse_another(folder, plan)
                 files.refuse_links(folder)
-                book = Ledger.opened(folder)
+                locked = Ledger.opened(folder)
             else:
                 with new_store(folder) as scratch:
-                    book = Ledger.created(scratch, _header(plan))
-                book.path = folder
-            store = held.enter_context(SweepStore(plan, book))
+                    locked = Ledger.created(scratch, _header(plan))
+                locked.path = folder
+            store = held.enter_context(SweepStore(plan, locked))
         store.check()
         yield store
 

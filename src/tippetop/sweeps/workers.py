@@ -62,7 +62,7 @@ def connect(scheduler: str) -> Iterator[Any]:
 def in_processes(tasks: Iterator[Task], count: int) -> Iterator[Outcome]:
     """Compute in processes of this machine, one thread each.
 
-    A process that dies breaks the pool: the chunks in flight go on in a new pool, each alone, once
+    A process that dies breaks the pool: the chunks in flight are computed in a new pool, each alone, once
     all others are computed. So a chunk that kills its process takes no other with it.
 
     Raises InputError if a process cannot start.
