@@ -55,6 +55,12 @@ def test_rows_of_all_phases_are_states(page: dict) -> None:
     assert (height[run.trajectory.time.values > rest] == 0).all()
 
 
+def test_each_step_of_each_phase_has_a_row(page: dict) -> None:
+    run = bounces(output="steps")
+    np.testing.assert_array_equal(np.isin(times(run, "bounce"), run.trajectory.time.values), True)
+    assert run.trajectory.sizes["time"] == run.summary.steps + 1
+
+
 def test_a_replay_continues_in_its_phase(page: dict, tmp_path: Path) -> None:
     run = bounces(output="keyframes", keyframe_steps=2, out=tmp_path / "run.zarr")
     rows, whole = run.replay(0.5, 1.5, 0.125), bounces(output_times=np.arange(0.5, 1.6, 0.125).tolist())

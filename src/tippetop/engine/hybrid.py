@@ -404,6 +404,8 @@ class HybridDriver:
             self.sentence = f"the contact has changed its phase {MOST_CHANGES} times"
         if self.sentence:
             return Status.STALLED
+        if self.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of whole steps
+            self.take(np.array([when]), state[None])
         self._enter(n, now, track)
         return None
 
