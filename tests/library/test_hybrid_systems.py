@@ -34,12 +34,12 @@ def times(run: Any, kind: str) -> np.ndarray:
     return run.events.time.values[run.events.kind.values == kinds.index(kind)]
 
 
-def bounces(**run: Any) -> Any:
+def bounces(until: float = 3.0, **run: Any) -> Any:
     tables = {"system": "bouncing-point", "parameters": {"m": 2.0, "g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
-    return tt.run(tables, until=3.0, **run)
+    return tt.run(tables, until=until, **run)
 
 
-@pytest.mark.parametrize(("precision", "bound"), [("double", 1e-13), ("longdouble", 1e-15)])
+@pytest.mark.parametrize(("precision", "bound"), [("double", 1e-13), ("longdouble", 1e-15), ("quad", 1e-15)])
 def test_a_point_bounces_when_it_must(page: dict, precision: str, bound: float) -> None:
     found = times(bounces(precision=precision), "bounce")
     hops = 2 * np.sqrt(2 / 9.81) * 0.5 ** np.arange(1, len(found))
@@ -53,6 +53,36 @@ def test_rows_of_all_phases_are_states(page: dict) -> None:
     height, rest = run.trajectory.h.values, times(run, "rests")[0]
     assert height.min() >= -1e-15
     assert (height[run.trajectory.time.values > rest] == 0).all()
+
+
+def test_no_balance_is_reported_where_jumps_may_take_energy(page: dict) -> None:
+    assert bounces().summary.drift == {}
+
+
+def test_an_exit_at_the_very_end_of_a_run_is_not_logged_by_itself(page: dict) -> None:
+    strike = times(bounces(), "bounce")[0]
+    for end in (np.nextafter(strike, 0), strike, np.nextafter(strike, 9)):
+        assert set(bounces(until=end).summary.event_counts) <= {"bounce"}
+
+
+def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
+    point, state = page["point"], page["State"]
+    body = page["NamedTuple"]("B", [("m", Any), ("a", Any), ("e", Any), ("friction", Any)])
+    falling = page["form"](lambda q, b: state(q.v, -b.a))
+    fall = dataclasses.replace(point.phases["fall"], forms={"plain": falling}, quantities=(
+        dataclasses.replace(page["energy"], formula=lambda s, b: b.m * (s.v**2 / 2 + b.a * s.h)),
+    ))  # fmt: skip
+    other = dataclasses.replace(
+        point,
+        name="constant-point",
+        parameters={"e": point.parameters["e"]},
+        body=lambda p, friction: body(1.0, 2.0, p["e"], friction),
+        body_units=lambda friction: body(*point.body_units(friction)),
+        phases={**point.phases, "fall": fall},
+    )
+    tt.register(other)
+    run = tt.run({"system": other.name, "parameters": {"e": 0.5}, "initial": {"h": 1}}, until=2.5)
+    np.testing.assert_allclose(times(run, "bounce"), [1.0, 2.0, 2.5], atol=1e-15)
 
 
 def test_each_step_of_each_phase_has_a_row(page: dict) -> None:
@@ -96,6 +126,12 @@ def test_an_exit_that_cannot_be_is_refused(page: dict, way: Exit, words: str) ->
     phases = {**point.phases, "fall": dataclasses.replace(point.phases["fall"], exits=(way,))}
     with pytest.raises(tt.InputError, match=words):
         tt.register(dataclasses.replace(point, name="broken-point", phases=phases))
+
+
+def test_an_event_with_an_exit_ends_its_phase_by_that(page: dict) -> None:
+    fall, ground = page["point"].phases["fall"], dataclasses.replace(page["ground"], ends=None)
+    run = broken(page, events=(ground, *fall.events[1:]), exits=(Exit("ground", ("fall", "rest"), page["bounce"]),))
+    assert run.summary.event_counts["bounce"] == 10
 
 
 def broken(page: dict, jump: Any = None, **changes: Any) -> Any:

@@ -92,6 +92,7 @@ class Track:
         self.rates = {integral.name: integral.rate for integral in variables.integrals}
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
+        self.ways = {run.numbers[event.name]: event.name for event in self.events if event.name in self.exits}
         rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
         self.driver: Driver = kind_of_driver(problem)(
             code,
@@ -122,6 +123,8 @@ class Track:
             kept = (0, 0) if event.name in self.exits else records[number][["first", "last"]]  # jumps log their events
             records[number] = record
             records[number]["first"], records[number]["last"] = kept
+            if event.name in self.exits:
+                records[number]["ends"] = record["ends"] or Status.ENDED.code
             records[number]["watched"] = not event.sense or event.name in run.problem.events
             leader = record["leader"]
             records[number]["leader"] = self.numbers[leader] if leader >= 0 else -1
@@ -393,10 +396,9 @@ class HybridDriver:
         run."""
         log = self.track.driver.log
         if status is not None and log.filled[0]:
-            number = int(log.event[log.filled[0] - 1])
-            event = self.track.events[self.track.numbers.index(number)]
-            if self.track.driver.rows.events[number]["ends"] and event.name in self.track.exits:
-                return event.name
+            way = self.track.ways.get(int(log.event[log.filled[0] - 1]))
+            if way is not None:
+                return way
         return CLOCK if status is Status.FINISHED and self.clocked else None
 
     def _jump(self, ending: str, when: Any) -> Status | None:
