@@ -946,6 +946,25 @@ static bool begin(const Loop *l) {
     return !runs || filled || is_full(l);
 }
 
+/* Put the events of a step, from number `first` of the log on, in the order of their times. */
+static void sort_log(const Log *log, integer first) {
+    for (integer k = first + 1; k < log->filled[0]; k++) {
+        real time = log->time[k];
+        integer event = log->event[k], sign = log->sign[k], at = k;
+        bool at_pole = log->at_pole[k];
+        for (; at > first && log->time[at - 1] > time; at--) {
+            log->time[at] = log->time[at - 1];
+            log->event[at] = log->event[at - 1];
+            log->sign[at] = log->sign[at - 1];
+            log->at_pole[at] = log->at_pole[at - 1];
+        }
+        log->time[at] = time;
+        log->event[at] = event;
+        log->sign[at] = sign;
+        log->at_pole[at] = at_pole;
+    }
+}
+
 /* Take in the step that was made. Return whether the caller must look: a run has ended and has no
    successor, a top has settled, all rows are written, or there is no room. */
 static bool end_step(const Loop *l) {
@@ -960,6 +979,7 @@ static bool end_step(const Loop *l) {
         bound_functions(l, lanes);
     for (integer lane = 0; lane < lanes; lane++)
         ended = take_step(l, lane) || ended;
+    sort_log(&l->log, first);
     for (integer k = first; k < l->log.filled[0]; k++) {
         state_at(l, 0, l->log.time[k]);
         copy(variables, l->out, lanes, l->log.states + k * variables, 1);

@@ -33,6 +33,10 @@ class Observables:
         self._pars = np.array(leaves(self.body), dtype=float)[:, None]
         self._last: tuple[bytes, dict[str, np.ndarray]] = b"", {}  # the row that was read last, and what it says
 
+    def __reduce__(self) -> tuple:
+        """Pickle the problem alone: formulas of a form have no names."""
+        return Observables, (self.problem,)
+
     def state(self, rows: np.ndarray) -> tuple[Any, Any]:
         """The state record of the rows and the record of their integrals, in internal units."""
         return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)

@@ -145,9 +145,9 @@ class Contensou(Friction):
     patch : float
         Radius of the disc [m], positive.
     mu_r : float, optional
-        Rolling resistance [m]: torque per normal force, at least 0; none by default. Impacts leave it out.
+        Rolling resistance [m]: torque per normal force, at least 0; none by default.
     mu_d : float, optional
-        Drilling torque [m] per normal force besides that of the disc, at least 0. Impacts leave it out.
+        Drilling torque [m] per normal force besides that of the disc, at least 0.
 
     Raises
     ------

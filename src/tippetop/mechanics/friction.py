@@ -178,12 +178,8 @@ class Law:
 
 
 PARTS = {
-    "mu_r": Parameter(
-        METRE, "rolling resistance of a tippe top: torque per normal force; none within impacts", least=0, default=0.0
-    ),
-    "mu_d": Parameter(
-        METRE, "drilling torque of a tippe top, per normal force; none within impacts", least=0, default=0.0
-    ),
+    "mu_r": Parameter(METRE, "rolling resistance of a tippe top: torque per normal force", least=0, default=0.0),
+    "mu_d": Parameter(METRE, "drilling torque of a tippe top, per normal force", least=0, default=0.0),
 }
 """Numbers that can be added to every law of a system whose contact may open and is a sphere's."""
 
@@ -292,7 +288,7 @@ LAWS = {
             "patch": Parameter(METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", above=0),
             "mu_r": Parameter(
                 METRE,
-                "rolling resistance: torque per normal force; none within impacts",
+                "rolling resistance: torque per normal force",
                 least=0,
                 default=0.0,
             ),
