@@ -47,7 +47,7 @@ def compare(
     """
     from ..errors import InputError
     from ..exchange.motion import Convention
-    from ..exchange.verdict import Verdict, judged
+    from ..exchange.verdict import Verdict
     from ..store.root import finite
     from .plot import check_picture
 
@@ -56,7 +56,7 @@ def compare(
     if figure is not None:
         check_picture(figure, "--figure", overwrite)
     problem = _problem(files[-1], set_)
-    result = Verdict(*judged(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up)))
+    result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
     if figure is not None:
         from ..figures import drawing
         from ..figures.comparison import comparison

@@ -21,7 +21,6 @@ from ..mechanics.contact.impact_motion import (
     Motion,
     Sliding,
     held,
-    lift,
     sliding,
     speeds,
     unit_of,
@@ -33,7 +32,7 @@ from ..mechanics.disc_friction import Region
 from ..mechanics.friction import Frictionless, Law, has_parts, named
 from ..mechanics.operand import Vector, leaves, refill
 from ..problem import PRECISIONS, Problem
-from .driver import Driver
+from .driver import RUNNING, Driver
 from .expressions import Formulas
 from .status import Status
 from .tallies import ON_ZERO, SIGN
@@ -114,13 +113,10 @@ def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) 
 
 def piece_of(driver: Driver, q: Any, signs: list, zeros: list, end: Any, most: int) -> Any:
     """Return the steps of a motion from q on, until its clock reaches `end` or an event happens."""
-    known, tally = driver.tallies.functions, driver.tally
+    known, none = driver.tallies.functions, driver.number(0)
     known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
-    tally["status"], tally["upto"], tally["tiny"], tally["steps"] = Status.RUNNING.code, 1.0, 0, 0
-    state = driver.state
-    none = state.dtype.type(0)
-    state[: len(q)], state[len(q) :] = q, none
-    driver.put(state, (none, none))
+    driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
+    driver.put([*q, *[none] * (driver.width - len(q))], (none, none))
     driver.end_at(end)
     return driver.advance(NO_ROWS, most)
 
@@ -183,7 +179,10 @@ class SlidingImpacts:
         across, about = (spin.across * patch, spin.about * patch**2) if spin else (0, 0)
         moves = (value / mass for value in (*K, across, about))
         slip = v[0] / speed, v[1] / speed, patch * Omega_z / speed
-        rest = RESTS_AT * self.eps * (abs(v[2]) / speed + speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5 + abs(slip[2]))
+        rest = 0 * rising
+        if self.law.regions:
+            slides = speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5
+            rest = RESTS_AT * self.eps * (abs(v[2]) / speed + slides + abs(slip[2]))
         self.b = Blow._make((*moves, z, rising / speed, speed, rest, friction))
         none = 0 * rising
         q = Motion(*slip, v[2] / rising, *(none,) * 6)
@@ -219,11 +218,11 @@ class SlidingImpacts:
             if self.mode or passed == "stops" or (self.region and sum(speeds(q)) <= b.rest**2):
                 return self._held(q, until)
             slides, driver = self.motion(self.region)
-            push = slides.push(q, b)
-            if not 0 < lift(push, b) < np.inf:
+            lift, growth = slides.slope(q, b)
+            if not 0 < lift < np.inf:
                 raise ArithmeticError(UNSOLVED)
             end = until - q.v_n if until is not None else self.reach
-            piece, before = self._piece(slides, driver, q, push, end, passed), q
+            piece, before = self._piece(slides, driver, q, growth, end, passed), q
             q = Motion(*(piece.last[0].tolist() if self.precision == "double" else piece.last[0]))
             self.left -= piece.steps
             passed = ""
@@ -256,10 +255,10 @@ class SlidingImpacts:
             raise ArithmeticError(UNSOLVED)
         return q
 
-    def _piece(self, slides: Sliding, driver: Driver, q: Any, push: Any, end: Any, passed: str) -> Any:
+    def _piece(self, slides: Sliding, driver: Driver, q: Any, growth: Any, end: Any, passed: str) -> Any:
         """Return the steps of a motion from q on, until v_n has risen by `end` or an event happens."""
         signs, zeros = list(slides.signs), [-float(event.name == passed) for event in slides.events]
-        signs[0] = 1 if passed == "slowest" or slides.events[0].formula(q, push, self.b) >= 0 else -1
+        signs[0] = 1 if passed == "slowest" or growth >= 0 else -1
         if self.restitution in RESTORED:
             value = getattr(q, RESTORED[self.restitution])
             signs[1] = 1 if value > 0 or (value == 0 and self.restitution == "poisson") else -1

@@ -9,23 +9,10 @@ from typing import Any, NamedTuple
 from ..friction import load
 from ..operand import Operand, Vector, cross, formula, plus, times
 from .body import angular_velocity, arm, height
-from .response import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
+from .response import bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
 
 
 # --- slip ------------------------------------------------------------------------------------------------------------
-
-
-@formula
-def slip_normal_force(b, K, n_e, body):
-    """N of slip [N], from b_z + zhat.K F = 0; falls through zero where the ball lifts off. [T 3.34 with mu n]"""
-    return -b.z / (K.zz - body.friction.mu * n_e * K.ez)
-
-
-@formula
-def slip_force(b, K, n_e, n_t, body):
-    """F of slip along n = n_e e + n_t 2hat, Components [N]."""
-    N = slip_normal_force(b, K, n_e, body)
-    return Components(-(body.friction.mu * N * n_e), -(body.friction.mu * N * n_t), N)
 
 
 @formula
@@ -87,13 +74,6 @@ def slip_motion(u, L, n, body):
 
 
 # --- rolling ---------------------------------------------------------------------------------------------------------
-
-
-@formula
-def reaction_of_rolling(b, K):
-    """F that keeps the contact point at rest, Components [N]. [contact 2.3]"""
-    det = K.ee * K.zz - K.ez**2
-    return Components((K.ez * b.z - K.zz * b.e) / det, -b.t / K.tt, (K.ez * b.e - K.ee * b.z) / det)
 
 
 @formula

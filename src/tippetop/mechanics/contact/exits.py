@@ -7,14 +7,16 @@ lowest point, an impact and the body after it. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..form import CLOCK, Next
 from ..friction import Law, named
+from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
+from ..system import System
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, slip_motion, sticking
@@ -83,9 +85,16 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
     return "-".join((*("stem",) * ball, label, *regions))
 
 
+@lru_cache
+def law_under(record: Any, system: System) -> Law:
+    """Return the law of a record in a system."""
+    return named(record, system.laws)[1]  # type: ignore[index]
+
+
 def law_of(world: Any) -> Law:
     """Return the law of the contact."""
-    return named(type(world.body[0].friction), world.system.laws)[1]  # type: ignore[index]
+    record: Any = type(world.body[0].friction)
+    return law_under(record, world.system)
 
 
 def point(x: Moving, b: Touch) -> Vector:
@@ -93,9 +102,10 @@ def point(x: Moving, b: Touch) -> Vector:
     return contact.contact_velocity(x.u, x.L, x.velocity, b)
 
 
-def rise(x: Moving, b: Touch) -> float:
+@inlined
+def rise(x: Moving, b: Touch) -> Any:
     """Return its vertical component."""
-    return float(x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z)
+    return x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z
 
 
 def size(v: Vector) -> Any:
