@@ -120,7 +120,9 @@ class Track:
             records[flag] = 0
         records["leader"] = -1
         for number, event, record in zip(self.numbers, self.events, mine, strict=True):
-            kept = (0, 0) if event.name in self.exits else records[number][["first", "last"]].item()  # jumps log their events
+            kept = records[number][["first", "last"]].item()
+            if event.name in self.exits:  # jumps log their events
+                kept = 0, 0
             records[number] = record
             records[number]["first"], records[number]["last"] = kept
             if event.name in self.exits:
