@@ -26,7 +26,7 @@ from ..problem import Problem
 from .driver import RUNNING, STATUSES, Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
 from .expressions import Formulas
 from .phase_tables import PhaseTables
-from .sampled import Sampler
+from .sampled import Sampler, zero_of
 from .status import Status
 from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
 
@@ -85,7 +85,6 @@ class Track:
         variables = Variables(phase.form, problem.orientation)
         self.moving, self.record, self.width = variables.moving, type(phase.form.units), len(variables.names)
         self.integrals = [run.carried._fields.index(integral.name) for integral in variables.integrals]
-        self.rates = {integral.name: integral.rate for integral in variables.integrals}
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
         rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
@@ -461,7 +460,7 @@ class HybridDriver:
             q = track.record(*(value[0] if np.ndim(value) else value for value in q))
             return float(track.formulas.functions(q, carried, track.b)[k])
 
-        t = zero_of(function, known, n.delay)
+        t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
         self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
     def _rows(self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]) -> np.ndarray:
@@ -590,11 +589,3 @@ def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
         return problem.number(problem.exact(value) * (problem.exact(1) / problem.exact(problem.scales.of(unit))))
 
     return system.assembled(problem.internal_body, problem.contact, internal)
-
-
-def zero_of(function: Any, sign: float, end: Any) -> Any:
-    """Return where a function that begins with a sign has its zero, in [0, end]."""
-    low, high = 0 * end, end
-    while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if function(middle) * sign > 0 else (low, middle)
-    return high
