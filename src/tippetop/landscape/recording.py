@@ -3,6 +3,7 @@
 A second call with the same body and axes continues a surface that was interrupted.
 """
 
+import contextlib
 import itertools
 import json
 from collections.abc import Callable, Iterator, Mapping
@@ -172,9 +173,11 @@ def _opened(path: Path, wanted: Surface) -> Ledger:
     """The store of a surface, new or unfinished. Raises StoreError, OSError."""
     axes = {name: axis.values for name, axis in wanted.axes().items()}
     if not path.exists():
-        with new_store(path) as scratch:
-            store = Ledger.created(scratch, wanted.header())
-            _put(store, AXES, axes)
+        with contextlib.ExitStack() as held:
+            with new_store(path) as scratch:
+                store = held.enter_context(Ledger.created(scratch, wanted.header()))
+                _put(store, AXES, axes)
+            held.pop_all()
         store.path = path
         return store
     if not ledger.is_ledger(path) or ledger.read(path, chunks=False).seal:

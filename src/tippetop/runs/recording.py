@@ -1,5 +1,6 @@
 """A run becomes a store as it goes: full chunks, a tail of what waits, and records that acknowledge both."""
 
+import contextlib
 import json
 import threading
 import time
@@ -225,11 +226,11 @@ def record(
     Interrupted
         `stop` was set.
     """
-    with new_store(target, overwrite=overwrite) as scratch:
-        integration = Integration(problem, stop)
-        store = Ledger.created(scratch, header(integration), bare=True)
-    store.path = Path(target)
-    with store:
+    with contextlib.ExitStack() as held:
+        with new_store(target, overwrite=overwrite) as scratch:
+            integration = Integration(problem, stop)
+            store = held.enter_context(Ledger.created(scratch, header(integration), bare=True))
+        store.path = Path(target)
         return run_into(integration, store, progress, stop)
 
 

@@ -118,7 +118,7 @@ def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
                 locked = Ledger.opened(folder)
             else:
                 with new_store(folder) as scratch:
-                    locked = Ledger.created(scratch, _header(plan))
+                    locked = held.enter_context(Ledger.created(scratch, _header(plan)))
                 locked.path = folder
             store = held.enter_context(SweepStore(plan, locked))
         store.check()
