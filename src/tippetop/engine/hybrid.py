@@ -115,7 +115,8 @@ class Track:
             records[flag] = 0
         records["leader"] = -1
         for number, event, record in zip(self.numbers, self.events, mine, strict=True):
-            kept = (0, 0) if event.name in self.exits else records[number][["first", "last"]].item()  # jumps log their events
+            # jumps log their events themselves
+            kept = (0, 0) if event.name in self.exits else records[number][["first", "last"]].item()
             records[number] = record
             records[number]["first"], records[number]["last"] = kept
             records[number]["watched"] = not event.sense or event.name in run.problem.events
