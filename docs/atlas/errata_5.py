@@ -81,7 +81,7 @@ def limit_of_energy(m, l, g, I3, b, omega3):
 
 
 def upright_gliding_heavy_top():
-    b = heavy_top.body({"m": 0.02, "l": 0.04, "I1": 8e-6, "I3": 3.2e-6, "g": 9.82}, Viscous(0.3))
+    b = heavy_top.HeavyTop.body_of({"m": 0.02, "l": 0.04, "I1": 8e-6, "I3": 3.2e-6, "g": 9.82}, Viscous(0.3))
     rows = []
     for factor in (1.1, 3.0, 10.0):
         grows = bool(linear_modes(factor * sleeping_spin(b), b)[0].real > 0)

@@ -6,11 +6,11 @@ import inspect
 import math
 import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .errors import InputError, StoreError, suggestion
+from .errors import InputError, StoreError, refuse_unknown
 
 
 if TYPE_CHECKING:
@@ -143,13 +143,6 @@ def named_arguments(function: F) -> F:
         return function(*arguments, **named)
 
     return called  # type: ignore[return-value]
-
-
-def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
-    """Raises TypeError for a keyword that a function has not."""
-    for name in named:
-        if name not in known:
-            raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
 
 
 @contextlib.contextmanager

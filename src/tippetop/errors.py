@@ -23,6 +23,19 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return f" Did you mean `{match}`?" if match else ""
 
 
+def sentence(key: str, must: str, given: Any) -> str:
+    """Return the sentence on a value that is wrong: what must hold of it, and what is given."""
+    words = "a table" if isinstance(given, dict) else repr(given)
+    return f"`{key}` {must}, but is {words if len(words) <= 60 else words[:57] + '...'}."
+
+
+def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
+    """Raise TypeError for a keyword that a function does not have."""
+    for name in named:
+        if name not in known:
+            raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
+
+
 def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = (), belongs: str = "") -> str:
     """The sentence on a key that does not exist: the same key of another table is suggested, or one that is near in
     its own table, or very near in another.

@@ -31,8 +31,8 @@ def test_coulomb_without_eps_slips_and_then_rolls() -> None:
 
 
 def test_a_law_without_eps_has_none_to_show() -> None:
-    assert tt.Coulomb(mu=0.3).numbers() == {"mu": 0.3}
-    assert tt.Coulomb(mu=0.3, eps=1e-3).numbers() == {"mu": 0.3, "eps": 1e-3}
+    assert tt.Coulomb(mu=0.3)._asdict() == {"mu": 0.3}
+    assert tt.Coulomb(mu=0.3, eps=1e-3)._asdict() == {"mu": 0.3, "eps": 1e-3}
     with pytest.raises(InputError, match=r"friction\.mu"):
         tt.Coulomb(mu=-1.0)
     with pytest.raises(InputError, match=r"friction\.eps"):

@@ -12,7 +12,6 @@ import tippetop as tt
 from tippetop.arguments import plain
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.operand import formula, sqrt
-from tippetop.mechanics.system import Parameter
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
 from tippetop.scenario import reference
 
@@ -32,14 +31,9 @@ def forgotten() -> Iterator[None]:
 
 
 def law(name: str, coefficient: Callable) -> Any:
-    """The record of a registered law with one number, mu."""
-
-    class Own(NamedTuple):
-        mu: float
-
-    record: Any = Own
-    tt.register(tt.Law(record, {"mu": Parameter(SECOND_PER_METRE, "a number")}, "k", formula(coefficient)), name)
-    return record
+    """A registered law with one number, mu."""
+    body = {"mu": tt.number(SECOND_PER_METRE, "a number"), "coefficient": formula(coefficient)}
+    return tt.register(type(tt.FrictionLaw)(name, (tt.FrictionLaw,), body))
 
 
 @pytest.mark.parametrize(
@@ -102,7 +96,7 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
         ({"start": None}, "`start` of `mine` must be a function"),
         ({"scales": 3}, "`scales` of `mine` must be a function"),
         ({"angles": None}, "`angles` of `mine` must be a NamedTuple"),
-        ({"initial": {"theta": 3}}, "`initial` of `mine` must be Parameter records"),
+        ({"initial": {"theta": 3}}, "`initial` of `mine` must be Number records"),
         ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
         ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
         ({"body": lambda parameters, law: 1.0}, "fail: |must give NamedTuples"),
@@ -145,8 +139,8 @@ def test_the_systems_of_the_package_pass_these_checks() -> None:
 )
 def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence: str) -> None:
     with pytest.raises(tt.InputError, match=sentence):
-        tt.Parameter(**{"unit": ONE, "long_name": "x", **given})
-    assert tt.Parameter(ONE, "x", least=1, most=1).broken(2)
+        tt.Number(**{"unit": ONE, "long_name": "x", **given})
+    assert tt.Number(ONE, "x", least=1, most=1).broken(2)
 
 
 @pytest.mark.parametrize(
@@ -263,10 +257,12 @@ class Entry(NamedTuple):
 
 def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """A name that is taken, another name than that of the record, and what is no record: a sentence each."""
-    mine = tt.Law(NamedTuple("Mine", [("mu", float)]), {"mu": Parameter(ONE, "mu")}, "k", lambda v2, z, law: law.mu)
+    body = {"mu": tt.number(ONE, "mu"), "coefficient": lambda v2, z, law: law.mu}
+    taken, mine = (type(tt.FrictionLaw)(name, (tt.FrictionLaw,), body) for name in ("Viscous", "Mine"))
     top = tt.SYSTEMS["tippe-top"].replace(name="my-top")
     entries = [
-        Entry("tippetop.friction", "viscous", mine),
+        Entry("tippetop.friction", "viscous", taken),
+        Entry("tippetop.friction", "other-name", mine),
         Entry("tippetop.friction", "wrong", 3),
         Entry("tippetop.systems", "other-name", top),
         Entry("tippetop.systems", "wrong", 3),
@@ -276,7 +272,8 @@ def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyP
         systems.load_entry_points.__wrapped__()
     assert [str(each.message) for each in warned] == [
         "`viscous` of tippetop.friction is left out: the name of a law must be new, but `viscous` is that of Viscous.",
-        "`wrong` of tippetop.friction is left out: it must be a Law, but is 3.",
+        "`other-name` of tippetop.friction is known as `mine`, the key of its class, and by no other.",
+        "`wrong` of tippetop.friction is left out: it must be a FrictionLaw, but is 3.",
         "`other-name` of tippetop.systems is known as `my-top`, the name of its System, and by no other.",
         "`wrong` of tippetop.systems is left out: it must be a System, but is 3.",
     ]

@@ -4,7 +4,7 @@ import copy
 import pickle
 import warnings
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -139,15 +139,12 @@ def test_formulas_that_fail_name_themselves_and_keep_the_cause() -> None:
         assert isinstance(raised.value.__cause__, AttributeError)
 
 
-class Odd(NamedTuple):
-    mu: Any
-
-
 def test_a_law_that_fails_names_itself() -> None:
     def coefficient(v2, z, law):
         return law.nu
 
-    tt.register(tt.Law(Odd, {"mu": friction.LAWS["viscous"].parameters["mu"]}, "odd", coefficient), "odd")
+    body = {"mu": friction.LAWS["viscous"].parameters["mu"], "coefficient": coefficient}
+    Odd: Any = tt.register(type(tt.FrictionLaw)("Odd", (tt.FrictionLaw,), body))
     try:
         with pytest.raises(tt.InputError, match="the formula of the friction law `odd` fails") as raised:
             tt.run("inverting", friction=Odd(0.3), until=0.1)

@@ -43,8 +43,8 @@ def symbolic_body(system: System, form: Form, friction: Any, *, by_parameters: b
     """
     if by_parameters:
         pars = iter(hy.par[i] for i in range(len(system.parameters) + len(friction._fields)))
-        return system.body_of({name: next(pars) for name in system.parameters}, friction(*pars))
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+        return system.body_of({name: next(pars) for name in system.parameters}, friction._make(pars))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
     count = iter(range(len(leaves(template))))
     return refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
 
@@ -102,14 +102,14 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
         state = moment(system, form, q, carried, b)
         return [event.formula(state, b) for event in system.events]
 
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
 
     def body(values: Iterator) -> Any:
         return refill(template, values)._replace(**system.folds(form))
 
     def sample(numbers: Iterator[float]) -> tuple[Any, Any]:
         given = {name: next(numbers) for name in system.parameters}
-        b = system.body_of(given, friction(*(0.1,) * len(friction._fields)))
+        b = system.body_of(given, friction._make((0.1,) * len(friction._fields)))
         angles = system.angles._make([next(numbers) for _ in system.angles])
         theta = getattr(angles, "theta", 0.7)
         return form.of_angles(angles, math.sin(theta), math.cos(theta), b), b

@@ -29,7 +29,7 @@ from ..mechanics.contact.response import Mobility, Spin, spin_mobility
 from ..mechanics.contact.state import Moving
 from ..mechanics.contact.struck import Impact, struck
 from ..mechanics.disc_friction import Region
-from ..mechanics.friction import Frictionless, Law, named
+from ..mechanics.friction import Frictionless
 from ..mechanics.operand import Vector, refill
 from ..problem import PRECISIONS, Problem
 from .driver import Driver
@@ -69,7 +69,7 @@ NO_ROWS = NoRows()
 def formulas_of_impact(friction: Any, region: Region | None, restitution: str) -> Formulas:
     """Return the formulas of a motion, with the type of the record of a friction law."""
     slides = sliding(region, restitution)
-    template = Blow(*(1.0,) * 10, friction(*friction._fields))
+    template = Blow(*(1.0,) * 10, friction._make(friction._fields))
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         push = slides.push(q, b)
@@ -96,7 +96,7 @@ class SlidingImpacts:
         Set it to give up while a motion is being compiled.
     """
 
-    def __init__(self, law: Law, restitution: str, precision: str = "double", stop: threading.Event | None = None):
+    def __init__(self, law: Any, restitution: str, precision: str = "double", stop: threading.Event | None = None):
         self.law, self.restitution, self.precision, self.stop = law, restitution, precision, stop
         self.number: Any = float if precision == "double" else PRECISIONS[precision]  # floats are faster than NumPy's
         self.eps = ROUNDING[precision]
@@ -106,7 +106,7 @@ class SlidingImpacts:
         """Return the motion in a region, or with the only name "", and what follows it."""
         if name not in self.known:
             region, wide = self.law.regions.get(name), self.precision != "double"
-            formulas = formulas_of_impact(self.law.record, region, self.restitution)
+            formulas = formulas_of_impact(self.law, region, self.restitution)
             code = compiled_when((formulas, self.precision, 0.0, 0, wide, False), self.stop)
             start, functions = np.zeros(len(Motion._fields), self.number), np.ones(len(formulas.events))
             pars = [self.number(1)] * len(code.integrator.pars)
@@ -250,7 +250,7 @@ class Impacts:
 
     def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None = None):
         rules: Any = problem.contact
-        law = named(type(friction), problem.system.laws)[1]  # type: ignore[index]
+        law: Any = type(friction)
         self.restitution, self.law = rules.restitution, law
         self.is_dry = law.set_valued or type(friction) is Frictionless
         self.motions = SlidingImpacts(law, rules.restitution, problem.precision, stop)

@@ -245,7 +245,7 @@ def _widened(values: np.ndarray, number: Any) -> np.ndarray:
 
 
 def _cast(record: Any, number: Any) -> Any:
-    return type(record)(*(_cast(f, number) if isinstance(f, tuple) else number(f) for f in record))
+    return getattr(record, "_make", tuple)(_cast(f, number) if isinstance(f, tuple) else number(f) for f in record)
 
 
 def event_functions(problems: Problems) -> np.ndarray:

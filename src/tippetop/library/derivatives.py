@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, refuse_unknown, whole
+from ..arguments import dotted_keys, whole
 from ..columns import with_coordinates
-from ..errors import InputError
+from ..errors import InputError, refuse_unknown
 from .run import Run
 from .scenarios import problem_of
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from ..arguments import flag, in_python, instance, measured, named_arguments, path_of
 from ..errors import InputError, Interrupted
+from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
+from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
@@ -18,9 +20,7 @@ from ..progress import Bar
 from ..runs.patience import warning
 from ..runs.run import solve
 from ..store import root
-from .bodies import Top
 from .extensions import of_stored
-from .laws import Friction
 from .run import Run
 from .scenarios import checked, problem_of
 from .stored_run import StoredRun
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @named_arguments
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
-    friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
+    friction: FrictionLaw | tuple | Mapping[str, Any] | Sequence[str] | None = None,
     *,
     start: Mapping[str, Any] | str | Path | None = None,
     initial: Mapping[str, Any] | None = None,

@@ -186,7 +186,7 @@ def _of_law(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     kind, n = type(problems.base.friction), problems.n
     if not (words := _owner(SLIP.get(kind))):
         return []
-    law = kind(**{name: np.zeros(n) + number for name, number in problems.given("friction").items()})
+    law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
     for v2, z in PLACES:
         k = np.zeros(n) + SLIP[kind](np.full(n, v2), np.full(n, z), law)
         if (bad := ~(np.isfinite(k) & (k >= 0))).any():

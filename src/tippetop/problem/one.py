@@ -10,10 +10,10 @@ import numpy as np
 from ..errors import unknown_key
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
-from ..mechanics.friction import Law, named
+from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
-from ..mechanics.system import Form, Parameter, System
+from ..mechanics.system import Form, Number, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
@@ -26,7 +26,7 @@ from .many import Problems, StartedFrom
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 KEYFRAME_STEPS = 8192  # 20 to 60 ms of computing: what a replay does before its first row; 0.1 kB a step are 10 of rows
-UNTIL = Parameter(SECOND, "end of the run", above=0, most=1e16)
+UNTIL = Number(SECOND, "end of the run", above=0, most=1e16)
 
 
 @dataclass(frozen=True, repr=False)
@@ -112,19 +112,12 @@ class Problem:
     @property
     def law_name(self) -> str:
         """The name of the friction law, as in `[friction] law`."""
-        return self._law[0]
+        return self.law.key
 
     @property
-    def law(self) -> Law:
+    def law(self) -> type[FrictionLaw]:
         """The friction law: its numbers and their units."""
-        return self._law[1]
-
-    @cached_property
-    def _law(self) -> tuple[str, Law]:
-        """Name and law of the friction record."""
-        known = named(type(self.friction), self.system.laws)
-        assert known is not None, self.friction
-        return known
+        return type(self.friction)
 
     @cached_property
     def tables(self) -> dict[str, dict[str, Any]]:
@@ -145,7 +138,7 @@ class Problem:
         return {"contact": contact, **({"stem": stem} if self.contact.stem else {})}
 
     @cached_property
-    def rules(self) -> dict[str, Parameter]:
+    def rules(self) -> dict[str, Number]:
         """What must hold of the numbers, by dotted key: the keys that may vary."""
         friction = self.law.parameters if self.system.frictional else {}
         tables = {"parameters": self.system.parameters, "friction": friction, "initial": self.system.initial}

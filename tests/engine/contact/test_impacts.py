@@ -43,7 +43,7 @@ def hit_at(v: tuple, s: Any, z: Any, b: Touch, e_n: Any, restitution: str, Omega
     law = type(b.friction)
     key = law, restitution, precision
     if key not in _motions:
-        _motions[key] = SlidingImpacts(named(law)[1], restitution, precision)
+        _motions[key] = SlidingImpacts(named(law), restitution, precision)
     spin = spin_mobility(s, z, b) if law is Contensou else None
     return _motions[key].struck(v, mobility(s, z, b), z, b.friction, e_n, spin, Omega_z)
 

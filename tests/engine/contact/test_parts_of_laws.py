@@ -160,7 +160,7 @@ def test_records_take_parts_by_name():
     table = tt.run(top, LAWS["viscous"] | {"mu_r": MU_R, "mu_d": MU_D}, start=SLIDING, until=0.01)
     assert run.trajectory.theta.identical(table.trajectory.theta)
     assert run.summary.friction.to_dict() == {"law": "viscous", "mu": 0.3, "mu_r": MU_R, "mu_d": MU_D}
-    assert tt.Contensou(0.3, 5e-4, 1e-5, mu_d=1e-5).record()._fields == ("mu", "patch", "mu_r", "mu_d")
+    assert tt.Contensou(0.3, 5e-4, 1e-5, mu_d=1e-5)._fields == ("mu", "patch", "mu_r", "mu_d")
     with pytest.raises(tt.InputError, match="mu_r"):
         tt.Coulomb(0.3, mu_r=-1e-5)
 

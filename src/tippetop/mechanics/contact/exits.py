@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..form import CLOCK, Next
-from ..friction import Law, named
+from ..friction import named
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from . import body as contact
 from .body import Touch
@@ -83,9 +83,9 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
     return "-".join((*("stem",) * ball, label, *regions))
 
 
-def law_of(world: Any) -> Law:
+def law_of(world: Any) -> Any:
     """Return the law of the contact."""
-    return named(type(world.body[0].friction), world.system.laws)[1]  # type: ignore[index]
+    return named(type(world.body[0].friction), world.system.laws)
 
 
 def point(x: Moving, b: Touch) -> Vector:

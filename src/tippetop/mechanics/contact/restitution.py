@@ -3,8 +3,8 @@
 import math
 from typing import Any, NamedTuple
 
+from ..number import Number
 from ..operand import formula
-from ..parameter import Parameter
 from ..units import METRE, ONE
 
 
@@ -35,10 +35,10 @@ class ContactLaw(NamedTuple):
         return not math.isnan(self.h)
 
 
-CONTACT = {"e_n": Parameter(ONE, "coefficient of restitution e_n", least=0, most=1)}
+CONTACT = {"e_n": Number(ONE, "coefficient of restitution e_n", least=0, most=1)}
 STEM = {
-    "r": Parameter(METRE, "radius of the stem's ball", above=0),
-    "h": Parameter(METRE, "distance from the centre of the sphere to that of the stem's ball, along 3hat", above=0),
+    "r": Number(METRE, "radius of the stem's ball", above=0),
+    "h": Number(METRE, "distance from the centre of the sphere to that of the stem's ball, along 3hat", above=0),
 }
 
 
