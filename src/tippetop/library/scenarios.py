@@ -202,11 +202,11 @@ def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
 def table_of(law: Any) -> dict[str, Any]:
     """Return the table [friction] of the record of a law that is known. Raises InputError."""
     if isinstance(law, FrictionLaw):
-        if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
+        if named(type(law)) is None:
             load_entry_points()
-        if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
-            kind = type(law).__name__
-            raise InputError([f"the friction law {kind} must be registered: tippetop.register({kind})."])
+            if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
+                kind = type(law).__name__
+                raise InputError([f"the friction law {kind} must be registered: tippetop.register({kind})."])
         return {"law": law.key, **law._asdict()}
     such, found = "Viscous(mu=0.3)", f"{law!r:.60}"
     if isinstance(law, str):

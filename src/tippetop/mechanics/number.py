@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -83,11 +84,11 @@ class Number:
     def _bounds(self) -> list[tuple[str, float, Callable]]:
         """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
         bounds = (
-            ("other than", 0.0 if self.nonzero else None, np.equal),
-            ("greater than", self.above, np.less_equal),
-            ("at least", self.least, np.less),
-            ("less than", self.below, np.greater_equal),
-            ("at most", self.most, np.greater),
+            ("other than", 0.0 if self.nonzero else None, operator.eq),
+            ("greater than", self.above, operator.le),
+            ("at least", self.least, operator.lt),
+            ("less than", self.below, operator.ge),
+            ("at most", self.most, operator.gt),
         )
         return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
 

@@ -149,7 +149,7 @@ class Problem:
 
     def faults(self) -> list[str]:
         """What is wrong with the numbers that are given, in sentences; empty if nothing is."""
-        faults = self.system.faults(self.parameters)
+        faults = []
         for table in ("friction", "initial", "run", *self._contact()):
             for name, value in self.tables[table].items():
                 key, rule = f"{table}.{name}", self.rules.get(f"{table}.{name}")
@@ -158,13 +158,14 @@ class Problem:
                 if rule is None and not isinstance(value, bool):
                     known = [k.partition(".")[2] for k in self.rules if k.startswith(f"{table}.")]
                     faults.append(unknown_key(key, known, self.rules))
-        return faults + self.system.clashes(given_names(self.initial)) + self._contact_faults()
+        return [*self.system.faults(self.parameters), *faults, *self.clashes()]
 
-    def _contact_faults(self) -> list[str]:
-        """What is wrong with the stem."""
-        if self.contact is None or not self.contact.stem:
-            return []
-        return stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
+    def clashes(self) -> list[str]:
+        """Return sentences on what numbers break together that are right one by one, but for those of the body."""
+        faults = self.system.clashes(given_names(self.initial))
+        if self.contact is not None and self.contact.stem:
+            faults += stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
+        return faults
 
     @property
     def choice(self) -> Choice:

@@ -99,7 +99,8 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         origin=origin,
     )
     faults = [
-        *built.faults(),
+        *system.checks(parameters),
+        *built.clashes(),
         *contact_faults(built),
         *_pole_faults(built),
         *_run_faults(system, run),
