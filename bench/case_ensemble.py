@@ -13,7 +13,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.ensembles import ensemble
 from tippetop.ensembles.lanes import LANES
 from tippetop.problem import Problems
@@ -106,7 +106,7 @@ def _exact(spin: float) -> np.longdouble:
 def batched(tops: Problems) -> Callable[[], np.ndarray]:
     """heyoka's batch integrator on the motion alone, no integrals, events or tallies; gives rows (n, variables)."""
     base = tops.base
-    equations = equations_of_motion(base.system, tops.variables, base.friction.__class__).rates
+    equations = equations_of_motion(formulas_of(base.system, base.form.name, type(base.friction)), tops.variables).rates
     kept = list(range(tops.variables.moving))
     start, rows = tops.start[kept], np.zeros((tops.n, len(equations)))
     made = hy.taylor_adaptive_batch(

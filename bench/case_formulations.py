@@ -12,7 +12,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.mechanics.operand import leaves
 from tippetop.problem import Problem
 from tippetop.scenario import build
@@ -99,7 +99,9 @@ def _inverting(*settings: str) -> Problem:
 
 
 def _system(problem: Problem) -> tuple[list, np.ndarray, list[float]]:
-    sys = equations_of_motion(problem.system, problem.variables, problem.friction.__class__).rates
+    sys = equations_of_motion(
+        formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
+    ).rates
     return sys, problem.start(), [float(leaf) for leaf in leaves(problem.internal_body)]
 
 
@@ -121,7 +123,7 @@ def _cosine(state: np.ndarray) -> float:
 
 def _exact() -> float:
     wide = _inverting("run.precision=quad")
-    sys = equations_of_motion(wide.system, wide.variables, wide.friction.__class__).rates
+    sys = equations_of_motion(formulas_of(wide.system, wide.form.name, type(wide.friction)), wide.variables).rates
     pars = np.array([wide.number(leaf) for leaf in leaves(wide.internal_body)])
     options = {"tol": wide.number(2.0**-112), "fp_type": wide.number, "compact_mode": True}
     made = hy.taylor_adaptive(sys, wide.start(), pars=pars, high_accuracy=True, **options)

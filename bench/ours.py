@@ -9,7 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from tippetop.engine.driver import Driver
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.taylor import driver_of
 from tippetop.mechanics.events import Event
 from tippetop.mechanics.operand import leaves
@@ -17,7 +17,7 @@ from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.runs.sinks import Nowhere
+from tippetop.runs.sinks import Memory
 
 from .minimal import Minimal, theta_of
 from .peers import Peer, Solver
@@ -65,7 +65,9 @@ def _solved(problem: Problem) -> np.ndarray:
 
 def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
     """An integrator of the engine's equations of motion and integrals, and of nothing else."""
-    sys = equations_of_motion(problem.system, problem.variables, problem.friction.__class__).rates
+    sys = equations_of_motion(
+        formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
+    ).rates
     pars = [float(leaf) for leaf in leaves(problem.internal_body)]
     return hy.taylor_adaptive(sys, problem.start(), pars=pars, tol=problem.tolerance or 2.0**-52, high_accuracy=True)
 
@@ -73,7 +75,9 @@ def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
 def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver]:
     """The engine's own equations of motion without integrals, as a peer gets them; and events of some kinds."""
     problem = minimal.problem
-    q, _, body, sys = equations_of_motion(problem.system, problem.variables, problem.friction.__class__)
+    q, _, body, sys = equations_of_motion(
+        formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
+    )
     sys = sys[: problem.variables.moving]
     pars = [float(leaf) for leaf in leaves(problem.internal_body)][: max(_pars_of(sys), default=-1) + 1]
     scalars = problem.form.scalars(q, body)
@@ -142,7 +146,7 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        return Solver(lambda _: Integration(problem).run(Nowhere()), lambda: _solved(problem))
+        return Solver(lambda _: Integration(problem).run(Memory(keeps_rows=False)), lambda: _solved(problem))
 
     return solver
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.scenario import build
 
 from . import report
@@ -37,7 +37,9 @@ def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:
     import heyoka as hy
 
     problem = minimal.problem
-    equations = equations_of_motion(problem.system, problem.variables, problem.friction.__class__).rates
+    equations = equations_of_motion(
+        formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
+    ).rates
     chosen = equations[: problem.variables.moving]
     function = hy.cfunc([rate for _, rate in chosen], [v for v, _ in chosen])
     pars = [float(leaf) for leaf in _leaves(minimal.body)]

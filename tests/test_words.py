@@ -54,7 +54,7 @@ ALLOWED = {  # (file or folder, what stands in the line) -> why
     ("docs/", "Measured"): "plain English",
     ("src/tippetop/ensembles/outcomes.py", '"what became of the top"'): "an attribute of stores, whose bytes stay",
     (
-        "src/tippetop/runs/integration.py",
+        "src/tippetop/runs/reporting.py",
         "settled: sliding died at",
     ): "an attribute of stores, whose bytes stay",
 }

@@ -14,7 +14,6 @@ import shutil
 import stat
 import threading
 import time
-import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,6 @@ from typing import Any
 import numpy as np
 
 
-HAS_NUMBA = importlib.util.find_spec("numba") is not None
 PACKAGES = ("tippetop", "tippetop_kernels")
 
 KEPT = 8
@@ -71,10 +69,7 @@ class Entry:
         return self.variant(*arguments)(*arguments)
 
     def variant(self, *arguments: Any) -> Callable:
-        """Return the function compiled for the types of these arguments; as it is without numba."""
-        if not HAS_NUMBA:
-            _warn()
-            return self.function
+        """Return the function compiled for the types of these arguments."""
         kinds = tuple(map(_kind, arguments))
         with self._compiling:
             if kinds not in self._variants:
@@ -136,15 +131,6 @@ def _is_ours(thing: Any) -> bool:
     return thing.__module__.partition(".")[0] in (*PACKAGES, "builtins")
 
 
-@functools.cache
-def _warn() -> None:
-    warnings.warn(
-        "numba is not installed: impacts and landings are computed in plain Python, slowly; install tippetop[grids].",
-        RuntimeWarning,
-        stacklevel=4,
-    )
-
-
 # --- machine code on disk ---------------------------------------------------------------
 
 
@@ -160,9 +146,17 @@ def cache_folder() -> Path | None:
     return Path(caches) / "tippetop" / "kernels" if os.path.isabs(caches) else None
 
 
-def is_private(status: os.stat_result) -> bool:
-    """Return whether only this user can write a file: to write machine code is to run it."""
-    return status.st_uid == os.geteuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+def private_folder(path: Path | None) -> Path | None:
+    """Create a folder. Return it, or None if another user can write to it: to write machine code is to run it."""
+    if path is None:
+        return None
+    try:
+        path.mkdir(mode=0o700, parents=True, exist_ok=True)
+        status = path.lstat()
+    except OSError:
+        return None
+    private = status.st_uid == os.geteuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return path if private and stat.S_ISDIR(status.st_mode) else None
 
 
 @functools.cache
@@ -171,22 +165,14 @@ def code_folder() -> Path | None:
 
     Folders of other sources are removed, except for those that were used last.
     """
-    base, digest = cache_folder(), sources_digest()
+    base, digest = private_folder(cache_folder()), sources_digest()
     if base is None or digest is None:
         return None
-    folder = base / f"numba-{digest}"
-    try:
-        base.mkdir(mode=0o700, parents=True, exist_ok=True)
-        folder.mkdir(mode=0o700, exist_ok=True)
-        for place in (base, folder):
-            status = place.lstat()
-            if not (stat.S_ISDIR(status.st_mode) and is_private(status)):
-                return None
+    folder = private_folder(base / f"numba-{digest}")
+    if folder is not None:
         os.utime(folder)
         for old in sorted(base.glob("numba-*"), key=lambda path: path.stat().st_mtime)[:-KEPT]:
             shutil.rmtree(old, ignore_errors=True)
-    except OSError:
-        return None
     return folder
 
 

@@ -787,7 +787,7 @@ static bool take_rows(const Loop *l, bool moved) {
 /* --- steps --- */
 
 /* Allow the next step up to the end of each run; 0 in a lane that has ended. */
-void loop_begin_step(const Loop *l) {
+static void begin_step(const Loop *l) {
     const Motion *m = &l->motion;
     memcpy(m->before, m->state, l->sizes.variables * l->sizes.lanes * sizeof(real));
     for (integer lane = 0; lane < l->sizes.lanes; lane++) {
@@ -831,12 +831,16 @@ static bool take_step(const Loop *l, integer lane) {
     const Samples *samples = &l->samples;
     Tally *tally = l->tallies.lane + lane;
     real t = m->start_high[lane], h = m->high[lane] - t;
-    if (h > 0 && tally->status == RUNNING)
-        count_step(l, lane, t, h, take_events(l, lane, t, h));
     if (!(m->limit[lane] > 0))
         return false;
-    if (tally->status == RUNNING && m->h[lane] == m->limit[lane])
+    if (h > 0 && tally->status == RUNNING)
+        count_step(l, lane, t, h, take_events(l, lane, t, h));
+    else if (tally->status == RUNNING && ++tally->tiny >= l->thresholds.patience)
+        tally->status = STALLED; /* steps that move no double */
+    if (tally->status == RUNNING && m->h[lane] == m->limit[lane]) {
         tally->status = FINISHED;
+        tally->t = m->end[lane];
+    }
     bool sampled = tally->steps <= l->rules.first || (tally->steps & (l->rules.every - 1)) == 0;
     if (l->sizes.samples > 0 && tally->upto == 1 && sampled) {
         integer at = samples->filled[0]++, variables = l->sizes.variables;
@@ -881,8 +885,6 @@ static void put_down(const Loop *l, integer lane, integer top) {
         state_at(l, lane, tally->t);
     real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
     take_turning(tally, l->thresholds.noise_floor, 0, theta_of(axis));
-    if (tally->status == FINISHED)
-        tally->t = tops->until[top];
     tops->lane[top] = *tally;
     copy(l->ensemble.variables, last, n, tops->final + top, count);
     copy(l->sizes.numbers, l->tallies.kept + lane, n, tops->kept + top, count);
@@ -928,7 +930,7 @@ static bool is_full(const Loop *l) {
 }
 
 /* Fill the lanes. Return whether no step is possible: no run is under way, or there is no room. */
-bool loop_begin(const Loop *l) {
+static bool begin(const Loop *l) {
     if (l->ensemble.count > 0)
         change(l, true);
     bool runs = false;
@@ -940,7 +942,7 @@ bool loop_begin(const Loop *l) {
 
 /* Take in the step that was made. Return whether the caller must look: a run has ended and has no
    successor, a top has settled, all rows are written, or there is no room. */
-bool loop_end_step(const Loop *l) {
+static bool end_step(const Loop *l) {
     integer lanes = l->sizes.lanes, variables = l->sizes.variables, first = l->log.filled[0];
     bool ended = false;
     move(l);
@@ -967,12 +969,12 @@ bool loop_end_step(const Loop *l) {
 integer loop_drive(const Loop *l, integer most) {
     const Motion *m = &l->motion;
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
-    _Alignas(64) volatile bool stops = loop_begin(l);
+    _Alignas(64) volatile bool stops = begin(l);
     integer steps = 0;
     for (; steps < most && !stops; steps++) {
-        loop_begin_step(l);
+        begin_step(l);
         l->step(m->state, m->pars, m->start_high, m->h, m->tc);
-        stops = loop_end_step(l);
+        stops = end_step(l);
     }
     return steps;
 }

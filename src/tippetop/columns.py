@@ -67,6 +67,12 @@ def flagged(flags: Any, name: str) -> np.ndarray:
     return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
 
 
+def flag_names(flags: Any) -> list[str]:
+    """Return the name of each value of a column of flags, with its `flag_meanings`."""
+    meanings = flags.attrs["flag_meanings"].split()
+    return [meanings[int(value)] for value in flags.values]
+
+
 def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
     """Raises InputError where columns that something needs are not among those that a run keeps.
 

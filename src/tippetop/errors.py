@@ -82,7 +82,7 @@ class BuildError(ImportError):
 EXTRAS = {
     "matplotlib": "figures",
     **dict.fromkeys(("numba", "scipy"), "grids"),
-    **dict.fromkeys(("distributed", "dask", "cryptography"), "sweep"),
+    **dict.fromkeys(("contourpy", "distributed", "dask", "cryptography"), "sweep"),
     **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
 }
 """What an import may miss: the extra of this package that brings it."""

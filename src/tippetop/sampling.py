@@ -58,3 +58,13 @@ class ListedTimes:
     def count(self, t: float, *, inclusive: bool) -> int:
         """How many of the times lie before t, or at t too."""
         return int(np.searchsorted(self.times, t, side="right" if inclusive else "left"))
+
+
+def extremes(values: np.ndarray, size: int) -> np.ndarray:
+    """Return the indices of the least and the greatest value in each bin of `size` values, and of the last one.
+
+    Ascending, each once; NaN counts as 0."""
+    count = len(values)
+    first = np.arange(0, count, size)
+    bins = np.pad(np.nan_to_num(values), (0, -count % size), "edge").reshape(-1, size)
+    return np.unique(np.minimum([*(first + bins.argmin(1)), *(first + bins.argmax(1)), count - 1], count - 1))

@@ -71,33 +71,23 @@ def test_a_file_under_another_name_is_not_loaded(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("mode", [0o720, 0o702])
-def test_what_others_can_write_is_not_loaded(folder: Path, mode: int) -> None:
+def test_a_folder_that_others_can_write_is_not_used(folder: Path, mode: int) -> None:
     is_found()
-    (file,) = folder.iterdir()
-    file.chmod(mode)
-    assert not is_found()
     folder.chmod(mode)
     assert not is_found()
     folder.chmod(0o700)
     assert is_found()
-    assert file.stat().st_mode & 0o777 == 0o600
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
-def test_what_belongs_to_another_user_is_not_loaded(folder: Path) -> None:
+def test_a_folder_of_another_user_is_not_used(folder: Path) -> None:
     is_found()
-    (file,) = folder.iterdir()
-    for place in (file, folder):
-        os.chown(place, 65534, -1)
-        assert not is_found()
-
-
-def test_links_are_not_followed(folder: Path, tmp_path: Path) -> None:
-    is_found()
-    (file,) = folder.iterdir()
-    file.symlink_to(file.rename(tmp_path / "moved"))
+    os.chown(folder, 65534, -1)
     assert not is_found()
-    assert is_found()
+
+
+def test_a_link_to_a_folder_is_not_used(folder: Path, tmp_path: Path) -> None:
+    is_found()
     folder.symlink_to(folder.rename(tmp_path / "elsewhere"))
     assert not is_found()
 

@@ -18,7 +18,7 @@ import pytest
 
 from tippetop.engine.compiled import compiled
 from tippetop.engine.driver import Driver
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.opt_level import opt_level
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import reset, signs_of
@@ -60,7 +60,7 @@ class Found(NamedTuple):
 def oracle(system: Any, form: str, law: Any, tolerance: float, orientation: bool) -> tuple[Any, list]:
     """heyoka's integrator of the same equations, which writes down (event, time, sign)."""
     made = compiled(system, form, law, "double", tolerance, 0, False, orientation)
-    q, _, body, _ = equations_of_motion(system, Variables(system.forms[form], orientation), law)
+    q, _, body, _ = equations_of_motion(formulas_of(system, form, law), Variables(system.forms[form], orientation))
     scalars = system.forms[form].scalars(q, body)
     seen: list[tuple[int, float, int]] = []
 

@@ -10,9 +10,7 @@ from tippetop.engine.compiled import _integral_of
 from tippetop.engine.driver import PLACES, Driver
 from tippetop.engine.expressions import formulas_of
 from tippetop.engine.taylor import driver_of
-from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.runs.sinks import Nowhere
 from tippetop.scenario import build, reading
 
 
@@ -75,9 +73,7 @@ def test_what_is_nearly_the_normal_force_is_integrated_itself() -> None:
 def test_the_extremes_of_a_run_are_those_of_its_column() -> None:
     """Of the heavy top the impulse is written otherwise than the column `normal_force`: they are one number."""
     problem = build.load("heavy-top", ["run.output_step=0.0005"], until=2.0)
-    run = Integration(problem)
-    run.run(Nowhere())
-    force = run.report()["normal_force"]
+    force = solve(problem, keep=False).report["normal_force"]
     column = solve(problem).columns()["normal_force"].values
     assert force["min"] == pytest.approx(column.min(), rel=1e-6)
     assert force["max"] == pytest.approx(column.max(), rel=1e-6)

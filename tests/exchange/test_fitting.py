@@ -179,6 +179,11 @@ def test_a_fit_is_a_scenario_that_runs(fit: tt.Fitted, tmp_path: Path) -> None:
     assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # the motion, not a line from dot to dot
 
 
+def predicted(observation: Observation, values: dict[str, float]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """What is left of each kind of measurement, and how the prediction moves, for one set of numbers."""
+    return {kind: (off[0], moves[0]) for kind, (off, moves) in observation.predictions([values]).items()}
+
+
 @pytest.mark.parametrize("kind", ["theta", "axis", *map(at_night, ("orientation", "place", "marker"))])
 def test_jacobians_are_those_of_differences(kind: str) -> None:
     """Of every kind of measurement, by numbers of the body, the law, the start and the clock."""
@@ -193,10 +198,10 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
     marker = (np.array([0.01, 0.0, 0.005]), np.zeros((n, 3))) if kind == "marker" else (None, None)
     observation = Observation(tt.load("inverting"), free, motion, *marker)
     start = observation.start()
-    _, slopes = observation.predicted(start)[kind]
+    _, slopes = predicted(observation, start)[kind]
     for k, name in enumerate(free):
         size = 1e-5 * (abs(start[name]) or 1e-2)
-        ahead, behind = (observation.predicted({**start, name: start[name] + s * size})[kind][0] for s in (1, -1))
+        ahead, behind = (predicted(observation, {**start, name: start[name] + s * size})[kind][0] for s in (1, -1))
         expected = (behind - ahead) / (2 * size)  # of the prediction: what is left has the other sign
         if kind == "orientation":  # to first order in what is left
             continue
@@ -209,7 +214,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
     none = (None,) * 7
     observation = Observation(tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3)))
-    off, _ = observation.predicted(free)["marker"]
+    off, _ = predicted(observation, free)["marker"]
     changes = [f"{name}={value}" for name, value in free.items()]
     run = tt.run("inverting", changes, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
@@ -243,7 +248,7 @@ def test_all_windows_of_long_data_take_the_equations_that_the_last_one_is_worth(
     observation = Observation(tt.load("inverting"), [*TRUE, "parameters.I1"], seen)
     for rows in (slice(0, 10), slice(None)):
         with pytest.raises(InterruptedError):
-            observation.predicted(observation.start(), rows)
+            observation.predictions([observation.start()], rows)
     assert asked == [False, False]
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, drawing, labels, overlay
+from tippetop.figures import catalogue, comparison, drawing, labels, overlay
 from tippetop.figures.style import figure, legend, save
 from tippetop.figures.window import in_window
 
@@ -89,7 +89,7 @@ def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
         )
         for i in (1, 2)
     ]
-    fig = drawing.comparison(motions, "tippe top, vector form")
+    fig = comparison.comparison(motions, "tippe top, vector form")
     fig.canvas.draw()
     assert [axes.get_ylabel() for axes in fig.axes] == ["inclination θ (rad)", "difference (rad)", "relative change"]
     assert fig.axes[0].get_title(loc="left") == "Tippe top, vector form"

@@ -163,7 +163,7 @@ def test_an_end_by_an_event_of_ones_own_is_named() -> None:
 def test_a_top_with_more_in_its_body_is_shown() -> None:
     Windy: Any = namedtuple("Windy", (*Touch._fields, "W"))  # type: ignore[misc]
     name = registered(
-        parameters={**BASE.parameters, "W": tt.Number(NEWTON, "wind", default=0.0)},
+        parameters={**BASE.parameters, "W": tt.number(NEWTON, "wind", default=0.0)},
         body=lambda p, f: Windy(*BASE.body({k: v for k, v in p.items() if k != "W"}, f), p["W"]),
         body_units=lambda f: Windy(*BASE.body_units(f), NEWTON),
     )

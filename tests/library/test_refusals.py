@@ -139,8 +139,8 @@ def test_the_systems_of_the_package_pass_these_checks() -> None:
 )
 def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence: str) -> None:
     with pytest.raises(tt.InputError, match=sentence):
-        tt.Number(**{"unit": ONE, "long_name": "x", **given})
-    assert tt.Number(ONE, "x", least=1, most=1).broken(2)
+        tt.number(**{"unit": ONE, "words": "x", **given})
+    assert tt.number(ONE, "x", least=1, most=1).broken(2)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from examples import HEAVY
 from nightly import at_night
 
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.observables import Observables
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import body as contact
@@ -35,7 +35,9 @@ def test_the_impulse_beside_the_motion_changes_no_bit_of_it(form: str, rng: np.r
     for _ in range(12):
         start = {"theta": rng.uniform(0.3, 2.5), "phi_dot": rng.normal(0, 10), "omega3": rng.normal(0, 100)}
         problem = examples.problem("heavy-top", HEAVY, start, 0.5, form=form, orientation=False)
-        rates = equations_of_motion(problem.system, problem.variables, Frictionless).rates
+        rates = equations_of_motion(
+            formulas_of(problem.system, problem.form.name, Frictionless), problem.variables
+        ).rates
         moving = problem.variables.moving
         ends = []
         for n in (moving, len(rates)):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from nightly import at_night
 
-from tippetop.engine.expressions import equations_of_motion
+from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import leaves, refill
 from tippetop.mechanics.systems import SYSTEMS
@@ -155,6 +155,6 @@ def test_taylor_decomposition_has_not_grown(system: str, form: str) -> None:
     """The sizes that were reached: a slowdown shows here without a clock."""
     used = SYSTEMS[system]
     law = used.laws["viscous"] if used.frictional else Frictionless
-    equations = equations_of_motion(used, Variables(used.forms[form], orientation=False), law).rates
+    equations = equations_of_motion(formulas_of(used, form, law), Variables(used.forms[form], orientation=False)).rates
     integrator = hy.taylor_adaptive(equations, np.ones(len(equations)), tol=1e-3, compact_mode=True, opt_level=0)
     assert len(integrator.decomposition) == DECOMPOSITION[system, form]

@@ -14,6 +14,7 @@ from touching import BOUNCE, STANDING, THROWN
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
+from tippetop.runs.reporting import RunProgress
 from tippetop.scenario import build
 from tippetop.store import root
 
@@ -62,9 +63,15 @@ def problem_of(name: str, precision: str) -> Problem:
 def killed(problem: Problem, store: Path, place: tuple[str, int], count: int) -> bool:
     """Records a run in a process of its own, which is killed at its count-th checkpoint in a phase; whether it was."""
     left = [count]
+    made: list[Integration] = []
 
-    def kill(integration: Integration) -> None:
-        left[0] -= (integration.driver.kind, integration.driver.ball) == place
+    def integration(*arguments: Any) -> Integration:
+        made.append(Integration(*arguments))
+        return made[0]
+
+    def kill(_: RunProgress) -> None:
+        driver: Any = made[0].driver
+        left[0] -= (driver.kind, driver.ball) == place
         if not left[0]:
             os.kill(os.getpid(), signal.SIGKILL)
 
@@ -74,6 +81,7 @@ def killed(problem: Problem, store: Path, place: tuple[str, int], count: int) ->
     if child == 0:
         try:
             recording.COMMIT_EVERY = 0.0
+            recording.Integration = integration  # type: ignore[misc, assignment]
             recording.record(problem, store, progress=kill)
         finally:
             os._exit(0)

@@ -71,7 +71,7 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precis
         memory.others = {name: whole.others[name][:count] for name, count in others.items()}
         again.run(memory)
         assert [np.array_equal(a, b) for a, b in zip(gathered(memory), gathered(whole), strict=True)].count(False) == 0
-        assert again.report()["contact_phases"] == integration.report()["contact_phases"]
+        assert again.progress().phases == integration.progress().phases
 
 
 @pytest.mark.slow
@@ -92,7 +92,7 @@ def test_an_interrupted_store_is_resumed_bit_by_bit(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
     slices = 0
 
-    def die(_: Integration) -> None:
+    def die(_: object) -> None:
         nonlocal slices
         slices += 1
         if slices % 4 == 0:
@@ -118,6 +118,6 @@ def test_a_saved_run_is_the_recorded_one(tmp_path: Path) -> None:
     problem = with_run(BOUNCE, output_step=1e-3)
     recording.record(problem, tmp_path / "recorded")
     done = solve(problem)
-    attrs = root.finite(attributes(done.problem, done.status, done.reason, done.final, done.report))
+    attrs = root.finite(attributes(done.progress))
     saving.save(done, attrs, tmp_path / "saved")
     assert_same(tmp_path / "saved", tmp_path / "recorded")

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tippetop.runs import forecast
+from tippetop.runs import cost, forecast
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
@@ -35,7 +35,7 @@ def test_steps_are_foretold_to_an_order_of_magnitude(preset: str) -> None:
     """No more is promised; measured: 0.3 to 4 times what the run takes."""
     problem = build.load(preset, until=2.0)
     made = solve(problem, keep=False)
-    assert 0.1 < forecast.cost(problem)["steps"] / made.report["steps"] < 10
+    assert 0.1 < cost.estimate(problem)["steps"] / made.report["steps"] < 10
 
 
 @pytest.mark.parametrize("speed", [1.0, 6.0])
@@ -45,27 +45,27 @@ def test_steps_of_friction_that_drills_grow_as_its_disc_slows(speed: float) -> N
     problem = build.load("leine-glocker-drilling", disc, until=1.0)
     made = solve(problem, keep=False)
     assert made.report["contact_phases"]["last"]["phase"] == "rest"
-    assert 0.4 < forecast.cost(problem)["steps"] / made.report["steps"] < 2.5
+    assert 0.4 < cost.estimate(problem)["steps"] / made.report["steps"] < 2.5
 
 
 def test_a_disc_without_sliding_friction_costs_what_one_with_hardly_any_does() -> None:
     sets = ["friction.mu_r=1e-4", "friction.mu={}"]
     none, hardly = (
-        forecast.cost(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0)) for mu in (0.0, 1e-12)
+        cost.estimate(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0)) for mu in (0.0, 1e-12)
     )
     assert none == hardly
 
 
 def test_cost_is_proportional_to_what_is_asked_for() -> None:
     """To the time, to the spin, to the rows; wider numbers cost more for each step."""
-    base = forecast.cost(build.load("inverting", until=100.0))
-    twice = forecast.cost(build.load("inverting", ["run.output_step=0.001"], until=200.0))
+    base = cost.estimate(build.load("inverting", until=100.0))
+    twice = cost.estimate(build.load("inverting", ["run.output_step=0.001"], until=200.0))
     assert twice["steps"] == pytest.approx(2 * base["steps"], abs=1)
     assert twice["megabytes"] == pytest.approx(2 * base["megabytes"], rel=1e-3)
-    faster = forecast.cost(build.load("inverting", ["initial.omega3=310.0"], until=100.0))
+    faster = cost.estimate(build.load("inverting", ["initial.omega3=310.0"], until=100.0))
     assert faster["steps"] == pytest.approx(2 * base["steps"], abs=1)
     seconds = [
-        forecast.cost(build.load("inverting", [f"run.precision={precision}"], until=100.0))["seconds"]
+        cost.estimate(build.load("inverting", [f"run.precision={precision}"], until=100.0))["seconds"]
         for precision in ("double", "longdouble", "quad")
     ]
     assert seconds == sorted(seconds)

@@ -1,16 +1,17 @@
 """A run that takes long says so once, and why."""
 
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.problem import Problem
-from tippetop.runs import patience
-from tippetop.runs.patience import Patience
-from tippetop.runs.phases import Story
+from tippetop.runs import cost
+from tippetop.runs.cost import Patience
+from tippetop.runs.integration import Integration
+from tippetop.runs.reporting import RunProgress
 from tippetop.scenario import build
 
 
@@ -27,10 +28,10 @@ def said(preset: str, assignments: list[str], step: float, seconds_per_step: flo
     return sentences
 
 
-def under_way(problem: Problem, t_end: float, steps: int, phases: int = 0) -> SimpleNamespace:
-    """What is known of an integration that has come so far."""
-    monitor, story = SimpleNamespace(steps=steps), Story({"flight": phases})
-    return SimpleNamespace(problem=problem, t_end=t_end, monitor=monitor, story=story)
+def under_way(problem: Problem, t_end: float, steps: int, phases: int = 0) -> RunProgress:
+    """The progress of a run that has come this far."""
+    start = Integration(problem).progress()
+    return replace(start, t_end=t_end, steps=steps, phases={"counts": {"flight": phases}})
 
 
 def test_a_stiff_run_says_how_long_it_takes_and_why() -> None:
@@ -67,8 +68,8 @@ def test_one_slow_slice_says_nothing_of_the_rest() -> None:
 
 
 def test_the_command_warns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
-    monkeypatch.setattr(patience, "LONG", 0.0)
-    monkeypatch.setattr(patience, "AGAIN_AFTER", 0.0)
+    monkeypatch.setattr(cost, "LONG", 0.0)
+    monkeypatch.setattr(cost, "AGAIN_AFTER", 0.0)
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 64)
     assert outcome(["run", "inverting", "--until", "8"]) == 0
     assert capsys.readouterr().err.count("will take about") == 1
@@ -83,8 +84,8 @@ def test_who_has_waited_half_a_minute_hears_of_as_much_that_is_left() -> None:
 
 def test_a_call_from_python_warns(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A run, one that is stored, its continuation and its certificate: each says that it will take long."""
-    monkeypatch.setattr(patience, "LONG", 0.0)
-    monkeypatch.setattr(patience, "AGAIN_AFTER", 0.0)
+    monkeypatch.setattr(cost, "LONG", 0.0)
+    monkeypatch.setattr(cost, "AGAIN_AFTER", 0.0)
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 64)
     for call in (
         lambda: tt.run("inverting", until=4.0),

@@ -25,6 +25,7 @@ from tippetop.engine.status import Status
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
+from tippetop.runs.reporting import report
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
@@ -236,7 +237,7 @@ def handed_over_after_every_slice(made: Problem) -> tuple[Integration, Memory]:
     """A run that a new process takes over, from a checkpoint, before its first slice and after each."""
     memory, integration = Memory(), Integration(made)
 
-    def stop(_: Integration) -> None:
+    def stop(_: object) -> None:
         raise HandedOver
 
     while integration.status is None:
@@ -269,7 +270,7 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     for name, values in memory.table().columns().items():
         np.testing.assert_array_equal(values, getattr(whole.events, name), err_msg=name)
     assert len(whole.events.time) > 10
-    assert integration.report() == whole.report, "extremes of the force with their times, too"
+    assert report(integration.progress()) == whole.report, "extremes of the force with their times, too"
     np.testing.assert_array_equal(integration.driver.state[: integration.driver.variables], whole.final)
 
 
@@ -291,7 +292,7 @@ def test_other_runs_that_change_hands_keep_every_bit_too(
     made = build.load("inverting", ["run.output_step=0.01", "initial.phi_dot=3.0", *sets.get(way, [])], 0.2)
     (integration, memory), whole = handed_over_after_every_slice(made), solve(made)
     assert integration.status is whole.status is (Status.LIFTOFF if way == "liftoff" else Status.FINISHED)
-    assert integration.report() == whole.report
+    assert report(integration.progress()) == whole.report
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
     np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)
     for name, values in memory.table().columns().items():

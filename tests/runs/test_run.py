@@ -51,7 +51,7 @@ def test_a_run_that_keeps_nothing_does_not_integrate_the_orientation() -> None:
     turning = [integral.name for integral in problem.form.orientation.integrals]
     assert turning
     assert [*done.problem.variables.names, *turning] == list(problem.variables.names)
-    attrs = attributes.attributes(done.problem, done.status, done.reason, done.final, done.report)
+    attrs = attributes.attributes(done.progress)
     assert attrs["run"]["orientation"] is False
     assert list(attrs["final_state"]) == list(done.problem.variables.names)
     assert solve(problem).problem is problem

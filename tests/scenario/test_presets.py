@@ -10,7 +10,7 @@ from tippetop.cli import outcome
 from tippetop.columns import flagged
 from tippetop.engine.status import Status
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.runs import measuring
+from tippetop.runs import cost
 from tippetop.runs.attributes import datasets
 from tippetop.runs.run import solve
 from tippetop.scenario.build import load
@@ -63,6 +63,6 @@ def test_check_says_the_regime(name: str, capsys: pytest.CaptureFixture[str], mo
     found = json.loads(capsys.readouterr().out)
     assert found.get("regime") or load(name).contact is not None  # the outlook is that of a contact that stays
     assert ("inversion_by_eps" in found) == ("eps" in found.get("friction", {}) and found["system"] == "tippe-top")
-    monkeypatch.setattr(measuring, "measured", lambda *_: {})  # most of the time goes there, and it was said above
+    monkeypatch.setattr(cost, "measured", lambda *_: {})  # most of the time goes there, and it was said above
     assert outcome(["check", name]) == 0
     assert " J, " in capsys.readouterr().out

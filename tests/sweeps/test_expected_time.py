@@ -9,7 +9,7 @@ from touching import BOUNCE
 
 from tippetop.ensembles import ensemble
 from tippetop.ensembles.outcomes import statuses_of
-from tippetop.runs import measuring as runs
+from tippetop.runs import cost
 from tippetop.sweeps import chunk, measuring
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import lines
@@ -67,7 +67,7 @@ def test_of_tops_whose_contact_opens_some_are_run_alone(monkeypatch: pytest.Monk
     """No further one is begun after 2 s; those that cannot be count for nothing."""
     plan, clock = bouncing(*range(50, 90)), itertools.count(step=0.25)
     took = {"seconds": 0.5, "compiling": 0.0}
-    monkeypatch.setattr(runs, "measured", lambda problem, steps, clock: took)
+    monkeypatch.setattr(cost, "measured", lambda problem, clock: took)
     found = measuring.measured(plan, lambda: float(next(clock)))
     assert found["core_seconds"] == pytest.approx(40 * 0.5 + measuring.WRITING * plan.chunks)
     assert found["tops_measured"] == measuring.BUDGET / 0.25

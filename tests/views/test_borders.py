@@ -9,7 +9,7 @@ import pytest
 
 import tippetop as tt
 from tippetop.sweeps.plan import Plan
-from tippetop.views.borders import borders, zero_lines
+from tippetop.views.borders import borders
 
 
 UPRIGHT = "λ = λ_u: upright spin stable below"
@@ -37,19 +37,6 @@ def points(made: dict[str, Any], choice: int, label: str) -> np.ndarray:
     return numbers[~np.isnan(numbers[:, 0])]
 
 
-def test_a_line_of_zeros_is_one_line() -> None:
-    """Of a circle within the grid: closed, on the circle to the square of a step; cut by a hole it is open."""
-    x, y = np.meshgrid(np.linspace(-1, 1, 41), np.linspace(-1, 1, 41), indexing="ij")
-    (line,) = zero_lines(x**2 + y**2 - 0.5)
-    np.testing.assert_array_equal(line[0], line[-1])
-    np.testing.assert_allclose(np.hypot(*(line / 20 - 1).T), np.sqrt(0.5), atol=1e-3)
-    assert np.linalg.norm(np.diff(line, axis=0), axis=1).max() < 1.5
-    (arc,) = zero_lines(np.where(x > 0.6, np.nan, x**2 + y**2 - 0.5))
-    assert arc[:, 0].max() <= 32
-    assert (arc[0] != arc[-1]).any()
-    assert zero_lines(x**2 + 1.0) == []
-
-
 def test_a_top_on_the_line_has_the_lambda_of_the_threshold() -> None:
     """For each choice of the further axis; mu plays no part."""
     made = of(OMEGA3, MU, {"of": "parameters.alpha", "values": [0.2, 0.1]})
@@ -66,7 +53,7 @@ def test_a_top_on_the_line_has_the_lambda_of_the_threshold() -> None:
 
 def test_over_one_axis_a_threshold_is_one_upright_line() -> None:
     line = points(of(OMEGA3), 0, UPRIGHT)
-    np.testing.assert_array_equal(line[:, 1], [-np.inf, np.inf])
+    assert sorted(line[:, 1]) == [-np.inf, np.inf]
     assert line[0, 0] == line[1, 0] == pytest.approx(points(of(OMEGA3, MU), 0, UPRIGHT)[0, 0], rel=1e-5)
 
 

@@ -62,8 +62,9 @@ def compare(
     result = Verdict(*judged(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up)))
     if figure is not None:
         from ..figures import drawing
+        from ..figures.comparison import comparison
 
-        drawing.write(drawing.comparison(result.motions, result.title), figure, overwrite=overwrite)
+        drawing.write(comparison(result.motions, result.title), figure, overwrite=overwrite)
     print(json.dumps(finite(result.to_dict()), allow_nan=False) if as_json else visible(str(result)))
     return 0
 
@@ -162,10 +163,9 @@ def fit(
             scratch.write_text(scenario_text, encoding="utf-8")
     if figure is not None:
         from ..figures import drawing
+        from ..figures.fit import fit as draw_fit
 
-        picture = drawing.fit(
-            result.t, observation.dots(), measured.curves(observation, result), result.residuals, text
-        )
+        picture = draw_fit(result.t, observation.dots(), measured.curves(observation, result), result.residuals, text)
         drawing.write(picture, figure, overwrite=overwrite)
     print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else visible("\n".join(text)))
     return 0

@@ -249,7 +249,7 @@ def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any
     from ..landscape import marked_lines
 
     lines = marked_lines.marked_lines(parameters, grid["lambda"].values)
-    return drawing.composed("figures.landscape:surface", (grid, lines), look)
+    return drawing.composed("surface", (grid, lines), look)
 
 
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
@@ -257,7 +257,7 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     D, lam = float(least["D"]), float(least["lambda"])
     title = f"Effective potential V(z)\nD = {D * 1e6:.5g} × 10⁻⁶ kg m² s⁻¹, λ = {lam * 1e6:.5g} × 10⁻⁶ kg m³ s⁻¹"
     at = least.squeeze(drop=True).rename(theta="theta_star")
-    return drawing.composed("figures.potential:potential", ([("", V, at)], title), look)
+    return drawing.composed("potential", ([("", V, at)], title), look)
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:

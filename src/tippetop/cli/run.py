@@ -56,7 +56,7 @@ def run(
     from ..errors import InputError
     from ..runs import attributes, starting
     from ..runs.certificate import check_window
-    from ..scenario.suspicions import suspicions
+    from ..scenario.doubts import doubts
     from ..store import root
     from .text import following, warn
 
@@ -69,7 +69,7 @@ def run(
     except InputError:
         _refuse_plan(scenario)
         raise
-    warn(suspicions(problem))
+    warn(doubts(problem))
     if figure is not None:
         from .plot import check_picture
 
@@ -82,7 +82,7 @@ def run(
 
         with following() as progress:
             done = solve(problem, progress, keep=figure is not None)
-        attrs = root.finite(attributes.attributes(done.problem, done.status, done.reason, done.final, done.report))
+        attrs = root.finite(attributes.attributes(done.progress))
         if certify:
             attrs["certificate"] = _certificate(problem, window, None)
         _picture(figure, attributes.groups(done), attrs, overwrite)
@@ -210,7 +210,7 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite:
 
     if isinstance(groups, Path):
         groups = for_figures(groups, attrs)
-    drawing.draw("theta", groups, attrs, figure, overwrite=overwrite)
+    drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
 
 
 def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:

@@ -108,10 +108,10 @@ def check(
     """
     from ..errors import InputError
     from ..runs import forecast, starting
-    from ..runs.measuring import measured
+    from ..runs.cost import measured
     from ..runs.summary import form_sentence, regularisation
     from ..scenario import build, reading
-    from ..scenario.suspicions import suspicions
+    from ..scenario.doubts import doubts
     from ..sweeps import plan
     from .text import table, warn
 
@@ -126,9 +126,9 @@ def check(
         tables = build.ending(tables, until)
     problem = starting.problem(tables, starting.folder_of(scenario))
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
-    facts["warnings"] = warn(suspicions(problem))
+    facts["warnings"] = warn(doubts(problem))
     if try_ or problem.precision == "double":  # wider numbers compile for a minute
-        facts["expected"] |= measured(problem, facts["expected"]["steps"])
+        facts["expected"] |= measured(problem)
     if try_:
         facts["tried"] = forecast.tried(problem)
     if as_json:

@@ -10,7 +10,9 @@ from contextlib import contextmanager
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
-from ..runs.patience import Patience
+from ..runs import reporting
+from ..runs.cost import Patience
+from ..runs.reporting import RunProgress
 from ..runs.summary import lines
 from .streams import report, visible
 
@@ -41,7 +43,7 @@ def warn(sentences: list[str]) -> list[str]:
 
 
 @contextmanager
-def following() -> Iterator[Callable[[Any], None]]:
+def following() -> Iterator[Callable[[RunProgress], None]]:
     """Provide a run's progress callback: it draws a bar and warns of a long run."""
     from ..progress import Bar
 
@@ -52,9 +54,9 @@ def following() -> Iterator[Callable[[Any], None]]:
 
     patience = Patience(lambda sentence: warn([sentence]))
 
-    def follow(integration: Any) -> None:
-        bar.update(integration.t_end, integration.problem.until, lambda: note(integration.report()))
-        patience(integration)
+    def follow(progress: RunProgress) -> None:
+        bar.update(progress.t_end, progress.problem.until, lambda: note(reporting.report(progress)))
+        patience(progress)
 
     with Bar("s", "t = {done:.4g} s") as bar:
         yield follow

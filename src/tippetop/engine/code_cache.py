@@ -3,15 +3,14 @@
 heyoka's own cache is one database without checksums, readable and writable as the umask of the process allows. A
 damaged object in it gives wrong numbers or ends the process, so nothing is compiled through it here.
 
-Whoever can write a file of machine code can run code as its user. So the folder and the file must be writable by the
-user only, and no link is followed. If anything is wrong with them, the code is compiled again.
+To write machine code is to run it, so the folder must be writable by its user only. If a file is damaged, the code is
+compiled again.
 """
 
 import hashlib
 import os
 import pickle
 import secrets
-import stat
 import threading
 import zlib
 from collections.abc import Callable, Iterator
@@ -22,13 +21,14 @@ from typing import Any
 
 import heyoka as hy
 
-from tippetop_kernels.compilation import cache_folder, is_private
+from tippetop_kernels.compilation import cache_folder, private_folder
 
 
 LARGEST = 256 * 2**20
 """Bytes of all files together; those not used for longest are removed first."""
 
 MAGIC = b"tippetop kernel 2\n"
+HEAD = len(MAGIC) + 64
 
 
 def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
@@ -48,82 +48,55 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     """
     made_from = (hy.__version__, _processor(), kind.__name__, arguments, options)
     key = hashlib.sha256(pickle.dumps(made_from)).digest()
-    name = f"{kind.__name__}-{key.hex()}"
-    with suppress(OSError), _directory(create=False) as directory:
-        if (known := _read(directory, name, key)) is not None:
-            return pickle.loads(zlib.decompress(known))
+    folder = private_folder(cache_folder())
+    file = folder and folder / f"{kind.__name__}-{key.hex()}"
+    if file and (known := _read(file, key)):
+        return pickle.loads(zlib.decompress(known))
     with without_heyokas_cache():
         result = kind(*arguments, **options)
-    with suppress(OSError), _directory(create=True) as directory:
-        _write(directory, name, key, zlib.compress(pickle.dumps(result), level=1))
-        _remove_oldest(directory)
+    if file:
+        with suppress(OSError):
+            _write(file, key, zlib.compress(pickle.dumps(result), level=1))
+            _remove_oldest(file.parent)
     return result
 
 
 # --- files ------------------------------------------------------------------------------------------------------------
 
 
-@contextmanager
-def _directory(*, create: bool) -> Iterator[int]:
-    """Open the folder, check it, and yield its descriptor, relative to which files are used. Raises OSError."""
-    path = cache_folder()
-    if path is None:
-        raise FileNotFoundError
-    if create:
-        path.mkdir(mode=0o700, parents=True, exist_ok=True)
-    handle = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
-    try:
-        if not is_private(os.fstat(handle)):
-            raise PermissionError
-        yield handle
-    finally:
-        os.close(handle)
-
-
-def _read(directory: int, name: str, key: bytes) -> bytes | None:
-    """Return the content of a file, or None if it is damaged or not private."""
-    handle = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=directory)
-    with open(handle, "rb") as file:
-        status = os.fstat(handle)
-        if not (stat.S_ISREG(status.st_mode) and is_private(status)):
-            return None
-        text = file.read()
-    head, check, payload = text[: len(MAGIC) + 32], text[len(MAGIC) + 32 : len(MAGIC) + 64], text[len(MAGIC) + 64 :]
-    if head != MAGIC + key or check != hashlib.sha256(payload).digest():
-        return None
+def _read(file: Path, key: bytes) -> bytes | None:
+    """Return the content of a file, or None if it is missing or damaged."""
     with suppress(OSError):
-        os.utime(name, dir_fd=directory)
-    return payload
+        content = file.read_bytes()
+        payload = content[HEAD:]
+        if content[:HEAD] == _head(key, payload):
+            os.utime(file)
+            return payload
+    return None
 
 
-def _write(directory: int, name: str, key: bytes, payload: bytes) -> None:
+def _head(key: bytes, payload: bytes) -> bytes:
+    return MAGIC + key + hashlib.sha256(payload).digest()
+
+
+def _write(file: Path, key: bytes, payload: bytes) -> None:
     """Write a file and rename it: another process reads the old one or the new one."""
-    scratch = f".{name}.{secrets.token_hex(8)}"
-    handle = os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600, dir_fd=directory)
+    scratch = file.with_name(f".{file.name}.{secrets.token_hex(8)}")
     try:
-        with open(handle, "wb") as file:
-            file.write(MAGIC + key + hashlib.sha256(payload).digest() + payload)
-        os.replace(scratch, name, src_dir_fd=directory, dst_dir_fd=directory)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(scratch, dir_fd=directory)
-        raise
+        scratch.write_bytes(_head(key, payload) + payload)
+        scratch.replace(file)
+    finally:
+        scratch.unlink(missing_ok=True)
 
 
-def _remove_oldest(directory: int) -> None:
+def _remove_oldest(folder: Path) -> None:
     """Remove the files that were not used for longest, until the others are small enough together."""
-    files = []
-    for name in os.listdir(directory):
-        with suppress(OSError):
-            status = os.stat(name, dir_fd=directory, follow_symlinks=False)
-            files.append((status.st_mtime_ns, status.st_size, name))
-    total = sum(size for _, size, _ in files)
-    for _, size, name in sorted(files):
-        if total <= LARGEST:
-            break
-        with suppress(OSError):
-            os.unlink(name, dir_fd=directory)
-        total -= size
+    files = sorted((path for path in folder.iterdir() if path.is_file()), key=lambda path: path.stat().st_mtime_ns)
+    total = sum(path.stat().st_size for path in files)
+    while files and total > LARGEST:
+        oldest = files.pop(0)
+        total -= oldest.stat().st_size
+        oldest.unlink()
 
 
 # --- heyoka's own cache -----------------------------------------------------------------------------------------------

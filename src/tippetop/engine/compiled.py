@@ -4,7 +4,7 @@ import copy
 import threading
 from collections.abc import Callable
 from functools import lru_cache, partial
-from itertools import count, repeat
+from itertools import repeat
 from typing import Any, NamedTuple
 
 import heyoka as hy
@@ -14,7 +14,8 @@ from ..mechanics.system import System
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .code_cache import compiled_once
-from .expressions import Formulas, formulas_of
+from .expressions import Formulas, equations_of_motion, formulas_of
+from .loop import new_motion
 from .opt_level import opt_level
 from .stepper import Called, Loaded, Stepper, call, is_fused, load
 from .tallies import EventRows, event_rows
@@ -33,8 +34,6 @@ class Compiled(NamedTuple):
         The number of the event that must last, -1 if there is none; the sign of its function beyond its zero.
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
-    agrees
-        Filled by `is_same_step`: whether the code makes the step that heyoka makes.
     places
         What its runs in doubles work in, for each thread: see `driver.Place`.
     """
@@ -44,7 +43,6 @@ class Compiled(NamedTuple):
     lasting: int
     way: int
     machine: Loaded | None
-    agrees: list[bool]
     places: threading.local
 
 
@@ -95,11 +93,7 @@ def compiled_from(
     integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
     """
     number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
-    symbols = hy.make_vars(*variables.names)
-    q, carried = variables.split(symbols)
-    body = formulas.body(hy.par[i] for i in count())
-    rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
-    equations = list(zip(symbols, rates, strict=True))
+    q, carried, body, equations = equations_of_motion(formulas, variables)
     sources = []
     for e, (event, formula) in enumerate(zip(formulas.events, formulas.functions(q, carried, body), strict=True)):
         function = hy.expression(0.0) + formula
@@ -125,7 +119,7 @@ def compiled_from(
         machine = machine._replace(fused=is_fused(machine.dense, len(equations), integrator.order))
     rows = event_rows(formulas.events, sources, axis)
     lasting, way = next(((e, event.direction) for e, event in enumerate(formulas.events) if event.lasting), (-1, 0))
-    return Compiled(integrator, rows, lasting, way, machine, [], threading.local())
+    return Compiled(integrator, rows, lasting, way, machine, threading.local())
 
 
 def _source(
@@ -174,62 +168,28 @@ def _integral_of(e: int, formulas: Formulas, variables: Variables) -> int:
 
 
 def _machine(integrator: Any) -> Loaded | None:
-    """The machine code of a step; None where it cannot be loaded."""
+    """The machine code of a step; None where it cannot be loaded, or makes another step than heyoka."""
     try:
-        return load(integrator.llvm_state.object_code)
+        machine = load(integrator.llvm_state.object_code)
     except RuntimeError:
         return None
+    return machine if is_same_step(machine, integrator) else None
 
 
-def stepper_of(code: Compiled, state: np.ndarray, pars: np.ndarray) -> Stepper:
-    """Return the stepper of new runs: the loaded code, if there is one that makes the steps of heyoka.
-
-    Parameters
-    ----------
-    code
-        The integrator.
-    state, pars
-        Those of `is_same_step`.
-    """
-    if code.machine is not None and is_same_step(code, state, pars):
-        return code.machine
-    return Called(copy.deepcopy(code.integrator))
-
-
-_comparing = threading.Lock()
+def is_same_step(machine: Loaded, integrator: Any) -> bool:
+    """Whether the loaded code makes the step that heyoka makes, bit by bit: one step of each from a random state."""
+    random = np.random.default_rng(0)
+    variables, lanes = len(integrator.state), integrator.state[0].size
+    mine, theirs = (new_motion(variables, len(integrator.pars), integrator.order + 1, lanes) for _ in range(2))
+    mine.state[:], mine.pars[:] = (random.uniform(0.5, 1.0, array.shape) for array in (mine.state, mine.pars))
+    mine.limit[:] = mine.h[:] = 1.0
+    for array, same in zip(theirs, mine, strict=True):
+        array[:] = same
+    call(machine.step, mine.state, mine.pars, mine.high, mine.h, mine.tc)
+    Called(copy.deepcopy(integrator)).step(theirs)
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(mine, theirs, strict=True))
 
 
-def is_same_step(code: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
-    """Whether the loaded code makes the step that heyoka makes, bit by bit: one step of each from this state, once.
-
-    Parameters
-    ----------
-    code
-        With machine code.
-    state, pars
-        (variables,) or (variables, lanes); (parameters,) or (parameters, lanes).
-    """
-    with _comparing:
-        if not code.agrees:
-            code.agrees.append(_compare(code, state, pars))
-    return code.agrees[0]
-
-
-def _compare(code: Compiled, state: np.ndarray, pars: np.ndarray) -> bool:
-    assert code.machine is not None
-    theirs, lanes = code.integrator, state.shape[1:]
-    zero, longest = np.zeros(lanes or (1,)), np.ones(lanes or (1,))
-    mine, tc, h = state.copy(), np.zeros((*state.shape[:1], theirs.order + 1, *lanes)), longest.copy()
-    call(code.machine.step, mine, pars.copy(), zero.copy(), h, tc)
-    theirs.state[:], theirs.pars[:] = state, pars
-    if lanes:
-        theirs.step(longest.tolist(), write_tc=True)
-        steps = [made_by for _, made_by in theirs.step_res]
-        theirs.set_dtime(zero, zero)
-    else:
-        steps = [theirs.step(1.0, write_tc=True)[1]]
-        theirs.time = 0.0
-    same = (mine, theirs.state), (tc, theirs.tc), (h, np.array(steps))
-    result = all(np.array_equal(a, b, equal_nan=True) for a, b in same)
-    theirs.state[:], theirs.pars[:] = 0.0, 0.0
-    return result
+def stepper_of(code: Compiled) -> Stepper:
+    """Return the stepper of new runs: the loaded code, if there is one."""
+    return code.machine or Called(copy.deepcopy(code.integrator))

@@ -185,9 +185,9 @@ class Driver:
         whole, pars = np.zeros(len(compiled.integrator.state), start.dtype), body[: len(compiled.integrator.pars)]
         whole[: len(start)] = start  # the others are integrals of event functions
         if tallies is not None:
-            self.place = place = Place(compiled, self._stepper(whole, pars), rows, tallies, lasting)
+            self.place = place = Place(compiled, self._stepper(), rows, tallies, lasting)
         else:
-            self.place = place = place_for(self, compiled, lambda: self._stepper(whole, pars))
+            self.place = place = place_for(self, compiled, self._stepper)
         self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
         self.motion, self.loop = place.motion, place.loop
         self.variables, self.number = len(start), start.dtype.type
@@ -201,9 +201,9 @@ class Driver:
         self.put(whole, (self.number(0), self.number(0)))
         self.end_at(end)
 
-    def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
+    def _stepper(self) -> Stepper:
         """Return new steps of the integrator, in a place of its own."""
-        return stepper_of(self.compiled, state, np.array(pars, float))
+        return stepper_of(self.compiled)
 
     def take(self, pars: Sequence[Any]) -> None:
         """Take the parameters of the integrator."""
@@ -227,30 +227,42 @@ class Driver:
 
     def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
         """Make the steps of a slice. Return samples and passages."""
-        wanted, loop, steps = self.wanted, self.loop, 0
+        wanted, steps = self.wanted, 0
         while True:
             wanted.ask(request)
             left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
             if not len(wanted.times):
-                loop.fill(NO_ROWS)
-                loop.drive(left)
+                self._made(NO_ROWS, left)
                 break
             rows = self._filling(wanted.times, request.steps)
             first = wanted.made
             rows.filled[0] = first
-            loop.fill(rows)
-            steps += loop.drive(left)
+            steps += self._made(rows, left)
             wanted.made = int(rows.filled[0])
             if wanted.made > first:
-                request.take(rows.times[first : wanted.made], rows.states[:, first : wanted.made].T)
+                request.take(rows.times[first : wanted.made], self._states(rows, first))
             if wanted.made == first or wanted.made < len(rows.times):
                 break
+        return self._sampled(), self._passages()
+
+    def _made(self, rows: Rows, most: int) -> int:
+        """Make at most so many steps, and write these rows. Return the number of steps."""
+        self.loop.fill(rows)
+        return self.loop.drive(most)
+
+    def _states(self, rows: Rows, first: int) -> np.ndarray:
+        """Return the states of the rows that the last steps have made, (k, variables), from number `first` on."""
+        return rows.states[:, first : int(rows.filled[0])].T
+
+    def _sampled(self) -> np.ndarray:
+        """Return the states that were sampled."""
+        return self.samples.states[: int(self.samples.filled[0])].copy()
+
+    def _passages(self) -> Passages:
+        """Return the passages of the log, in order."""
         log, count = self.log, int(self.log.filled[0])
-        columns = [c[:count] for c in (log.time, log.event, log.sign, log.at_pole, log.states)]
-        if count > 0:
-            order = np.argsort(columns[0], kind="stable")
-            columns = [c[order] for c in columns]
-        return self.samples.states[: int(self.samples.filled[0])].copy(), Passages(*columns)
+        order = np.argsort(log.time[:count], kind="stable")
+        return Passages(*(c[order] for c in (log.time, log.event, log.sign, log.at_pole, log.states)))
 
     def _filling(self, times: np.ndarray, steps: bool) -> Rows:
         """Rows at these times: the same ones as long as these times are wanted."""

@@ -1,16 +1,17 @@
 """A system as heyoka expressions: for the integrator, and for functions over arrays that are compiled like it."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count
 from typing import Any, NamedTuple
 
 import heyoka as hy
 
 from ..mechanics.events import Event
 from ..mechanics.moment import moment
-from ..mechanics.operand import cos, leaves, refill, sin
+from ..mechanics.operand import cos, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.variables import Variables
 from .code_cache import compiled_once
@@ -32,40 +33,6 @@ class Equations(NamedTuple):
     carried: Any
     body: Any
     rates: list[tuple[Any, Any]]
-
-
-def symbolic_body(system: System, form: Form, friction: Any, *, by_parameters: bool = False) -> Any:
-    """The body in run-time parameters, internal units.
-
-    These are the leaves of the body, `Problems.pars`; what is 0 or 1 by construction is a number, so that expressions
-    fold. `by_parameters`: they are what the user gives, `Problems.parameters`, and all of it: for derivatives by alpha,
-    m, R, mu, ..., in fixed units.
-    """
-    if by_parameters:
-        pars = iter(hy.par[i] for i in range(len(system.parameters) + len(friction._fields)))
-        return system.body_of({name: next(pars) for name in system.parameters}, friction._make(pars))
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
-    count = iter(range(len(leaves(template))))
-    return refill(template, (hy.par[i] for i in count))._replace(**system.folds(form))
-
-
-def in_symbols(system: System, variables: Variables, friction: Any, *, by_parameters: bool = False) -> tuple:
-    """Return the variables as symbols, and the records that formulas take: the state, the integrals, the body."""
-    symbols = hy.make_vars(*variables.names)
-    return (
-        symbols,
-        *variables.split(symbols),
-        symbolic_body(system, variables.form, friction, by_parameters=by_parameters),
-    )
-
-
-def equations_of_motion(
-    system: System, variables: Variables, friction: Any, *, by_parameters: bool = False
-) -> Equations:
-    """The equations of motion of a system as heyoka expressions, in internal units; see `symbolic_body`."""
-    symbols, q, carried, body = in_symbols(system, variables, friction, by_parameters=by_parameters)
-    rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
-    return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +82,19 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
         return form.of_angles(angles, math.sin(theta), math.cos(theta), b), b
 
     return Formulas(form, tuple(system.events), functions, body, sample)
+
+
+def in_symbols(formulas: Formulas, variables: Variables) -> tuple[Any, Any, Any, Any]:
+    """Return the variables as symbols, and the records that formulas take: the state, the integrals, the body."""
+    symbols = hy.make_vars(*variables.names)
+    return symbols, *variables.split(symbols), formulas.body(hy.par[i] for i in count())
+
+
+def equations_of_motion(formulas: Formulas, variables: Variables) -> Equations:
+    """Return equations of motion as heyoka expressions, in internal units; the body is in run-time parameters."""
+    symbols, q, carried, body = in_symbols(formulas, variables)
+    rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
+    return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
 
 def component(variable: str) -> str:
@@ -170,25 +150,29 @@ def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
 
 @lru_cache(maxsize=32)
 def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
-    """`orientation_of` as a compiled function; apart from the other observables, so that their bits stay."""
+    """Return `orientation_of` as a compiled function; apart from the other observables, so that their bits stay."""
     form = system.forms[form_name]
-    symbols, q, carried, body = in_symbols(system, Variables(form), friction)
-    outputs = [hy.expression(0.0) + value for value in orientation_of(form, q, carried, body)]
-    return compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())
+    symbols, *records = in_symbols(formulas_of(system, form_name, friction), Variables(form))
+    return _function(orientation_of(form, *records), symbols)
 
 
 @lru_cache(maxsize=32)
 def compile_observables(
     system: System, form_name: str, friction: Any, orientation: bool
 ) -> tuple[tuple[str, ...], Any]:
-    """Names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n)) of it, whose
-    last two outputs are those of `near_poles` if the system has poles.
+    """Return the names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n))
+    of it, whose last two outputs are those of `near_poles` if the system has poles.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
     form = system.forms[form_name]
-    symbols, q, carried, body = in_symbols(system, Variables(form, orientation), friction)
-    values = observed(system, form, q, carried, body)
-    polar = near_poles(form, q, body) if system.undefined_at_poles else []
-    outputs = [hy.expression(0.0) + value for value in (*values.values(), *polar)]
-    return tuple(values), compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())
+    symbols, *records = in_symbols(formulas_of(system, form_name, friction), Variables(form, orientation))
+    values = observed(system, form, *records)
+    polar = near_poles(form, records[0], records[-1]) if system.undefined_at_poles else []
+    return tuple(values), _function([*values.values(), *polar], symbols)
+
+
+def _function(values: Iterable, symbols: Any) -> Any:
+    """Return expressions as a compiled function of these symbols."""
+    outputs = [hy.expression(0.0) + value for value in values]
+    return compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())

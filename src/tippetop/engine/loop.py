@@ -5,7 +5,7 @@ The arrays are passed as structures of pointers, which are made from the records
 
 import ctypes
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable
 from functools import cache
 from math import comb
 from pathlib import Path
@@ -184,17 +184,9 @@ def library() -> ctypes.CDLL:
             f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: install tippetop again "
             "(pip install -e .)."
         )
-    whole, flag, array = ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p
-    signatures: dict[str, tuple[Any, Sequence[Any]]] = {
-        "drive": (whole, [array, whole]),
-        "begin": (flag, [array]),
-        "begin_step": (None, [array]),
-        "end_step": (flag, [array]),
-        "count_turnings": (None, [array, ctypes.c_double, whole, array, array, array]),
-    }
-    for name, (result, arguments) in signatures.items():
-        function = getattr(loaded, f"loop_{name}")
-        function.restype, function.argtypes = result, arguments
+    whole, array = ctypes.c_int64, ctypes.c_void_p
+    loaded.loop_drive.restype, loaded.loop_drive.argtypes = whole, [array, whole]
+    loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
     return loaded
 
 
@@ -251,10 +243,12 @@ class Loop:
             "tables": TABLES,
         }
         self.structure: Any = structure(_Loop)(**{name: _field(record) for name, record in self.records.items()})
-        self.motion, self.stepper = motion, stepper
+        self.failures: list[BaseException] = []  # of steps that C has called
         if isinstance(stepper, Called):
-            self.dense = _dense(stepper, motion, self.out)  # which C calls
-            self.structure.dense = ctypes.cast(self.dense, ctypes.c_void_p).value
+            stepper.records = self.records
+            self.callbacks = _callbacks(stepper, motion, self.out, self.failures)
+            addresses = [ctypes.cast(callback, ctypes.c_void_p).value for callback in self.callbacks]
+            self.structure.step, self.structure.dense = addresses
         else:
             self.structure.step, self.structure.dense, self.structure.fused = stepper.step, stepper.dense, stepper.fused
         self.place = ctypes.byref(self.structure)
@@ -278,24 +272,34 @@ class Loop:
         there is no room for what a step may find. The next call puts down tops that have settled, unless their status
         is that of a running one again.
         """
-        if not isinstance(self.stepper, Called):
-            return self.library.loop_drive(self.place, most)
-        stops, steps = self.library.loop_begin(self.place), 0
-        while steps < most and not stops:
-            self.library.loop_begin_step(self.place)
-            self.stepper.step(self.motion)
-            stops = self.library.loop_end_step(self.place)
-            steps += 1
+        steps = self.library.loop_drive(self.place, most)
+        if self.failures:
+            raise self.failures.pop()
         return steps
 
 
-def _dense(stepper: Called, motion: Motion, out: np.ndarray) -> Any:
-    """Return the dense output of a stepper as a function of C, for the arrays that the loop gives it."""
+def _callbacks(stepper: Called, motion: Motion, out: np.ndarray, failures: list[BaseException]) -> list[Any]:
+    """Return step and dense output of a stepper as functions of C, for the arrays that the loop gives it.
 
-    def dense(*_: int) -> None:
+    An error, which cannot pass through C, ends the runs: their next step is NaN.
+    """
+
+    def state_at() -> None:
         out[:] = stepper.state_at(motion.limit)
 
-    return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(dense)
+    def called(work: Callable[[], None], count: int) -> Any:
+        def function(*_: int) -> None:
+            try:
+                if not failures:
+                    work()
+            except BaseException as error:
+                failures.append(error)
+            if failures:
+                motion.h[:] = np.nan
+
+        return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * count)(function)
+
+    return [called(lambda: stepper.step(motion), 5), called(state_at, 3)]
 
 
 def count_turnings(tallies: Tallies, signs: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ import numpy as np
 from ..columns import Column, column
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves
-from ..mechanics.system import Form
+from ..mechanics.system import Form, System
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
 from ..problem import ORIENTATION, PSI, TURN, Problem, Problems
 from .expressions import (
@@ -31,7 +31,7 @@ class Observables:
         body = problem.internal_body
         double = self._wide is np.float64
         self.body = _cast(body, np.float64 if double else lambda leaf: _widened(np.array(leaf), self._wide)[()])
-        self._pars = np.array(leaves(self.body), dtype=float)
+        self._pars = np.array(leaves(self.body), dtype=float)[:, None]
         self._last: tuple[bytes, dict[str, np.ndarray]] = b"", {}  # the row that was read last, and what it says
 
     def state(self, rows: np.ndarray) -> tuple[Any, Any]:
@@ -54,49 +54,23 @@ class Observables:
         return dict(last[1])
 
     def _evaluated(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        polar = np.empty((0, len(rows)))
         if self._wide is np.float64:
-            problem = self.problem
-            key = (self.system, self.form.name, problem.friction.__class__)
-            names, function = compile_observables(*key, problem.orientation)
-            outputs = self._compiled(function, rows)
-            values, polar = dict(zip(names, outputs, strict=False)), outputs[len(names) :]
-        else:
-            with np.errstate(invalid="ignore", divide="ignore"):
-                q, carried = self.state(rows)
-                by_name = observed(self.system, self.form, q, carried, self.body)
-                if self.system.undefined_at_poles:
-                    polar = np.array(near_poles(self.form, q, self.body))
-            values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in by_name.items()}
-        if len(polar) and (pole := polar[0] == 0).any():
-            values["theta_dot"][pole] = np.sqrt(polar[1][pole])  # a pole is left at full speed, along no azimuth
-            for name in self.system.undefined_at_poles:
-                values[name][pole] = np.nan
-        return values
-
-    def _compiled(self, function: Any, rows: np.ndarray) -> np.ndarray:
-        """The outputs of a compiled function of rows, (outputs, n)."""
-        rows = np.asarray(rows, dtype=float)
-        parts = [rows[start : start + BLOCK].T for start in range(0, len(rows) or 1, BLOCK)]
-        outputs = []
-        for part in parts:
-            block = _whole_batches(part, function.batch_size)
-            pars = np.empty((function.nparams, block.shape[1]))
-            pars[:] = self._pars[: function.nparams, None]
-            outputs.append(function(block, pars=pars)[:, : part.shape[1]])
-        return outputs[0] if len(outputs) == 1 else np.concatenate(outputs, axis=1)
+            return _values(self.problem, self.problem.orientation, rows.T, self._pars)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            q, carried = self.state(rows)
+            by_name = observed(self.system, self.form, q, carried, self.body)
+            polar = np.array(near_poles(self.form, q, self.body) if self.system.undefined_at_poles else [])
+        values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in by_name.items()}
+        return _at_poles(self.system, values, polar)
 
     def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
         """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN exactly at a pole;
         None where the motion is planar. Only of a problem with orientation."""
         if self._wide is np.float64:
-            function = compile_orientation(self.system, self.form.name, self.problem.friction.__class__)
-            values = self._compiled(function, rows)
-        else:
-            with np.errstate(invalid="ignore", divide="ignore"):
-                axes = orientation_of(self.form, *self.state(rows), self.body)
-            values = np.array([np.broadcast_to(value, (len(rows),)) for value in axes])
-        return _turned(self.form, values)
+            return _orientation(self.problem, rows.T, self._pars)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            axes = orientation_of(self.form, *self.state(rows), self.body)
+        return _turned(self.form, np.array([np.broadcast_to(value, (len(rows),)) for value in axes]))
 
     def theta(self, row: np.ndarray) -> float:
         """theta of one row, (1, variables) [rad]."""
@@ -161,16 +135,6 @@ class Observables:
         return columns
 
 
-def _whole_batches(columns: np.ndarray, size: int) -> np.ndarray:
-    """Columns (variables, k) with the last one repeated to fill whole SIMD batches: so the bits of a column do not
-    depend on its neighbours."""
-    n = columns.shape[1]
-    whole = np.empty((columns.shape[0], n + -n % size))
-    whole[:, :n] = columns
-    whole[:, n:] = columns[:, -1:]
-    return whole
-
-
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
     """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,) each, doubles.
 
@@ -188,10 +152,22 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     dict
         Quantities and angles by name, (k,) each.
     """
-    base = problems.base
-    names, function = compile_observables(base.system, base.form.name, base.friction.__class__, problems.orientation)
-    outputs = _outputs(function, problems, states, which)
-    return dict(zip(names, outputs, strict=False))  # beyond the names: what poles need
+    return _values(problems.base, problems.orientation, states, problems.pars[:, which])
+
+
+def _values(base: Problem, orientation: bool, states: np.ndarray, pars: np.ndarray) -> dict[str, np.ndarray]:
+    names, function = compile_observables(base.system, base.form.name, base.friction.__class__, orientation)
+    outputs = _outputs(function, states, pars)
+    return _at_poles(base.system, dict(zip(names, outputs, strict=False)), outputs[len(names) :])
+
+
+def _at_poles(system: System, values: dict[str, np.ndarray], polar: np.ndarray) -> dict[str, np.ndarray]:
+    """Return values as they are exactly at a pole: it is left at full speed, along no azimuth."""
+    if len(polar) and (pole := polar[0] == 0).any():
+        values["theta_dot"][pole] = np.sqrt(polar[1][pole])
+        for name in system.undefined_at_poles:
+            values[name][pole] = np.nan
+    return values
 
 
 def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
@@ -213,16 +189,34 @@ def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -
     psi
         (k,) [rad], NaN exactly at a pole; None of a planar motion.
     """
-    base = problems.base
+    return _orientation(problems.base, states, problems.pars[:, which])
+
+
+def _orientation(base: Problem, states: np.ndarray, pars: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
     function = compile_orientation(base.system, base.form.name, base.friction.__class__)
-    return _turned(base.form, _outputs(function, problems, states, which))
+    return _turned(base.form, _outputs(function, states, pars))
 
 
-def _outputs(function: Any, problems: Problems, states: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """The outputs of a compiled function of states (variables, k) of the runs `which`, (outputs, k)."""
-    padded = _whole_batches(states, function.batch_size)
-    pars = _whole_batches(problems.pars[: function.nparams, which], function.batch_size)
-    return function(padded, pars=pars)[:, : states.shape[1]]
+BLOCK = 128  # states that are evaluated at a time: from some 300 on, heyoka shares them among threads unasked
+
+
+def _outputs(function: Any, states: np.ndarray, pars: np.ndarray) -> np.ndarray:
+    """Return the outputs of a compiled function, (outputs, n), of states (variables, n) of bodies (leaves, n or 1)."""
+    numbers, outputs = np.broadcast_to(pars[: function.nparams], (function.nparams, states.shape[1])), []
+    for first in range(0, states.shape[1] or 1, BLOCK):
+        block = states[:, first : first + BLOCK], numbers[:, first : first + BLOCK]
+        inputs, of_bodies = (_whole_batches(columns, function.batch_size) for columns in block)
+        outputs.append(function(inputs, pars=of_bodies)[:, : block[0].shape[1]])
+    return np.concatenate(outputs, axis=1)
+
+
+def _whole_batches(columns: np.ndarray, size: int) -> np.ndarray:
+    """Return columns (rows, k), of which the last is repeated to fill whole SIMD batches: so the bits of a column do
+    not depend on its neighbours."""
+    n = columns.shape[1]
+    whole = np.empty((columns.shape[0], n + -n % size))
+    whole[:, :n], whole[:, n:] = columns, columns[:, -1:]
+    return whole
 
 
 def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
@@ -231,9 +225,6 @@ def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | No
     if form.orientation.psi:
         values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
     return quaternion(values[:3], values[3:6]), values[6] if form.orientation.psi else None
-
-
-BLOCK = 128  # rows that are evaluated at a time: from some 300 on, heyoka shares them among threads unasked
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:

@@ -40,7 +40,7 @@ def load(code: bytes) -> Loaded:
 
 
 class Called:
-    """An integrator of heyoka whose steps are called from Python: one run, or the lanes of a batch.
+    """An integrator of heyoka whose steps the loop calls back: one run, or the lanes of a batch.
 
     For doubles, its numbers have the bits of the loaded code. A subclass may keep state, time and coefficients in wider
     numbers and write them rounded to the arrays of the loop. It may also correct the time at which the step starts
@@ -50,7 +50,14 @@ class Called:
     ----------
     integrator
         For this stepper alone.
+
+    Attributes
+    ----------
+    records
+        Those of the loop that calls it.
     """
+
+    records: dict[str, Any]
 
     def __init__(self, integrator: Any):
         self.integrator = integrator

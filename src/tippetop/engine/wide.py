@@ -11,8 +11,8 @@ from typing import Any, cast
 import heyoka as hy
 import numpy as np
 
-from .driver import NO_ROWS, Driver, Passages, Request
-from .loop import PATIENCE, Motion
+from .driver import Driver, Passages
+from .loop import Motion, Rows
 from .status import Status
 from .stepper import Called, Stepper
 from .tallies import ON_ZERO
@@ -20,50 +20,84 @@ from .tallies import ON_ZERO
 
 REFINEMENTS = 3  # of a zero: each squares its error, from 1e-16
 NEAR = 1e-6  # of a step: a zero that moves further is rounding's, and stays where it was
+LEAST = 1e-300  # of a step, as the loop sees it: it may move no double
 LARGEST = 1e300  # of a coefficient: just before sliding stops, a step of 1e-13 has larger ones of high order
 
 
 class WideSteps(Called):
-    """Steps whose state and time are those of heyoka's integrator; the loop gets them rounded to doubles."""
+    """Steps whose state and time are those of heyoka's integrator; the loop gets them rounded to doubles.
+
+    Whatever the loop keeps, this keeps too, in the working precision.
+    """
 
     end: Any = None  # internal time of the end of the run
 
+    def begin(self) -> None:
+        """Forget the rows that were kept; and samples and zeros, if the loop has none any more."""
+        self.rows: list[np.ndarray] = []
+        if self.records["samples"].filled[0] == 0:
+            self.samples: list[np.ndarray] = []
+        if self.records["log"].filled[0] == 0:
+            self.times: list[Any] = []
+            self.states: list[np.ndarray] = []
+        self.first = int(self.records["output"].filled[0])
+
     def step(self, motion: Motion) -> None:
         """Make a step, at most to the end of the run."""
-        ta, number = self.integrator, self.integrator.state.dtype.type
+        self.follow()
+        ta = self.integrator
         self.before = ta.state.copy(), ta.dtime
+        self.on_zero = self.records["tallies"].functions[ON_ZERO, :, 0].copy()
         high, low = ta.dtime
-        rounded = float(high)
-        motion.high[0] = motion.start_high[0] = rounded
-        motion.low[0] = motion.start_low[0] = float((high - number(rounded)) + low)
-        outcome, h = ta.step((self.end - high) - low, write_tc=True)
-        motion.h[0] = np.nan if outcome == hy.taylor_outcome.err_nf_state else float(h)
+        motion.high[0] = motion.start_high[0] = start = float(high)
+        motion.low[0] = motion.start_low[0] = 0.0
+        outcome, _ = ta.step((self.end - high) - low, write_tc=True)
+        broken = outcome == hy.taylor_outcome.err_nf_state
+        motion.h[0] = np.nan if broken else max(float(ta.time) - start, LEAST)
         is_last = outcome == hy.taylor_outcome.time_limit  # which the loop sees from a step of the allowed length
         motion.limit[0] = motion.h[0] if is_last else np.inf
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
-            motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
+            motion.tc[:, :, 0] = ta.tc
+            if not np.isfinite(motion.tc.sum()):
+                motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
+
+    def follow(self) -> None:
+        """Keep the end of the last step where the loop has: as a sample, as a row."""
+        rows = self.records["output"]
+        for filled, kept in (
+            (self.records["samples"].filled[0], self.samples),
+            (rows.filled[0] - self.first, self.rows),
+        ):
+            if filled > len(kept):
+                kept.append(self.integrator.state.copy())
 
     def undo(self) -> None:
         """Return to the start of the last step."""
         self.integrator.state[:], self.integrator.dtime = self.before
 
     def state_at(self, inside: np.ndarray) -> np.ndarray:
-        """Return nothing of use: the driver makes the states of the log, in the working precision."""
-        return np.zeros((len(self.integrator.state), 1))
-
-    def states_at(self, times: np.ndarray) -> np.ndarray:
-        """Return the states (k, variables) at internal times (k,) of the last step, in the working precision."""
-        ta = self.integrator
-        return np.array([ta.update_d_output(time).copy() for time in times]).reshape(len(times), len(ta.state))
+        """Keep the next zero of the log, which is refined, or else the next row, and return its state."""
+        ta, log, number = self.integrator, self.records["log"], self.integrator.state.dtype.type
+        if len(self.times) < log.filled[0]:
+            k, start = len(self.times), self.before[1][0]
+            event = log.event[k]
+            roots = -min(0, int(self.on_zero[event]))
+            function = _function(ta.tc, self.records["rows"].events[event], roots)
+            time = start + _refined(function, number(log.time[k]) - start, ta.time - start)
+            self.times.append(time)
+            kept = self.states
+        else:
+            time = number(self.records["output"].times[self.first + len(self.rows)])
+            kept = self.rows
+        kept.append(ta.update_d_output(time).copy())
+        return kept[-1].astype(float)[:, None]
 
 
 class WideDriver(Driver):
     """Makes the steps of one run in numbers wider than doubles."""
 
-    tiny = 0  # steps so short that the time in doubles stays
-
-    def _stepper(self, state: np.ndarray, pars: Sequence[Any]) -> Stepper:
+    def _stepper(self) -> Stepper:
         return WideSteps(copy.deepcopy(self.compiled.integrator))
 
     def take(self, pars: Sequence[Any]) -> None:
@@ -74,67 +108,28 @@ class WideDriver(Driver):
         """The steps of the run."""
         return cast(WideSteps, self.place.stepper)
 
-    def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
-        samples: list[np.ndarray] = []
-        passages = [self._passages(0, np.zeros(len(self.rows.events)))]
-        ends: list[tuple[float, np.ndarray]] = []
-        ta, ended = self.stepper.integrator, False
-        self.loop.fill(NO_ROWS)
-        for _ in range(most):
-            if ended:
-                break
-            seen, taken = int(self.log.filled[0]), int(self.samples.filled[0])
-            on_zero = self.tallies.functions[ON_ZERO, :, 0].copy()
-            before = int(self.tally["steps"])
-            self.loop.drive(1)
-            if self.tally["steps"] == before and self.tally["status"] == Status.RUNNING.code:
-                self.tiny += 1  # a step that moves no double
-                if self.tiny == PATIENCE:
-                    self.tally["status"] = Status.STALLED.code
-            ended = self.tally["status"] != Status.RUNNING.code
-            if self.tally["status"] == Status.NON_FINITE.code:
-                self.stepper.undo()
-                break
-            passages.append(self._passages(seen, on_zero))
-            if self.samples.filled[0] > taken:
-                samples.append(ta.state.copy())
-            if not request.steps:
-                self._rows(request, float(self.reached(passages[-1])), ended)
-            elif self.tally["upto"] == 1.0:
-                ends.append((float(ta.time), ta.state[: self.variables].copy()))
-        if ends:
-            request.take(np.array([time for time, _ in ends]), np.array([state for _, state in ends]))
-        sampled = np.array(samples).reshape(len(samples), len(ta.state))
-        return sampled, Passages(*(np.concatenate(columns) for columns in zip(*passages, strict=True)))
+    def _made(self, rows: Rows, most: int) -> int:
+        self.loop.fill(rows)
+        self.stepper.begin()
+        steps = super()._made(rows, most)
+        if self.tally["status"] == Status.NON_FINITE.code:
+            self.stepper.undo()
+        else:
+            self.stepper.follow()
+        return steps
 
-    def _passages(self, first: int, on_zero: np.ndarray) -> Passages:
-        """Return the passages of the last step, from number `first` of the log on, in the working precision. `on_zero`
-        is what was known of zeros where it began."""
-        log, ta = self.log, self.stepper.integrator
-        some = first + np.argsort(log.time[first : log.filled[0]], kind="stable")
-        times, states = np.zeros(0, self.number), np.zeros((0, len(ta.state)), self.number)
-        if len(some):
-            start = self.stepper.before[1][0]
-            length, near = ta.time - start, log.time[some].astype(self.number) - start
-            functions = (_function(ta.tc, self.rows.events[e], -min(0, int(on_zero[e]))) for e in log.event[some])
-            times = start + np.array(
-                [_refined(f, x, length) for f, x in zip(functions, near, strict=True)], self.number
-            )
-            states = self.stepper.states_at(times)
-        return Passages(times, log.event[some], log.sign[some], log.at_pole[some], states)
+    def _states(self, rows: Rows, first: int) -> np.ndarray:
+        return np.array(self.stepper.rows)[:, : self.variables]
 
-    def _rows(self, request: Request, reached: float, ended: bool) -> None:
-        """Give the request its rows up to the time reached, and those at it if the run has ended."""
-        while True:
-            self.wanted.ask(request)
-            left = self.wanted.left
-            count = int(np.searchsorted(left, reached, side="right" if ended else "left"))
-            if count:
-                states = self.stepper.states_at(left[:count].astype(self.number))
-                request.take(left[:count], states[:, : self.variables])
-            self.wanted.made += count
-            if count < len(left) or not count:
-                return
+    def _sampled(self) -> np.ndarray:
+        return np.array(self.stepper.samples, self.number).reshape(-1, len(self.state))
+
+    def _passages(self) -> Passages:
+        log, count = self.log, int(self.log.filled[0])
+        order = np.argsort(log.time[:count], kind="stable")
+        times, states = np.array(self.stepper.times, self.number), np.array(self.stepper.states, self.number)
+        columns = times, log.event, log.sign, log.at_pole, states.reshape(count, len(self.state))
+        return Passages(*(c[order] for c in columns))
 
     def reached(self, passages: Passages) -> Any:
         """Return the internal time where a slice with these passages has ended."""

@@ -70,7 +70,7 @@ class Lanes:
         self.queue = Queue(np.zeros(lanes, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64))
         self.steps_possible = 0  # steps that the lanes could have made
         self._park()
-        self.stepper = stepper_of(code, self.motion.state, self.motion.pars)
+        self.stepper = stepper_of(code)
         watch = self.rows, self.tallies, new_log(0, n), self.samples
         self.loop = Loop(self.motion, *watch, self.rules, self.stepper)
 

@@ -90,18 +90,20 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     if rows < 2:
         raise InputError([f"the reference must reach the times of `{path}`, but ends before: {run.reason}."])
     columns = {name: column.values for name, column in run.columns().items()}
-    there = given._replace(**{k: part[:rows] for k, part in given._asdict().items() if part is not None})
+    there = Motion(*(part if part is None else part[:rows] for part in given))  # type: ignore[arg-type]
     curves = differences(there, columns)
     if not curves:
         raise InputError([f"`{path}` must have theta, an axis, a quaternion or a place to be compared, but has none."])
-    kept = conserved(there, problem)
+    body = problem.system.body_of(problem.parameters, Frictionless())
+    kept, touching = {}, {}
+    if isinstance(body, contact.Touch) and there.axis is not None:
+        kept, touching = conserved(there, problem, body), _contact(there, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: dict[str, Any] = {"file": str(path), "rows": rows, "from": float(t[0]), "until": float(run.times[-1])}
     numbers |= {name: _size(run.times, curve) for name, curve in curves.items()}
-    for name, curve in kept.items():
-        numbers[f"{name}_drift"] = float(np.nanmax(np.abs(curve)))
-        numbers[f"{name}_error"] = float(np.nanmax(np.abs(errors[name])))
-    numbers |= _contact(there, problem)
+    for what, changes in (("drift", kept), ("error", errors)):
+        numbers |= {f"{name}_{what}": float(np.nanmax(np.abs(curve))) for name, curve in changes.items()}
+    numbers |= touching
     if rows < len(t):
         numbers["reference_ended"] = run.reason
     theta = np.full(rows, np.nan) if there.theta is None else there.theta
@@ -114,10 +116,9 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
 
 def reference(problem: Problem, times: np.ndarray) -> Solution:
     """The motion of a problem at given times [s], ascending, as far as it goes."""
-    until = float(times[-1])
-    at = ListedTimes(times)
-    whole = dataclasses.replace(problem, times=at, until=until, output="times", stop_when="until")
-    return solve(dataclasses.replace(whole, columns=None))
+    at, until = ListedTimes(times), float(times[-1])
+    whole = dataclasses.replace(problem, times=at, until=until, output="times", stop_when="until", columns=None)
+    return solve(whole)
 
 
 def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -133,27 +134,23 @@ def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, n
     if there.place is not None and "x" in columns:
         flat = ["x", "y"] if "y" in columns else ["x"]
         ours = np.stack([columns[name] for name in flat], axis=1)
-        result["place"] = _norm(there.place[:, : len(flat)] - ours)
+        off = there.place[:, : len(flat)] - ours
+        off = off[:, np.isfinite(off).any(axis=0)]  # components that are never given do not count
+        result["place"] = np.linalg.norm(off, axis=1) if off.size else np.full(len(off), np.nan)
     if there.omega3 is not None and "omega3" in columns:
         result["omega3"] = np.abs(there.omega3 - columns["omega3"])
     return {name: curve for name, curve in result.items() if np.isfinite(curve).any()}
 
 
-def _norm(rows: np.ndarray) -> np.ndarray:
-    """Lengths of rows; components that are never given do not count."""
-    given = np.isfinite(rows).any(axis=0)
-    return np.sqrt((rows[:, given] ** 2).sum(axis=1)) if given.any() else np.full(len(rows), np.nan)
-
-
-def conserved(there: Motion, problem: Problem) -> dict[str, np.ndarray]:
+def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, np.ndarray]:
     """Energy and Jellett's integral of the other program's own motion, relative to their first values, less 1."""
-    body = problem.system.body_of(problem.parameters, Frictionless())
-    if not isinstance(body, contact.Touch) or there.axis is None or there.omega is None:
+    u: Any = there.axis
+    w = there.omega
+    if w is None:
         return {}
-    u, w = there.axis, there.omega
     w3 = (w * u).sum(axis=1)
     L = body.I1 * w + (body.I3 - body.I1) * w3[:, None] * u
-    v = there.velocity if there.velocity is not None else np.full_like(u, np.nan)
+    v = np.full_like(u, np.nan) if there.velocity is None else there.velocity
     state = VectorState._make((*u.T, *L.T, body.I3 * w3, v[:, 0], v[:, 1]))
     scalars = vector_scalars(state, body)
     values = {}
@@ -171,16 +168,13 @@ def _relative(values: np.ndarray) -> np.ndarray:
     return values / values[np.isfinite(values)][0] - 1
 
 
-def _contact(there: Motion, problem: Problem) -> dict[str, Any]:
+def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, Any]:
     """How deep the other's body is in the floor, and when it leaves it."""
-    body = problem.system.body_of(problem.parameters, Frictionless())
-    if not isinstance(body, contact.Touch) or there.place is None or there.axis is None:
+    axis: Any = there.axis
+    if there.place is None or problem.system.name == "heavy-top" or not np.isfinite(there.place[:, 2]).any():
         return {}
-    if problem.system.name == "heavy-top" or not np.isfinite(there.place[:, 2]).any():
-        return {}
-    gap = there.place[:, 2] - contact.height(there.axis[:, 2], body)
-    size = body.R or abs(body.c)
-    off = gap > TOUCH * size
+    gap = there.place[:, 2] - contact.height(axis[:, 2], body)
+    off = gap > TOUCH * (body.R or abs(body.c))
     leaves = there.t[1:][off[1:] & ~off[:-1]]
     return {
         "contact": {
@@ -206,11 +200,9 @@ def _size(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
 
 def _start_faults(numbers: dict[str, Any], curves: dict[str, np.ndarray], convention: Convention) -> str:
     """A sentence where the first row is not the reference's start: a convention may be wrong."""
+    known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):
         if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:
-            known = "z up"
-            if convention.up == "y":
-                known = "--up y: their z, x, y are our x, y, z"
             return (
                 f"the first row must be the start of the reference, but its {name} differs by {curves[name][0]:.3g} "
                 f"rad: is the start another, are the frames others ({known}), or is the order of the quaternion?"
@@ -252,16 +244,14 @@ def verdict(compared: Compared) -> list[str]:
     name, unit = main_quantity(numbers)
     leaves = [(level, t) for level, t in numbers[name]["leaves"].items() if t is not None]
     until = f"to t = {numbers['until']:.6g} s"
+    most = numbers[name]["max"]
     if leaves:
         text = ", ".join(f"{level} {unit} at t = {t:.6g} s" for level, t in leaves)
-        sentences.append(
-            f"its {name} leaves the reference by {text}; at most {numbers[name]['max']:.3g} {unit} {until}."
-        )
+        sentences.append(f"its {name} leaves the reference by {text}; at most {most:.3g} {unit} {until}.")
     else:
-        sentences.append(f"its {name} stays within {numbers[name]['max']:.2g} {unit} of the reference {until}.")
+        sentences.append(f"its {name} stays within {most:.2g} {unit} of the reference {until}.")
     for key, words in (("energy", "energy"), ("jellett", "Jellett's integral")):
-        if f"{key}_error" in numbers:
-            error = numbers[f"{key}_error"]
+        if (error := numbers.get(f"{key}_error")) is not None:
             sentences.append(f"its {words} differs from the exact one by up to {error:.2g} of its first value.")
     if "contact" in numbers:
         c = numbers["contact"]

@@ -1,5 +1,6 @@
 """What a fit says: as plain data, as text, and as a scenario that runs."""
 
+import json
 import math
 from typing import Any
 
@@ -73,28 +74,23 @@ def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
 def toml(problem: Problem, fit: Fit) -> str:
     """A scenario that runs, as TOML, with the standard errors as comments."""
     changed = tables(problem, fit)
-    text = ["# Fitted by tippetop: " + " ".join(fit.reason)]
-    text += [f"{key} = {_value(value)}" for key, value in changed.items() if not isinstance(value, dict)]
+    text, rest = ["# Fitted by tippetop: " + " ".join(fit.reason)], []
     for name, table in changed.items():
         if not isinstance(table, dict):
+            text.append(f"{name} = {_value(table)}")
             continue
-        text += ["", f"[{name}]"]
+        rest += ["", f"[{name}]"]
         for key, value in table.items():
             estimate = fit.estimates.get(f"{name}.{key}")
-            note = f"  # +- {estimate.sigma:.2g}" if estimate else ""
-            text.append(f"{key} = {_value(value)}{note}")
+            rest.append(f"{key} = {_value(value)}" + (f"  # +- {estimate.sigma:.2g}" if estimate else ""))
     clock = [f"# {name} = {e.value:.9g} +- {e.sigma:.2g}" for name, e in fit.estimates.items() if name in TIMES]
-    return "\n".join([*text, *clock]) + "\n"
+    return "\n".join([*text, *rest, *clock]) + "\n"
 
 
 def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f'"{value}"'
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_value, value))}]"
-    return repr(float(value)) if isinstance(value, float) else str(value)
+    return repr(float(value)) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
 
 
 def marker_of(text: str | None) -> tuple[float, float, float] | None:

@@ -132,8 +132,7 @@ def fit(
     total = len(observation.t)
     again = [local_minimum(misfit, end.point, total)._replace(searches=end.searches) for end in ends]
     ends = merge(again)  # a search along a long valley may have ended early
-    met = ends[0].searches
-    return judged(misfit, ends, met, n + 1)
+    return judged(misfit, ends, ends[0].searches, n + 1)
 
 
 def _refuse(misfit: Misfit) -> None:
@@ -146,7 +145,7 @@ def _refuse(misfit: Misfit) -> None:
         )
     start = np.zeros(len(space.names))
     values = space.values(start)
-    predictions = observation.predicted(values)
+    predictions = observation.predictions([values])
     if values.get(CLOCK, 1.0) * observation.t[0] + values.get(OFFSET, 0.0) < 0:
         first = f"but begin at {observation.t[0]:.6g} s: shift them, or let `{OFFSET}` be free"
         raise InputError([f"times must begin at 0, the start of the motion, or later, {first}."])
@@ -160,11 +159,11 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError([f"`{name}` must change what was measured, but does nothing to it." for name in idle])
 
 
-def _excess(misfit: Misfit, point: np.ndarray) -> float:
+def _excess(parts: dict[str, np.ndarray]) -> float:
     """How far residuals are from noise: their squared autocorrelations, in standard deviations of that of noise."""
     worst = 0.0
-    for off, _ in misfit.observation.predictions([misfit.space.values(point)], slopes=False).values():
-        for part in off[0].T:
+    for off in parts.values():
+        for part in off.T:
             r = part[np.isfinite(part)]
             n = len(r)
             if n > 2 * LAGS and (r**2).sum() > 0:
@@ -201,25 +200,24 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
         estimates[name] = Estimate(value, float(s * slope), low, high)
     parts = {group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()}
     noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
-    converged = met >= MET
     reasons = []
-    if not converged:
+    if met < MET:
         reasons.append(
             f"the minimum is not trustworthy: {met} of {searches} independent searches ended there ({MET} are needed), "
             "and other numbers may fit better: more `starts` may decide."
         )
     reasons += [*_undecided(space, values, sigma, correlations), *_rivals(space, ends)]
-    reasons += _not_noise(misfit, point, parts)
+    reasons += _not_noise(misfit, parts, noise)
     trustworthy = not reasons
     reasons.insert(0, "the numbers fit: what is left is noise." if trustworthy else "the fit must be read with care:")
-    return Fit(estimates, correlations, converged, trustworthy, reasons, parts, noise, observation.t,
+    return Fit(estimates, correlations, met >= MET, trustworthy, reasons, parts, noise, observation.t,
                misfit.evaluations)  # fmt: skip
 
 
-def _not_noise(misfit: Misfit, point: np.ndarray, parts: dict[str, np.ndarray]) -> list[str]:
+def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, float]) -> list[str]:
     """Return sentences on residuals that are not noise, or not of the stated size."""
     observation, reasons = misfit.observation, []
-    excess = _excess(misfit, point)
+    excess = _excess(parts)
     if excess > NOISY:
         reasons.append(
             f"the residuals are no noise (their autocorrelations are {excess:.0f} standard deviations too large): the "
@@ -231,12 +229,10 @@ def _not_noise(misfit: Misfit, point: np.ndarray, parts: dict[str, np.ndarray]) 
                 "free if its clock was started earlier."
             )
     for group, off in parts.items():
-        seen = off[np.isfinite(off)]
-        size = float(np.sqrt(np.mean(seen**2)))
-        most = (observation.noise or np.inf) * np.sqrt(1 + NOISY * np.sqrt(2 / len(seen)))
-        if group in ANGLES and size > most:
+        most = (observation.noise or np.inf) * np.sqrt(1 + NOISY * np.sqrt(2 / np.isfinite(off).sum()))
+        if group in ANGLES and noise[group] > most:
             reasons.append(
-                f"the residuals of {group} are larger than the stated noise: {size:.3g} rad, not "
+                f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} rad, not "
                 f"{observation.noise:.3g} rad."
             )
     return reasons
@@ -267,12 +263,13 @@ def _undecided(space: Space, values: dict[str, float], sigma: np.ndarray, correl
 
 def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
     """Return a sentence where other numbers fit nearly as well."""
-    best, near = ends[0], []
-    for end in ends[1:]:
-        if end.cost - best.cost < RIVAL * best.variance:
-            near.append(", ".join(f"{name} = {value:.6g}" for name, value in space.values(end.point).items()))
+    best = ends[0]
+    near = [space.values(end.point) for end in ends[1:] if end.cost - best.cost < RIVAL * best.variance]
+    if not near:
+        return []
+    numbers = ", ".join(f"{name} = {value:.6g}" for name, value in near[0].items())
     more = f" (and {len(near) - 1} more such sets)" if len(near) > 1 else ""
-    return [f"other numbers fit nearly as well: {near[0]}{more}; errors are those of one set."] if near else []
+    return [f"other numbers fit nearly as well: {numbers}{more}; errors are those of one set."]
 
 
 def names_of(text: str | Sequence[str]) -> tuple[str, ...]:

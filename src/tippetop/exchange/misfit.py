@@ -66,9 +66,8 @@ class Misfit:
 
     def weigh(self, point: np.ndarray) -> None:
         """Weight each kind of measurement by its own noise."""
-        if len(self.weights) > 1:
-            for group, (off, _) in self.observation.predictions([self.space.values(point)], slopes=False).items():
-                self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), 1e-12)
+        for group, (off, _) in self.observation.predictions([self.space.values(point)], slopes=False).items():
+            self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), 1e-12)
 
     def size(self, residuals: np.ndarray) -> float:
         """Return the scale of residuals beyond which a loss bends."""

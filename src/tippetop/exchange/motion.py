@@ -92,28 +92,21 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
 def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
     """Unit quaternions wxyz, (rows, 4); NaN in gaps."""
     numbered, lettered = [f"q_{i}" for i in range(4)], [f"q_{c}" for c in "wxyz"]
-    if any(table.has(name) for name in numbered):
-        if not table.has(*numbered):
-            raise InputError(
-                [f"`{table.path}`: a quaternion must have the columns {', '.join(numbered)}, all of them."]
-            )
-        if convention.quaternion not in ORDERS:
-            raise InputError(
-                [f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named (--quaternion wxyz or xyzw)."]
-            )
-        q = table.stacked(*numbered)[:, ORDERS[convention.quaternion]]
-    elif any(table.has(name) for name in lettered):
-        if not table.has(*lettered):
-            raise InputError(
-                [f"`{table.path}`: a quaternion must have the columns {', '.join(lettered)}, all of them."]
-            )
-        if convention.quaternion is not None:
-            raise InputError(["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."])
-        q = table.stacked(*lettered)
-    elif convention.quaternion is not None:
+    order = convention.quaternion
+    names = next((names for names in (numbered, lettered) if any(map(table.has, names))), None)
+    if names is None:
+        if order is None:
+            return None
         raise InputError([f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."])
-    else:
-        return None
+    if not table.has(*names):
+        raise InputError([f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."])
+    if names is numbered and order is None:
+        raise InputError(
+            [f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named (--quaternion wxyz or xyzw)."]
+        )
+    if names is lettered and order is not None:
+        raise InputError(["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."])
+    q = table.stacked(*names)[:, ORDERS[order or "wxyz"]]
     q = np.concatenate([q[:, :1], q[:, 1:][:, turn]], axis=1)
     return _unit(table, q, "quaternion")
 

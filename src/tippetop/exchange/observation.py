@@ -14,7 +14,6 @@ from ..mechanics.units import METRE, ONE, SECOND
 from ..problem import Problem
 from . import residuals
 from .motion import Motion
-from .residuals import ACROSS
 
 
 OFFSET, CLOCK = "time.offset", "time.scale"
@@ -81,7 +80,8 @@ class Observation:
         self.free, self.t, self.noise = tuple(free), seen.t, noise
         if problem.contact is not None:
             raise InputError([UNSUPPORTED])
-        longest = LONGEST * float(problem.scales.of(SECOND))
+        self.second, self.metre = (float(problem.scales.of(unit)) for unit in (SECOND, METRE))
+        longest = LONGEST * self.second
         if self.t[-1] > longest:
             raise InputError(
                 [
@@ -98,35 +98,28 @@ class Observation:
             raise InputError(faults)
         self.own = tuple(name for name in free if name not in TIMES)
         self.numbers = Numbers(problem, self.own)
-        self.second = float(problem.scales.of(SECOND))
         self.marker, self.places = marker, places
-        self.metre = float(problem.scales.of(METRE))
         self.groups = _groups(problem, seen, places)
         if not self.groups:
             raise InputError(["the table must have theta, an axis, a quaternion, omega3, a place or a marker."])
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
-        longest = float(self.t[-1]) / self.second
         self.tangents, self.motions = (
             Tangents(
-                self.numbers.kind(order, orientation=self.turning), TOLERANCE, MOST_STEPS, uses=uses, longest=longest
+                self.numbers.kind(order, orientation=self.turning),
+                TOLERANCE,
+                MOST_STEPS,
+                uses=uses,
+                longest=float(self.t[-1]) / self.second,
             )
             for order, uses in ((1, USES), (0, USES * MORE))
         )
-        self.names = self._names()
-        self.ways = self.numbers.directions(self.own)
-
-    def _names(self) -> tuple[str, ...]:
-        """What is read of states."""
         turning = AXES if self.turning else ()
-        return tuple(dict.fromkeys([*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]))
+        self.names = tuple(dict.fromkeys([*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]))
+        self.ways = self.numbers.directions(self.own)
 
     def rule(self, name: str) -> Number:
         """Unit and interval of a number that is free."""
         return TIMES.get(name) or self.numbers.rule(name)
-
-    def parts(self, group: str) -> int:
-        """How many residuals a row of a group has."""
-        return ACROSS if group == "axis" else 3 if group == "orientation" else self.groups[group].shape[1]
 
     def start(self) -> dict[str, float]:
         """The values of the free numbers in the scenario."""
@@ -135,26 +128,19 @@ class Observation:
         clock = {OFFSET: -first if late else 0.0, CLOCK: 1.0}
         return {name: clock.get(name, self.numbers.values.get(name, 0.0)) for name in self.free}
 
-    def predicted(
-        self, values: dict[str, float], rows: slice = slice(None)
-    ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """For each group: what was measured less what is predicted, (rows, parts), and how the prediction moves with
-        each free number, (rows, parts, free), SI. NaN where nothing was measured, or the motion cannot be computed."""
-        return {group: (off[0], moves[0]) for group, (off, moves) in self.predictions([values], rows).items()}
-
     def predictions(
         self, points: Sequence[dict[str, float]], rows: slice = slice(None), *, slopes: bool = True
     ) -> dict[str, tuple[np.ndarray, Any]]:
-        """The same for many sets of values at once, along a first axis; without `slopes` the moves are None."""
+        """Compute for each group what was measured less what is predicted, (points, rows, parts), and how the
+        prediction moves with each free number, (points, rows, parts, free), SI; None without `slopes`. NaN where
+        nothing was measured, or the motion cannot be computed."""
         t, k = self.t[rows], len(points)
         value, slope = self._read(points, t, slopes=slopes)
         parts: dict[str, tuple[np.ndarray, Any]] = {}
         for group, seen in self.groups.items():
             off, moves = self._residual(group, np.tile(seen[rows], (k, 1)), value, slope)
-            parts[group] = (
-                off.reshape(k, len(t), -1),
-                moves if moves is None else moves.reshape(k, len(t), *moves.shape[1:]),
-            )
+            shaped = moves if moves is None else moves.reshape(k, len(t), *moves.shape[1:])
+            parts[group] = off.reshape(k, len(t), -1), shaped
         return parts
 
     def dots(self) -> dict[str, np.ndarray]:
@@ -180,10 +166,8 @@ class Observation:
         k, tangents = len(points), self.tangents if slopes else self.motions
         lanes = max(1, len(self.own)) if slopes else 1
         own = {name: np.array([values[name] for values in points]) for name in self.own}
-        columns = np.broadcast_to(
-            self.numbers.internal(own).reshape(len(self.numbers.names), -1), (len(self.numbers.names), k)
-        )
-        columns = np.repeat(columns, lanes, axis=1)
+        internal = self.numbers.internal(own).reshape(len(self.numbers.names), -1)
+        columns = np.repeat(np.broadcast_to(internal, (len(internal), k)), lanes, axis=1)
         ways = np.tile(self.ways, (1, k)) if slopes and self.own else np.zeros_like(columns)
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points], axis=1) / self.second
         timed = self.names if slopes and len(self.own) < len(self.free) else ()

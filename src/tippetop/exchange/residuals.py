@@ -7,9 +7,6 @@ from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion
 
 
-ACROSS = 2  # directions in which noise moves an axis
-
-
 def of_axis(seen: np.ndarray, third: np.ndarray, moves: np.ndarray | None) -> tuple[np.ndarray, np.ndarray | None]:
     """Of unit vectors (rows, 3): the chord between them, split along two axes across the measured one, (rows, 2); and
     how it moves where `third` moves so, (rows, 3, free), less the sign. Noise of an axis has two directions, not three.

@@ -44,15 +44,12 @@ def start_of(problem: Problem) -> Start:
     arm = offset * u - np.array([0.0, 0.0, radius])
     slip = np.zeros(3)
     if "nu_x" in columns:
-        phi = float(np.nan_to_num(columns["phi"]))
-        e, t = np.array([math.cos(phi), math.sin(phi), 0.0]), np.array([-math.sin(phi), math.cos(phi), 0.0])
-        slip = np.nan_to_num(columns["nu_x"]) * e + np.nan_to_num(columns["nu_y"]) * t
-        slip[2] = columns.get("nu_z", 0.0)
+        phi, along, across = (float(np.nan_to_num(columns[name])) for name in ("phi", "nu_x", "nu_y"))
+        e, f = math.cos(phi), math.sin(phi)
+        slip = np.array([along * e - across * f, along * f + across * e, columns.get("nu_z", 0.0)])
     velocity = slip - np.cross(w, arm)
     height = columns.get("z", contact.height(u[2], body))
-    place = np.array([float(columns.get("x", 0.0)), float(columns.get("y", 0.0)), float(height)])
-    if fixed:
-        place = -arm
+    place = -arm if fixed else np.array([columns.get("x", 0.0), columns.get("y", 0.0), height])
     q = np.asarray(columns["orientation"])
     return Start(place, q, velocity, np.array(rotated(inverse(Quaternion(*q)), Vector(*w))))
 
@@ -85,10 +82,8 @@ def _balls(problem: Problem) -> list[tuple[str, float, float]]:
 
 def _cannot(problem: Problem) -> tuple[float, list[str]]:
     """The friction coefficient, and sentences on what is not the same in a simulator."""
-    law, sentences = (
-        problem.friction,
-        ["contacts in simulators are soft, or solved once a step: refine step and stiffness"],
-    )
+    law, body = problem.friction, problem.body()
+    sentences = ["contacts in simulators are soft, or solved once a step: refine step and stiffness"]
     mu = float(getattr(law, "mu", 0.0))
     if problem.system.name.startswith("rolling"):
         mu = 10.0
@@ -100,13 +95,10 @@ def _cannot(problem: Problem) -> tuple[float, list[str]]:
     elif "eps" in law._fields and problem.law_name == "coulomb":
         sentences.append(f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own")
     elif problem.system.frictional:
-        long_name = problem.law.long_name
-        sentences.append(
-            f"the friction law {long_name}: here Coulomb friction with the number mu = {mu:g}, another law"
-        )
+        words = problem.law.long_name
+        sentences.append(f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, another law")
     if has_parts(law):
         sentences.append("rolling resistance and the drilling torque of the law: here neither")
-    body = problem.body()
     if body.R == 0 and problem.system.name != "heavy-top":
         sentences.append(f"a tip that is a point: here a ball of radius {TIP * abs(body.c):.3g} m")
     if problem.contact is None:

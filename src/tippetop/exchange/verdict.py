@@ -28,10 +28,8 @@ class Verdict:
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, as `tippetop compare --json` prints it."""
         files = [{"step": m.step, **m.numbers} for m in self.motions]
-        return {
-            **(files[0] if len(files) == 1 else {"files": files}),
-            **({"orders": self.orders} if self.orders else {}),
-        }
+        plain = files[0] if len(files) == 1 else {"files": files}
+        return plain | {"orders": self.orders} if self.orders else plain
 
     def __str__(self) -> str:
         if len(self.motions) > 1:

@@ -1,28 +1,27 @@
-"""The figures of a run and of a sweep: what each shows, what it is made from and needs, and what draws it.
+"""The figures of a run and of a sweep: what each shows, and the columns that it is made from.
 
-Nothing is imported until a figure is drawn, so that `tippetop plot --help` can list the kinds at once.
+`drawing` draws them: without matplotlib, `tippetop plot --help` lists the kinds quickly.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..errors import InputError, suggestion
+
 
 @dataclass(frozen=True)
 class RunFigure:
-    """A figure of a run: draw(*prepare(trajectory, events, attributes), ax=ax), which gives the Axes; both are named
-    module:function, and imported when the figure is drawn. Where the x axis is the time, the phases of the run's
-    contact are shaded behind it."""
+    """A figure of a run. Where the x axis is the time, the phases of the run's contact are shaded behind it."""
 
     shows: str  # one line for people
-    draw: str
-    prepare: str | None = None  # None: what is drawn is the run as it is
     needs: str = "time"  # the column of the trajectory without which there is nothing to show
     uses: tuple[str, ...] = ("theta",)  # the columns that it is made from, where the system has them; "integrals" and
     # "landscape" stand for those of the system
     drawn_for: str = ""  # the systems that have that column, in words
     over_time: bool = False  # whether the x axis of every panel is the time
     compares: bool = False  # whether several runs can be axes in one panel
+    in_landscape: bool = False  # whether it is drawn from the function of `landscape.along_run` of its name
 
 
 @dataclass(frozen=True)
@@ -42,70 +41,41 @@ OF_LANDSCAPES = ("theta", "phase", "ball", "landscape")
 OF_DRIFT = ("integrals", "energy", "work", "axis", "ball", "jellett_lost")
 
 
-def _of_tippe_tops(draw: str, shows: str) -> RunFigure:
+def _of_tippe_tops(shows: str) -> RunFigure:
     """A figure over the spinning states of a tippe top."""
-    prepare = f"landscape.along_run:{draw.rpartition(':')[2]}"
-    return RunFigure(shows, draw, prepare, needs="routh", uses=OF_LANDSCAPES, drawn_for="tippe tops")
+    return RunFigure(shows, needs="routh", uses=OF_LANDSCAPES, drawn_for="tippe tops", in_landscape=True)
 
 
 FIGURES: dict[str, RunFigure] = {
-    "theta": RunFigure(
-        "theta(t), turning angles, nutational band (default)", "figures.theta:theta", over_time=True, compares=True
-    ),
+    "theta": RunFigure("theta(t), turning angles, nutational band (default)", over_time=True, compares=True),
     "normal-force": RunFigure(
         "normal force g_n(t) in units of the weight",
-        "figures.energetics:normal_force",
         needs="normal_force",
         uses=("normal_force",),
         drawn_for="systems with a normal force",
         over_time=True,
         compares=True,
     ),
-    "drift": RunFigure(
-        "relative change of what must be conserved",
-        "figures.conserved:drift",
-        uses=OF_DRIFT,
-        over_time=True,
-        compares=True,
-    ),
-    "growth": RunFigure(
-        "growth of the worst drift with t, beside sqrt(t)", "figures.conserved:growth", uses=OF_DRIFT, compares=True
-    ),
-    "sphere": RunFigure(
-        "path of the axis on the sphere", "figures.sphere:sphere", needs="axis", uses=("axis",), drawn_for="tops"
-    ),
+    "drift": RunFigure("relative change of what must be conserved", uses=OF_DRIFT, over_time=True, compares=True),
+    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", uses=OF_DRIFT, compares=True),
+    "sphere": RunFigure("path of the axis on the sphere", needs="axis", uses=("axis",), drawn_for="tops"),
     "energy": RunFigure(
         "energy, modified energy, energy taken by friction",
-        "figures.energetics:energy",
         uses=("energy", "modified_energy", "work", "phase", "ball"),
         over_time=True,
         compares=True,
     ),
     "film": RunFigure(
         "eight poses of the body on one line, by their times",
-        "figures.film:film",
-        "runs.shape:with_shape",
         needs="orientation",
         uses=("theta", "axis", "orientation", "z"),
         drawn_for="runs that keep the orientation",
     ),
-    "states": _of_tippe_tops(
-        "figures.stability:states", "asymptotic states over lambda, and the run among them; also of a scenario"
-    ),
-    "band": RunFigure(
-        "turning angles that the main equation predicts",
-        "figures.landscape:band",
-        "landscape.along_run:band",
-        uses=OF_LANDSCAPES,
-    ),
-    "surface": _of_tippe_tops("figures.landscape:surface", "the run on the minimal surface F(D, lambda)"),
-    "potential": RunFigure(
-        "the effective potential V(z) at six times",
-        "figures.potential:potential",
-        "landscape.along_run:potential",
-        uses=OF_LANDSCAPES,
-    ),
-    "inversion": _of_tippe_tops("figures.landscape:inversion", "the run on the section of F at its lambda"),
+    "states": _of_tippe_tops("asymptotic states over lambda, and the run among them; also of a scenario"),
+    "band": RunFigure("turning angles that the main equation predicts", uses=OF_LANDSCAPES, in_landscape=True),
+    "surface": _of_tippe_tops("the run on the minimal surface F(D, lambda)"),
+    "potential": RunFigure("the effective potential V(z) at six times", uses=OF_LANDSCAPES, in_landscape=True),
+    "inversion": _of_tippe_tops("the run on the section of F at its lambda"),
 }
 """The figures of a run, by name."""
 FORMER = {"phase": "states"}
@@ -141,8 +111,6 @@ def kind_of(word: str) -> str:
 
 def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
     """Raises InputError if there is no such figure."""
-    from ..errors import InputError, suggestion
-
     known = list(known)
     if not isinstance(kind, str) or kind not in known:
         kind = str(kind)
@@ -152,16 +120,12 @@ def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
 
 def check_format(path: Path) -> None:
     """Raises InputError if the ending of a path names no format of figures."""
-    from ..errors import InputError
-
     if path.suffix.lower() not in ENDINGS:
         raise InputError([f"`{path}` must end with the format of a figure: .png, .svg or .pdf, but does not."])
 
 
 def check_look(look: Look) -> None:
     """Raises InputError if a figure could not look so."""
-    from ..errors import InputError
-
     if not 10 <= look.dpi <= 2400:
         raise InputError([f"`dpi` must be between 10 and 2400, but is {look.dpi:g}."])
     if look.size is not None and not all(1 <= side <= MOST_PIXELS / look.dpi for side in look.size):

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from .style import LOWER, QUIET, RUN, UPPER, figure, legend, literal
+from .style import LOWER, QUIET, RUN, UPPER, figure, legend, literal, styled
 
 
 COLORS = (UPPER, LOWER, "#6d28d9", "#0369a1", "#a16207", "#be185d")
@@ -15,6 +15,7 @@ FLOOR = 1e-17  # below it a difference is not drawn
 SHOWN = {"theta": ("θ", "rad"), "place": ("place", "m"), "omega3": ("ω₃", "rad s⁻¹")}  # others: by name, in rad
 
 
+@styled()
 def comparison(motions: Sequence[Any], title: str) -> Figure:
     """Three panels over time: theta (rad), differences (rad) with their levels, relative drift.
 

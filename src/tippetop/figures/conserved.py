@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .labels import number, title
-from .style import compact, dashes, ink, legend, panel
+from .style import compact, dashes, ink, label_line, legend, panel
 from .thinning import span, worst
 
 
@@ -69,27 +69,20 @@ def _curve(ax: Axes, t: np.ndarray, values: np.ndarray, words: str, color: str, 
         ax.plot(t[lonely], values[lonely], alone, color=color, ms=2.5)
 
 
-def _nothing(ax: Axes) -> None:
-    """Words, where no curve is to be seen."""
-    if not any(np.isfinite(np.asarray(line.get_ydata(), dtype=float)).any() for line in ax.get_lines()):
-        ax.annotate("every change is exactly 0", (0.5, 0.5), xycoords="axes fraction", ha="center", color=ink().run)
-
-
 def _dress(ax: Axes, attrs: dict[str, Any], own: bool) -> None:
     """The unit of rounding, limits around the curves, title and legend."""
     colours = ink()
     ax.set_yscale("log")
-    _nothing(ax)
+    heights = [np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines()]
+    known = [y for y in heights if np.isfinite(y).any()]
+    if not known:
+        ax.annotate("every change is exactly 0", (0.5, 0.5), xycoords="axes fraction", ha="center", color=colours.run)
+    known = [y for y in known if len(y) > 2]
     ax.axhline(UNIT, color=colours.quiet, lw=0.8, ls=":")
-    ax.annotate(
-        "rounding\nunit", (1.0, UNIT), xycoords=("axes fraction", "data"), color=colours.quiet, xytext=(4, -8),
-        textcoords="offset points",
-    )  # fmt: skip
-    heights = [
-        np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines() if len(np.atleast_1d(line.get_xdata())) > 2
-    ]
-    least = min((float(np.nanmin(y)) for y in heights if np.isfinite(y).any()), default=UNIT)
-    most = max((float(np.nanmax(y)) for y in heights if np.isfinite(y).any()), default=UNIT)
+    label_line(ax, "rounding\nunit", UNIT, colours.quiet, -8)
+    least, most = UNIT, UNIT
+    if known:
+        least, most = min(map(np.nanmin, known)), max(map(np.nanmax, known))
     ax.set_ylim(min(0.5 * least, 0.3 * UNIT), max(3 * most, 20 * UNIT))
     ax.set(xlabel="time t (s)", title=title(attrs))
     legend(ax, "upper right", own=own, ncols=3)

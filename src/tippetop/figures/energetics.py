@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from ..columns import on_sphere
 from .labels import number, title
-from .style import dashes, ink, legend, panel
+from .style import dashes, ink, label_line, legend, panel
 from .thinning import span, thinned
 
 
@@ -21,30 +21,30 @@ def in_joules(largest: float) -> tuple[float, str]:
     return next(((size, name) for size, name in SCALES if abs(largest) >= 2 * size), SCALES[-1])
 
 
+def weight(attrs: dict[str, Any]) -> float:
+    """m g of the body of a run [N]."""
+    return float(attrs["parameters"]["m"] * attrs["parameters"]["g"])
+
+
 def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """g_n(t) in units of the weight m g."""
     ax = panel(ax, 10, 4.4)
     colours = ink()
-    t, weight = trajectory["time"].values, attrs["parameters"]["m"] * attrs["parameters"]["g"]
-    force = trajectory["normal_force"].values / weight
+    t, mg = trajectory["time"].values, weight(attrs)
+    force = trajectory["normal_force"].values / mg
     ax.axhline(1.0, color=colours.quiet, lw=0.8)
     ax.axhline(0.0, color=colours.alarm, lw=1.0, ls="--")
     ax.plot(*thinned(t, force), color=colours.run, lw=0.8)
     for words, height, color in (("no force", 0.0, colours.alarm), ("weight", 1.0, colours.quiet)):
-        ax.annotate(
-            words, (1.0, height), xycoords=("axes fraction", "data"), color=color, xytext=(4, -3),
-            textcoords="offset points",
-        )  # fmt: skip
+        label_line(ax, words, height, color, -3)
     limits = span(t)
     low, high = min(0.0, float(force.min())), max(1.0, float(force.max()))
     extremes = attrs.get("report", {}).get("normal_force") or {}
     if extremes and np.ptp(force) < CONSTANT:
         ax.annotate("constant", (limits[0], force[0]), xytext=(8, 6), textcoords="offset points", color=colours.run)
         extremes = {}
-    for key, color, side in (("min", colours.lower, -14), ("max", colours.upper, 6)):
-        if not extremes:
-            continue
-        value, when = extremes[key] / weight, extremes[f"t_{key}"]
+    for key, color, side in (("min", colours.lower, -14), ("max", colours.upper, 6)) if extremes else ():
+        value, when = extremes[key] / mg, extremes[f"t_{key}"]
         if not limits[0] <= when <= limits[1] or ("phase" in trajectory and value < 1e-9):
             continue  # not in this window; or the body flies, and there is no force
         ax.scatter([when], [value], s=22, color=color, zorder=3)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from . import raycast
 from .labels import title
-from .sphere import CALM, busy
+from .sphere import busy, turned
 from .style import compact, figure, ink
 from .thinning import span
 
@@ -28,15 +28,11 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
     rows = _rows(trajectory)
     scenes = [_scene(trajectory, shape, row) for row in rows]
     reach, bottom, top = _extent(scenes)
+    step = 2 * reach + GAP
     if ax is None:
         width = 12.0
-        ax = figure(
-            width,
-            0.6
-            + 0.19 * len(title(attrs).splitlines())
-            + width / (len(rows) * (2 * reach + GAP) + SHADOW * reach) * (top - bottom),
-        ).subplots()
-    step = 2 * reach + GAP
+        strip = width * (top - bottom) / (len(rows) * step + SHADOW * reach)
+        ax = figure(width, 0.6 + 0.19 * len(title(attrs).splitlines()) + strip).subplots()
     for i, scene in enumerate(scenes):
         right = reach + SHADOW * reach
         seen = raycast.picture(scene, -reach, right, bottom, top, PIXELS)
@@ -75,7 +71,7 @@ def _moving(trajectory: Any, t: np.ndarray) -> tuple[float, float]:
     way = np.cumsum(np.abs(np.diff(trajectory["theta"].values))) if "theta" in trajectory else np.zeros(0)
     if not len(way) or not way[-1] > 0:
         return span(t)
-    first, last = np.searchsorted(way, (CALM * way[-1], (1 - CALM) * way[-1]))
+    first, last = turned(way)
     return float(t[first]), float(t[last])
 
 

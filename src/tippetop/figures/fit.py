@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .labels import quantity
-from .style import QUIET, RUN, UPPER, dashes, figure
+from .style import QUIET, RUN, UPPER, dashes, figure, styled
 
 
 NAMES = {
@@ -22,6 +22,7 @@ NAMES = {
 PARTS = "xyz"
 
 
+@styled()
 def fit(
     t: np.ndarray,
     measured: dict[str, np.ndarray],

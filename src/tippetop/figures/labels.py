@@ -1,6 +1,5 @@
 """Words and letters of the figures: numbers with their units, titles of runs, and what tells several runs apart."""
 
-import textwrap
 from typing import Any
 
 import numpy as np
@@ -100,14 +99,10 @@ def title(attrs: dict[str, Any]) -> str:
         details.append(law)
     head = attrs["title"][:1].upper() + attrs["title"][1:]
     most = letters(WIDTH)
-    return broken(head, most) if compact() else "\n".join([broken(head, most), *_lines(details, most)])
-
-
-def _lines(words: list[str], letters: int = WIDTH) -> list[str]:
-    """The words, with commas between them, on lines that are not broken within one."""
-    kept = ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in words)
-    lines = textwrap.wrap(kept, letters, break_long_words=False, break_on_hyphens=False)
-    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+    if compact():
+        return broken(head, most)
+    kept = ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in details)
+    return "\n".join(broken(text, most) for text in (head, kept) if text)
 
 
 def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from ..columns import SUPERSCRIPTS, units_text
 from .labels import WIDTH, end_of
-from .style import compact, figure, heading, ink, legend, panel
+from .style import compact, figure, heading, ink, legend, mark_ends, panel, panels_over_time, ticks_of_pi
 from .theta import WIDE
 
 
@@ -39,12 +39,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         path = [run[name].values[::step] for name in ("routh", "jellett", "modified_energy")]
         x, y, z = path[0] / x_scale[0], path[1] / y_scale[0], 1e3 * path[2]
         axes.plot(x, y, z, color=colours.mark, lw=1.1, label="run", zorder=4)
-        known = np.flatnonzero(np.isfinite(z))
-        for i, style, words, face in (
-            (known[:1], "o", "its start", colours.mark),
-            (known[-1:], "D", end_of(z), colours.paper),
-        ):
-            axes.plot(x[i], y[i], z[i], style, color=colours.mark, mfc=face, ms=6, label=words, zorder=6)
+        mark_ends(axes, x, y, z, last=end_of(z), sizes=(6, 6))
         high = max(high, float(np.nanmax(z)))
     small = compact()
     called, pad = (_symbol, -4) if small else (_name, 12)
@@ -90,11 +85,7 @@ def band(dataset: Any, events: Any = None, title: str = "", ax: Axes | None = No
     they lie from the nearer edge of the band. `dataset` as `band` gives it; events: time, theta, edge (predicted)."""
     own, colours = ax is None, ink()
     away = np.abs(events["theta"].values - events["edge"].values) if events is not None else np.empty(0)
-    below: Axes | None = None
-    if ax is None and np.isfinite(away).any() and not compact():
-        ax, below = figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, 1.4))
-    elif ax is None:
-        ax = figure(10, 5.0).subplots()
+    ax, below = panels_over_time(ax, 1.4 if np.isfinite(away).any() else 0)
     step = max(1, dataset["time"].size // MOST_POINTS)
     t, low, high = (dataset[name].values[::step] for name in ("time", "theta_min", "theta_max"))
     words = "predicted band, V(θ) ≤ Ẽ(t)"
@@ -103,25 +94,18 @@ def band(dataset: Any, events: Any = None, title: str = "", ax: Axes | None = No
     ax.fill_between(t, low, high, color=colours.upper, alpha=0.18, lw=0, label=words)
     ax.plot(t, high, color=colours.upper, lw=0.5)
     ax.plot(t, low, color=colours.lower, lw=0.5)
-    ax.plot(
-        t,
-        np.where(np.isfinite(high), dataset["theta_star"].values[::step], np.nan),
-        color=colours.quiet,
-        lw=0.8,
-        ls="--",
-        label="θ of least V",
-    )
+    least = np.where(np.isfinite(high), dataset["theta_star"].values[::step], np.nan)
+    ax.plot(t, least, color=colours.quiet, lw=0.8, ls="--", label="θ of least V")
     values = [low, high]
     if "theta" in dataset:
         values.append(dataset["theta"].values[::step])
         ax.plot(t, values[-1], color=colours.run, lw=0.7, label="θ(t)")
     if events is not None and events["time"].size:
         ax.scatter(events["time"], events["theta"], s=6, color=colours.mark, lw=0, zorder=3, label="logged turnings")
-    known = [part[np.isfinite(part)] for part in values]
-    bottom, top = (min(part.min() for part in known if part.size), max(part.max() for part in known if part.size))
+    bottom, top = np.nanmin(np.concatenate(values)), np.nanmax(np.concatenate(values))
     room = max(0.04 * (top - bottom), 1e-3)
     if top - bottom > WIDE:
-        ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+        ticks_of_pi(ax)
     ax.set(
         ylabel="inclination θ (rad)", title=heading(title, WIDTH), ylim=(bottom - room, top + room), xlim=(t[0], t[-1])
     )
@@ -156,8 +140,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
     ax.plot(D / size, F, color=colours.quiet, lw=1.4, label="minimal surface F")
     x, y = run["routh"].values[::step] / size, 1e3 * run["modified_energy"].values[::step]
     ax.plot(x, y, color=colours.run, lw=0.8, label="run (D(t), Ẽ(t))")
-    ax.plot(x[:1], y[:1], "o", color=colours.mark, ms=6, zorder=4, label="its start")
-    ax.plot(x[-1:], y[-1:], "D", color=colours.mark, mfc=colours.paper, ms=5, zorder=6, label="its end")
+    mark_ends(ax, x, y)
     for i, (words, color) in enumerate((("θ = 0", colours.lower), ("θ = π", colours.upper))):
         end = lines.isel(end=i)
         where = float(end["D"].values.ravel()[0]) / size, 1e3 * float(end["E"].values.ravel()[0])

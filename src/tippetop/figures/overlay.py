@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .conserved import changes
-from .energetics import in_joules
+from .energetics import in_joules, weight
 from .labels import differences, shared, title
-from .style import compact, dashes, ink, legend, panel
+from .style import compact, dashes, ink, legend, panel, ticks_of_pi
 from .thinning import span, thinned, worst
 
 
@@ -40,15 +40,18 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str],
     ax = panel(ax, 10, 5.4)
     attrs = [each for _, each in runs]
     labels = differences(attrs, names)
-    scale = in_joules(max(float(np.nanmax(np.abs(t["energy"].values))) for t, _ in runs)) if kind == "energy" else None
+    size, unit = 1.0, ""
+    if kind == "energy":
+        size, unit = in_joules(max(float(np.nanmax(np.abs(t["energy"].values))) for t, _ in runs))
+        unit = f" ({unit})"
     for i, ((trajectory, each), label) in enumerate(zip(runs, labels, strict=True)):
         t, values = _curve(kind, trajectory, each)
         color = COLOURS[i % len(COLOURS)]
         width = 1.6 - 0.8 * i / len(runs)  # what is drawn first can be seen below what is drawn last
-        ax.plot(t, values / (scale[0] if scale else 1.0), color=color, ls=dashes(i), lw=width, label=label)
+        ax.plot(t, values / size, color=color, ls=dashes(i), lw=width, label=label)
     times = np.array([trajectory["time"].values[[0, -1]] for trajectory, _ in runs])
     words = SHOWN[kind].partition(" since")[0] if compact() else SHOWN[kind]
-    ax.set(xlabel="time t (s)", ylabel=words + (f" ({scale[1]})" if scale else ""), title=title(shared(attrs)))
+    ax.set(xlabel="time t (s)", ylabel=words + unit, title=title(shared(attrs)))
     ax.set_xlim(*span(np.array([times.min(), times.max()])))
     if kind in ("drift", "growth"):
         ax.set_yscale("log")
@@ -62,7 +65,7 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str],
         and angles.min() >= 0
         and np.pi / 2 < np.nanmax([t["theta"].values.max() for t, _ in runs]) < 3.2
     ):
-        ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+        ticks_of_pi(ax)
     longest = max(map(len, labels))
     legend(ax, "lower center", own=own, ncols=1 if longest > 60 else 2 if longest > 24 else 4)
     return ax
@@ -71,12 +74,10 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str],
 def _curve(kind: str, trajectory: Any, attrs: dict[str, Any]) -> Curve:
     """Times and values of a run."""
     t = trajectory["time"].values
-    if kind == "theta":
-        return thinned(t, trajectory["theta"].values)
     if kind == "normal-force":
-        return thinned(t, trajectory["normal_force"].values / (attrs["parameters"]["m"] * attrs["parameters"]["g"]))
-    if kind == "energy":
-        return thinned(t, trajectory["energy"].values)
+        return thinned(t, trajectory["normal_force"].values / weight(attrs))
+    if kind in ("theta", "energy"):
+        return thinned(t, trajectory[kind].values)
     most = np.max([values for _, values, _ in changes(trajectory, attrs)], axis=0)
     when, values = (t, np.maximum.accumulate(most)) if kind == "growth" else worst(t, most)
     return when, np.where(values > 0, values, np.nan)

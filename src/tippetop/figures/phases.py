@@ -8,6 +8,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..columns import flag_names
 from .style import ink, legend
 
 
@@ -37,7 +38,7 @@ def mark(panels: list[Axes], phases: Any, impacts: Any, *, own: bool = True) -> 
     ticks_of = dict(zip(BALLS, (colours.alarm, colours.stem), strict=True))
     kinds, lengths = _kinds(phases), ended - begun
     edges, colors = cells(begun, ended, [colours.shades[phase][ball == "stem"] for phase, ball in kinds])
-    names = _names(impacts["ball"])
+    names = np.array(flag_names(impacts["ball"]))
     ticks = {ball: impacts["time"].values[names == ball] for ball in BALLS}
     for axes in panels:
         limits = axes.get_xlim(), axes.get_ylim()
@@ -90,13 +91,8 @@ def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.n
 
 def _kinds(phases: Any) -> list[tuple[str, str]]:
     """Phase and ball of each row; in flight and on both, the ball means nothing."""
-    rows = zip(_names(phases["phase"]), _names(phases["ball"]), strict=True)
-    return [(str(phase), str(ball) if phase in ON_ONE else "body") for phase, ball in rows]
-
-
-def _names(flags: Any) -> np.ndarray:
-    """The words of a column of flags."""
-    return np.array(flags.attrs["flag_meanings"].split())[flags.values.astype(int)]
+    rows = zip(flag_names(phases["phase"]), flag_names(phases["ball"]), strict=True)
+    return [(phase, ball if phase in ON_ONE else "body") for phase, ball in rows]
 
 
 def _distinct(when: np.ndarray, limits: tuple[float, float]) -> np.ndarray:

@@ -22,6 +22,7 @@ SEE_THROUGH = 0.45  # how much of the hidden mass shows through the body
 BEYOND = 1e9  # the depth at which nothing is
 
 Array = np.ndarray
+Part = tuple[Array, Array, Array]
 
 
 class Scene(NamedTuple):
@@ -65,35 +66,34 @@ def picture(scene: Scene, left: float, right: float, bottom: float, top: float, 
     return np.clip(mean, 0, 1)
 
 
-def _body(scene: Scene, origin: Array) -> tuple[Array, Array, Array]:
+def _body(scene: Scene, origin: Array) -> Part:
     """Depth, outer normal and colour of what each ray meets first."""
-    parts = []
-    third = scene.axes[:, 2]
     centre, radius = scene.balls[0]
     if scene.kind == "heavy":
         across, along = scene.ellipsoid
-        t, normal, local = _ellipsoid(origin, scene.mass, scene.axes, across, along)
-        parts.append((t, normal, _sectors(local)))
         tip = scene.mass if scene.tip is None else scene.tip
-        parts.append(_rod(origin, tip, scene.mass + (along + 0.3) * third, 0.05, IRON))
-    elif scene.kind == "cylinder":
-        t, normal, local = _cylinder(origin, centre, radius, scene.axes)
-        t, paint = _with_mass(origin, scene, t, _sectors(local[..., [2, 0, 1]] / radius, equator=False))
-        parts.append((t, normal, paint))
+        depth, normal, local = _quadric(origin, scene.mass, scene.axes, (across, across, along))
+        end = scene.mass + (along + 0.3) * scene.axes[:, 2]
+        return _nearest([(depth, normal, _sectors(local)), *_rod(origin, scene.axes, tip, end, 0.05, IRON)])
+    if scene.kind == "cylinder":
+        parts = _cylinder(origin, scene)
     else:
-        t, normal = _ball(origin, centre, radius)
-        local = np.where((t < BEYOND)[..., None], normal, 0.0) @ scene.axes
-        t, paint = _with_mass(origin, scene, t, _sectors(local))
-        parts.append((t, normal, paint))
-        for end, thickness in scene.balls[1:]:
-            parts.append(_rod(origin, centre, end, thickness, WOOD))
-    depth, normal, paint = parts[0]
-    for t, n, c in parts[1:]:
-        nearer = t < depth
-        depth = np.where(nearer, t, depth)
-        normal = np.where(nearer[..., None], n, normal)
-        paint = np.where(nearer[..., None], c, paint)
-    return depth, normal, paint
+        depth, normal, local = _quadric(origin, centre, scene.axes, 3 * (radius,))
+        parts = [(depth, normal, _sectors(local))]
+    inner, *_ = _quadric(origin, scene.mass, scene.axes, 3 * (0.17 * radius,))
+    opaque = np.where(inner < BEYOND, 1 - SEE_THROUGH, 1.0)[..., None]  # the hidden mass shines through
+    parts = [(depth, normal, opaque * paint + (1 - opaque) * IRON) for depth, normal, paint in parts]
+    for end, thickness in scene.balls[1:]:
+        parts += _rod(origin, scene.axes, centre, end, thickness, WOOD)
+    return _nearest(parts)
+
+
+def _nearest(parts: Sequence[Part]) -> Part:
+    """Of several parts what each ray meets first."""
+    depths, *others = (np.stack(each) for each in zip(*parts, strict=True))
+    first = depths.argmin(axis=0)[None]
+    normal, paint = (np.take_along_axis(each, first[..., None], axis=0)[0] for each in others)
+    return depths.min(axis=0), normal, paint
 
 
 def _sectors(local: Array, equator: bool = True) -> Array:
@@ -108,73 +108,41 @@ def _sectors(local: Array, equator: bool = True) -> Array:
     return paint
 
 
-def _with_mass(origin: Array, scene: Scene, t: Array, paint: Array) -> tuple[Array, Array]:
-    """The depth, and the paint with the hidden mass shining through it."""
-    radius = 0.17 * scene.balls[0][1]
-    inner, _ = _ball(origin, scene.mass, radius)
-    shows = ((inner < BEYOND) & (t < BEYOND))[..., None]
-    return t, np.where(shows, (1 - SEE_THROUGH) * paint + SEE_THROUGH * IRON, paint)
+def _quadric(origin: Array, centre: Array, axes: Array, sizes: Sequence[float]) -> Part:
+    """Depth and outer normal of an ellipsoid with these half axes, and the place on it in units of them, along its
+    axes. With an infinite half axis it is a cylinder."""
+    scale = 1 / np.array(sizes)
+    o, d = (origin - centre) @ axes * scale, AHEAD @ axes * scale
+    a, b = max(d @ d, 1e-12), o @ d
+    root = b**2 - a * ((o**2).sum(axis=-1) - 1)
+    depth = np.where(root > 0, (-b - np.sqrt(np.maximum(root, 0))) / a, BEYOND)
+    local = o + depth[..., None] * d
+    outward = (local * scale) @ axes.T
+    return depth, outward / np.linalg.norm(outward, axis=-1, keepdims=True), local
 
 
-def _ball(origin: Array, centre: Array, radius: float) -> tuple[Array, Array]:
-    """Depth and normal of a ball."""
-    between = origin - centre
-    b = between @ AHEAD
-    root = b**2 - (between**2).sum(axis=-1) + radius**2
-    t = np.where(root > 0, -b - np.sqrt(np.maximum(root, 0)), BEYOND)
-    return t, (between + t[..., None] * AHEAD) / max(radius, 1e-12)
+def _rod(origin: Array, axes: Array, start: Array, end: Array, radius: float, colour: Array) -> list[Part]:
+    """The parts of a rod along axis 3 with round ends."""
+    depth, normal, _ = _quadric(origin, start, axes, (radius, radius, np.inf))
+    along = (origin + depth[..., None] * AHEAD - start) @ axes[:, 2] / ((end - start) @ axes[:, 2])
+    side = np.where((along > 0) & (along < 1), depth, BEYOND)
+    ends = (_quadric(origin, place, axes, 3 * (radius,)) for place in (start, end))
+    return [(t, n, np.broadcast_to(colour, n.shape)) for t, n, *_ in ((side, normal), *ends)]
 
 
-def _ellipsoid(origin: Array, centre: Array, axes: Array, across: float, along: float) -> tuple[Array, Array, Array]:
-    """Depth, normal, and direction within the body, of an ellipsoid of revolution."""
-    scale = np.array([across, across, along])
-    o, d = ((origin - centre) @ axes) / scale, (AHEAD @ axes) / scale
-    a, b, c = d @ d, o @ d, (o**2).sum(axis=-1) - 1
-    root = b**2 - a * c
-    t = np.where(root > 0, (-b - np.sqrt(np.maximum(root, 0))) / a, BEYOND)
-    local = o + t[..., None] * d
-    outward = (local / scale) @ axes.T
-    return t, outward / np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), 1e-12), local
-
-
-def _rod(origin: Array, start: Array, end: Array, radius: float, colour: Array) -> tuple[Array, Array, Array]:
-    """Depth, normal and colour of a rod with round ends."""
-    along = end - start
-    length = float(np.linalg.norm(along)) or 1e-12
-    along = along / length
-    o, across = origin - start, AHEAD - (AHEAD @ along) * along
-    p = o - (o @ along)[..., None] * along
-    a, b, c = across @ across, p @ across, (p**2).sum(axis=-1) - radius**2
-    root = b**2 - a * c
-    t = np.where((root > 0) & (a > 1e-12), (-b - np.sqrt(np.maximum(root, 0))) / max(a, 1e-12), BEYOND)
-    place = o + t[..., None] * AHEAD
-    height = place @ along
-    side = (height > 0) & (height < length)
-    depth = np.where(side, t, BEYOND)
-    normal = (place - height[..., None] * along) / radius
-    for centre in (start, end):
-        t, n = _ball(origin, centre, radius)
-        nearer = t < depth
-        depth, normal = np.where(nearer, t, depth), np.where(nearer[..., None], n, normal)
-    return depth, normal, np.broadcast_to(colour, normal.shape)
-
-
-def _cylinder(origin: Array, centre: Array, radius: float, axes: Array) -> tuple[Array, Array, Array]:
-    """Depth, normal, and place within the body, of a cylinder that lies along the line of sight: its face and side."""
-    half, (o, d) = 0.7 * radius, ((origin - centre), AHEAD)
-    a, b, c = d[0] ** 2 + d[2] ** 2, o[..., 0] * d[0] + o[..., 2] * d[2], o[..., 0] ** 2 + o[..., 2] ** 2 - radius**2
-    root = b**2 - a * c
-    t = np.where(root > 0, (-b - np.sqrt(np.maximum(root, 0))) / a, BEYOND)
-    place = o + t[..., None] * d
-    t = np.where(np.abs(place[..., 1]) < half, t, BEYOND)
-    normal = np.stack([place[..., 0], 0 * t, place[..., 2]], axis=-1) / radius
-    face = (-half - o[..., 1]) / d[1]
-    on_face = o + face[..., None] * d
-    within = on_face[..., 0] ** 2 + on_face[..., 2] ** 2 < radius**2
-    nearer = within & (face < t)
-    t, place = np.where(nearer, face, t), np.where(nearer[..., None], on_face, place)
-    normal = np.where(nearer[..., None], np.array([0.0, -1.0, 0.0]), normal)
-    return t, normal, np.where((t < BEYOND)[..., None], place, 0.0) @ axes
+def _cylinder(origin: Array, scene: Scene) -> list[Part]:
+    """The side and the face of a cylinder that lies along y."""
+    centre, radius = scene.balls[0]
+    half, off = 0.7 * radius, origin - centre
+    depth, normal, local = _quadric(origin, centre, scene.axes, (radius, np.inf, radius))
+    depth = np.where(np.abs(off[..., 1] + depth * AHEAD[1]) < half, depth, BEYOND)
+    face = (-half - off[..., 1]) / AHEAD[1]
+    on_face = (off + face[..., None] * AHEAD) @ scene.axes / radius
+    face = np.where(on_face[..., 0] ** 2 + on_face[..., 2] ** 2 < 1, face, BEYOND)
+    return [
+        (t, np.broadcast_to(n, normal.shape), _sectors(place[..., [2, 0, 1]], equator=False))
+        for t, n, place in ((depth, normal, local), (face, (0.0, -1.0, 0.0), on_face))
+    ]
 
 
 def _lit(normal: Array, paint: Array) -> Array:

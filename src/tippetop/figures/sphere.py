@@ -136,8 +136,14 @@ def busy(path: np.ndarray, t: np.ndarray) -> tuple[float, float]:
     way = np.cumsum(np.abs(np.diff(mean))) if len(mean) > 2 else np.zeros(1)
     if np.ptp(mean) < INCLINED:
         return whole
-    first, last = np.searchsorted(way, (CALM * way[-1], (1 - CALM) * way[-1]))
+    first, last = turned(way)
     return float(t[first]), float(t[min(last + width, len(t) - 1)])
+
+
+def turned(way: np.ndarray) -> tuple[int, int]:
+    """The rows between which most of a way is gone; `way`: how much up to each row."""
+    first, last = np.searchsorted(way, (CALM * way[-1], (1 - CALM) * way[-1]))
+    return int(first), int(last)
 
 
 def _extend(t: np.ndarray, limits: tuple[float, float]) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .labels import end_of
-from .style import compact, ink, legend, panel
+from .style import compact, ink, legend, mark_ends, panel
 
 
 NAMES = {"upright": "upright spin", "tumbling": "tumbling", "inverted": "inverted spin"}
@@ -40,9 +40,7 @@ def states(
     if path is not None:
         z, lam = path[0], np.abs(path[1]) * LARGEST
         ax.plot(lam, z, color=ink_.quiet, lw=4, alpha=0.4, label="this run", solid_capstyle="butt")
-        known = np.flatnonzero(np.isfinite(z * lam))
-        ax.plot(lam[known[:1]], z[known[:1]], "o", color=ink_.mark, ms=8, zorder=5, label="its start")
-        ax.plot(lam[known[-1:]], z[known[-1:]], "D", color=ink_.mark, mfc=ink_.paper, ms=5, zorder=6, label=end_of(z))
+        mark_ends(ax, lam, z, last=end_of(z), sizes=(8, 5))
     ax.set_xlabel("Jellett's integral |λ| (10⁻⁶ kg m³ s⁻¹)")
     ax.set_ylabel("cos θ")
     ax.set_ylim(-1.06, 1.06)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -111,6 +112,34 @@ def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
 def panel(ax: Axes | None, width: float = 9.0, height: float = 5.0) -> Axes:
     """The panel to draw in: the one that is given, or the only one of a new figure."""
     return figure(width, height).subplots() if ax is None else ax
+
+
+def panels_over_time(ax: Axes | None, below: float) -> tuple[Axes, Axes | None]:
+    """The panel to draw in, and below it one that is this much of its height / 4, where a new figure has room."""
+    if ax is None and below and not compact():
+        return tuple(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
+    return panel(ax, 10, 5.0), None
+
+
+def ticks_of_pi(ax: Axes) -> None:
+    """Ticks of an angle at quarters of pi."""
+    ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+
+
+def label_line(ax: Axes, words: str, height: float, color: str, offset: float) -> None:
+    """Words on the right of a panel, at the height of a horizontal line."""
+    place: Any = ("axes fraction", "data")
+    ax.annotate(words, (1, height), xycoords=place, color=color, xytext=(4, offset), textcoords="offset points")
+
+
+def mark_ends(axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[float, float] = (6, 5)) -> None:
+    """The first and the last known point of a path: a full circle, an open diamond."""
+    colours, known = ink(), np.flatnonzero(np.isfinite(sum(path)))
+    faces = (colours.mark, colours.paper)
+    for at, style, words, face, size in zip(
+        (known[:1], known[-1:]), "oD", ("its start", last), faces, sizes, strict=True
+    ):
+        axes.plot(*(part[at] for part in path), style, color=colours.mark, mfc=face, ms=size, zorder=6, label=words)
 
 
 def legend(ax: Axes, place: str, *, own: bool, **options: Any) -> None:

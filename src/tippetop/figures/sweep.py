@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from .labels import WIDTH
-from .style import DASHES, heading, ink, legend, panel
+from .style import DASHES, heading, ink, legend, panel, ticks_of_pi
 
 
 LIFTED, TUMBLING, STEM, FLYING, ROLLING = "#6d28d9", "#e0a800", "#b06ab3", "#0ea5e9", "#5b8c5a"
@@ -60,6 +60,18 @@ FIELDS = {
     "lyapunov": ("inferno", "largest growth rate of a small error (s⁻¹)"),
 }
 """Of what is a number: colours and label."""
+CURVES: dict[str, tuple[str, dict[str, tuple[str, str, str | None]]]] = {
+    "inversion": (
+        "time t (s)",
+        {"first_equator": ("lower", "--", "first θ = π/2"), "inverted_at": ("upper", "-", "first θ = π − 0.1")},
+    ),
+    "normal-force": (
+        "normal force $g_n\\,/\\,mg$",
+        {"normal_force_min": ("run", "--", "least"), "normal_force_max": ("upper", "-", "greatest")},
+    ),
+    "lyapunov": (FIELDS["lyapunov"][1], {"lyapunov": ("run", "-", None)}),
+}
+"""Over one axis: the label, and colour, style and words of each column."""
 ONE_AXIS = {"inversion": "times of inversion", "normal-force": "extremes of the normal force"}
 TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
 
@@ -74,17 +86,11 @@ def _over_two(sweep_map: Any, ax: Axes | None) -> Axes:
     axes = panel(ax, 9.6, 5.6)
     picture: Any = axes.get_figure(root=True)
     axes.grid(visible=False)
-    of_class = colours()
     x, y = sweep_map.axes
     field = next(iter(sweep_map.fields.values())).T
     entries: list[Any] = []
     if sweep_map.kind == "class":
-        shades = ListedColormap([of_class[name] for name in sweep_map.classes])
-        axes.pcolormesh(
-            x.edges, y.edges, field, cmap=shades, vmin=-0.5, vmax=len(sweep_map.classes) - 0.5, rasterized=True
-        )
-        present = [name for i, name in enumerate(sweep_map.classes) if (field == i).any()]
-        entries += [Patch(color=of_class[name], label=_name(name)) for name in present]
+        entries += _classes(axes, sweep_map, field, {})
     elif np.isfinite(field).any():
         colours_of, label = FIELDS[sweep_map.kind]
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap=colours_of, rasterized=True)
@@ -94,11 +100,7 @@ def _over_two(sweep_map: Any, ax: Axes | None) -> Axes:
     if sweep_map.kind == "inversion" and np.isnan(field).any():
         axes.set_facecolor(ink().grid)
         ends = sweep_map.fields.get("class", np.full_like(field.T, np.nan)).T
-        for i, name in enumerate(sweep_map.classes):
-            if (here := ends == i).any():
-                one = ListedColormap([of_class[name]])
-                axes.pcolormesh(x.edges, y.edges, np.where(here, 0.0, np.nan), cmap=one, rasterized=True)
-                entries.append(Patch(color=of_class[name], label=NOT_INVERTED.get(name, _name(name))))
+        entries += _classes(axes, sweep_map, ends, NOT_INVERTED)
         if (np.isnan(field) & np.isnan(ends)).any():
             entries.append(Patch(color=ink().grid, label="not inverted in time"))
     entries += _borders(axes, sweep_map)
@@ -112,15 +114,23 @@ def _over_two(sweep_map: Any, ax: Axes | None) -> Axes:
     return axes
 
 
+def _classes(axes: Any, sweep_map: Any, values: np.ndarray, words: dict[str, str]) -> list[Any]:
+    """The cells in the colours of their classes; entries of a legend for those that are there."""
+    of_class, names = colours(), sweep_map.classes
+    shades, most = ListedColormap([of_class[name] for name in names]), len(names) - 0.5
+    x, y = (axis.edges for axis in sweep_map.axes)
+    axes.pcolormesh(x, y, values, cmap=shades, vmin=-0.5, vmax=most, rasterized=True)
+    present = [name for i, name in enumerate(names) if (values == i).any()]
+    return [Patch(color=of_class[name], label=words.get(name, _name(name))) for name in present]
+
+
 def _liftoff(axes: Any, x: Any, y: Any, field: np.ndarray) -> list[Any]:
     """The border at which the normal force reaches zero: the edges between cells that do and cells that do not."""
     touches = np.where(np.isnan(field), np.nan, field <= TOUCH)
     edges = [
-        [(x.edges[j + 1], y.edges[i]), (x.edges[j + 1], y.edges[i + 1])]
-        for i, j in zip(*np.nonzero(np.abs(np.diff(touches, axis=1)) == 1), strict=True)
-    ] + [
-        [(x.edges[j], y.edges[i + 1]), (x.edges[j + 1], y.edges[i + 1])]
-        for i, j in zip(*np.nonzero(np.abs(np.diff(touches, axis=0)) == 1), strict=True)
+        [(x.edges[j + side], y.edges[i + 1 - side]), (x.edges[j + 1], y.edges[i + 1])]
+        for side in (1, 0)
+        for i, j in zip(*np.nonzero(np.abs(np.diff(touches, axis=side)) == 1), strict=True)
     ]
     if not edges:
         return []
@@ -153,27 +163,16 @@ def _over_one(sweep_map: Any, ax: Axes | None) -> Axes:
             if (here & np.isfinite(theta)).any():
                 axes.plot(x.centres[here], theta[here], ".", color=of_class[name], label=_name(name), ms=7)
         axes.set(ylabel="inclination θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
-        axes.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
-    elif sweep_map.kind == "inversion":
-        for name, colour, style, words in (
-            ("first_equator", inks.lower, "--", "θ = π/2"),
-            ("inverted_at", inks.upper, "-", "θ = π − 0.1"),
-        ):
-            values = sweep_map.fields[name]
-            axes.plot(x.centres, values, color=colour, ls=style, marker=marker, label=f"first {words}")
-        axes.set_ylabel("time t (s)")
-    elif sweep_map.kind == "lyapunov":
-        axes.plot(x.centres, sweep_map.fields["lyapunov"], color=inks.run, marker=marker)
-        axes.axhline(0, color=inks.quiet, lw=0.8)
-        axes.set_ylabel(FIELDS["lyapunov"][1])
+        ticks_of_pi(axes)
     else:
-        for name, colour, style, words in (
-            ("normal_force_min", inks.run, "--", "least"),
-            ("normal_force_max", inks.upper, "-", "greatest"),
-        ):
-            axes.plot(x.centres, sweep_map.fields[name], color=colour, ls=style, marker=marker, label=words)
-        axes.axhline(0, color=inks.alarm, lw=0.9)
-        axes.set_ylabel("normal force $g_n\\,/\\,mg$")
+        label, curves = CURVES[sweep_map.kind]
+        for name, (colour, style, words) in curves.items():
+            values = sweep_map.fields[name]
+            axes.plot(x.centres, values, color=getattr(inks, colour), ls=style, marker=marker, label=words)
+        axes.set_ylabel(label)
+        if sweep_map.kind != "inversion":
+            force = sweep_map.kind == "normal-force"
+            axes.axhline(0, color=inks.alarm if force else inks.quiet, lw=0.9 if force else 0.8)
     for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
         known, above = np.isfinite(values), values > 0
         passed = known[1:] & known[:-1] & (above[1:] != above[:-1])

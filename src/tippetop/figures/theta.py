@@ -8,7 +8,7 @@ from matplotlib.ticker import NullFormatter
 
 from ..columns import flagged
 from .labels import title
-from .style import compact, figure, ink, legend
+from .style import ink, legend, panels_over_time, ticks_of_pi
 from .thinning import MOST_POINTS, span, thinned
 
 
@@ -26,11 +26,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     low, high = _turnings(events, +1), _turnings(events, -1)
     pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), np.array(attrs.get("handed_over", ())))
     own = ax is None
-    below: Axes | None = None
-    if ax is None and pieces and not compact():
-        ax, below = figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, 1.2))
-    elif ax is None:
-        ax = figure(10, 5.0).subplots()
+    ax, below = panels_over_time(ax, 1.2 if pieces else 0)
     colours = ink()
     inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
     words = "nutational band" if inclined else "band between the turnings"
@@ -60,7 +56,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
 def _ticks(ax: Axes, low: float, high: float) -> None:
     """Limits around the angles; ticks at parts of pi, where they span much of a half turn."""
     if low >= 0 and high <= np.pi + 0.01 and high - low > WIDE:
-        ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+        ticks_of_pi(ax)
         ax.set_ylim(-0.08, min(np.pi + 0.12, max(high * 1.15, 0.9)))
     elif high - low < 1e-9 * max(abs(high), 1):
         ax.set_ylim(low - 0.1, high + 0.1)
@@ -106,13 +102,14 @@ def bands(low: Curve, high: Curve, breaks: np.ndarray) -> list[tuple[np.ndarray,
 
 
 def _pauses(times: np.ndarray) -> np.ndarray:
-    """After which of these times a pause follows, three times as long as is usual there; none, if times are more than
-    can be seen."""
-    if len(times) > MOST_POINTS:
-        return np.empty(0, dtype=int)
+    """After which of these times a pause follows, three times as long as is usual there."""
     gaps = np.diff(times)
-    usual = np.array([np.median(gaps[max(0, i - 10) : i + 11]) for i in range(len(gaps))])
-    return np.flatnonzero(gaps > 3 * usual)
+    return np.flatnonzero(gaps > 3 * _usual(gaps))
+
+
+def _usual(values: np.ndarray) -> np.ndarray:
+    """The median of the 21 values around each."""
+    return np.array([np.median(values[max(0, i - 10) : i + 11]) for i in range(len(values))])
 
 
 def _turnings(events: Any, sign: int, of_band: bool = False) -> Curve:
@@ -129,7 +126,6 @@ def _trembling(swings: np.ndarray) -> np.ndarray:
     """Which turnings begin or end a swing that is far smaller than those around it; they come in pairs."""
     if not 0 < len(swings) <= MOST_POINTS:
         return np.zeros(len(swings), dtype=bool)
-    usual = np.array([np.median(swings[max(0, i - 10) : i + 11]) for i in range(len(swings))])
-    small = swings < TREMBLING * usual
+    small = swings < TREMBLING * _usual(swings)
     small[1:] &= ~small[:-1]  # of several in a row every other one: maxima and minima stay in turns
     return small | np.r_[small[1:], False]

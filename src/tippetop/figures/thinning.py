@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..sampling import extremes
+
 
 MOST_POINTS = 40_000  # more cannot be seen; beyond it the smallest and largest of each bin are drawn
 BINS = 250  # of a curve that shows the worst of each
@@ -11,11 +13,7 @@ def thinned(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The curve with at most MOST_POINTS points: smallest and largest of each bin."""
     if len(t) <= MOST_POINTS:
         return t, values
-    size = -(-len(t) // (MOST_POINTS // 2))
-    whole = len(t) // size * size
-    bins = values[:whole].reshape(-1, size)
-    first = np.arange(len(bins)) * size
-    pick = np.sort(np.concatenate([first + bins.argmin(axis=1), first + bins.argmax(axis=1), np.arange(whole, len(t))]))
+    pick = extremes(values, -(-len(t) // (MOST_POINTS // 2)))
     return t[pick], values[pick]
 
 

@@ -37,13 +37,11 @@ def in_window(
         phases = groups["phases"]
         limits = cut["trajectory"]["time"].values[[0, -1]]
         kept = _rows(phases, (phases["end"].values > limits[0]) & (phases["start"].values < limits[1]))
-        ends = {name: np.clip(kept[name].values, *limits) for name in ("start", "end")}
-        cut["phases"] = {name: kept[name] for name in kept} | {
-            name: kept[name]._replace(values=values)
-            if hasattr(kept[name], "_replace")
-            else kept[name].copy(data=values)
-            for name, values in ends.items()
-        }
+        cut["phases"] = {name: kept[name] for name in kept}
+        for name in ("start", "end"):
+            column, values = kept[name], np.clip(kept[name].values, *limits)
+            is_plain = hasattr(column, "_replace")
+            cut["phases"][name] = column._replace(values=values) if is_plain else column.copy(data=values)
     first = {name: float(whole[name].values[0]) for name in whole if whole[name].values.ndim == 1}
     return cut, attrs | {"first_row": first}
 

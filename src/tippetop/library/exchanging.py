@@ -36,8 +36,9 @@ class Comparison(Verdict):
         """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given, over a
         file that is there if it may be overwritten."""
         from ..figures import catalogue, drawing
+        from ..figures.comparison import comparison
 
-        figure = drawing.comparison(self.motions, self.title)
+        figure = comparison(self.motions, self.title)
         if path is not None:
             catalogue.check_format(path_of("path", path))
             drawing.write(figure, path_of("path", path), overwrite=overwrite)
@@ -131,8 +132,9 @@ class Fitted:
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Data, fit and residuals as a figure; saved where a path is given."""
         from ..figures import catalogue, drawing
+        from ..figures.fit import fit as draw_fit
 
-        figure = drawing.fit(
+        figure = draw_fit(
             self._fit.t,
             self._observation.dots(),
             measured.curves(self._observation, self._fit),

@@ -80,8 +80,7 @@ class Run:
     @cached_property
     def attributes(self) -> dict[str, Any]:
         """The root attributes of its store: scenario, what was measured, provenance."""
-        s = self.solution
-        return root.finite(attributes.attributes(s.problem, s.status, s.reason, s.final, s.report))
+        return root.finite(attributes.attributes(self.solution.progress))
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":

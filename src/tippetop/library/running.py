@@ -17,7 +17,8 @@ from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..progress import Bar
-from ..runs.patience import warning
+from ..runs.cost import warning
+from ..runs.reporting import RunProgress
 from ..runs.run import solve
 from ..store import root
 from .extensions import of_stored
@@ -212,7 +213,7 @@ def integrate(problem: Problem, *, progress: bool = False) -> Run:
 
 
 @contextlib.contextmanager
-def _following(progress: bool) -> Iterator[Callable[[Any], None]]:
+def _following(progress: bool) -> Iterator[Callable[[RunProgress], None]]:
     """What is called after every slice: it warns of a long run, and moves a bar, if one is wanted."""
     flag("progress", progress)
     patience = warning()
@@ -220,9 +221,9 @@ def _following(progress: bool) -> Iterator[Callable[[Any], None]]:
         yield patience
         return
 
-    def follow(integration: Any) -> None:
-        bar.update(integration.t_end, integration.problem.until)
-        patience(integration)
+    def follow(present: RunProgress) -> None:
+        bar.update(present.t_end, present.problem.until)
+        patience(present)
 
     with Bar("s", "t = {done:.4g} s") as bar:
         yield follow

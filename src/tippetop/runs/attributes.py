@@ -3,17 +3,18 @@
 from typing import TYPE_CHECKING, Any
 
 from ..columns import Column, with_coordinates
+from ..engine.status import Status
 from ..mechanics.systems import find
-from ..problem import ROUNDING, Problem
+from ..problem import ROUNDING
 from ..scenario.build import resolved, tables_of
 from ..scenario.own_records import OWN, own_of
 from ..store.provenance import provenance
 from . import phases
 from .events import event_columns
+from .reporting import RunProgress, reason, report
 
 
 if TYPE_CHECKING:
-    from ..engine.status import Status
     from .run import Solution
 
 
@@ -26,7 +27,7 @@ def groups(run: "Solution") -> dict[str, dict[str, Column]]:
 
 def datasets(run: "Solution") -> dict[str, Any]:
     """The groups of the store as labelled Datasets, in memory."""
-    attrs = attributes(run.problem, run.status, run.reason, run.final, run.report)
+    attrs = attributes(run.progress)
     return {name: dataset(columns, attrs) for name, columns in groups(run).items()}
 
 
@@ -37,16 +38,16 @@ def dataset(columns: dict[str, Column], attrs: dict[str, Any]) -> Any:
     return with_coordinates(xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs))
 
 
-def attributes(problem: Problem, status: "Status", reason: str, final: Any, report: dict[str, Any]) -> dict[str, Any]:
-    """The root attributes of a store: scenario, what was measured, provenance. No times of the clock."""
-    names = problem.variables.names
-    values = [float(v) * float(w) for v, w in zip(final, problem.weights(), strict=True)]
+def attributes(progress: RunProgress) -> dict[str, Any]:
+    """Return the root attributes of a store: scenario, measurements, provenance. No times of the clock."""
+    problem, names = progress.problem, progress.problem.variables.names
+    values = [float(v) * float(w) for v, w in zip(progress.last[0], problem.weights(), strict=True)]
     parameters = {**problem.system.parameters, **problem.system.initial}
     return {
         "title": problem.system.title,
         "source": problem.system.source,
-        "status": status.value,
-        "reason": reason,
+        "status": (progress.status or Status.RUNNING).value,
+        "reason": reason(progress),
         **resolved(problem),
         **({"start": problem.origin} if problem.origin else {}),
         **({OWN: own} if (own := own_of(problem)) else {}),
@@ -55,7 +56,7 @@ def attributes(problem: Problem, status: "Status", reason: str, final: Any, repo
         "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},
         "units": {name: parameter.unit.symbol for name, parameter in parameters.items()},
         "final_state": dict(zip(names, values, strict=True)),
-        "report": report,
+        "report": report(progress),
         **provenance(),
     }
 

@@ -14,7 +14,7 @@ from ..problem import Problem
 from ..sampling import ListedTimes
 from . import phases
 from .attributes import groups
-from .patience import warning
+from .cost import warning
 from .run import Solution, solve
 
 

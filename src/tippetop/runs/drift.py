@@ -1,6 +1,5 @@
-"""The measured part of a run's report: drift of the invariants, range of the normal force, inversion, band."""
+"""The drift of the invariants of a run, and the range of its normal force."""
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,7 +8,6 @@ import numpy as np
 from ..engine.driver import Extremes
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import Observables
-from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 
 
@@ -39,21 +37,6 @@ class Monitor:
             self.drift[name] = max(self.drift[name], worst)
         self.force = force
         self.steps += steps
-
-    def report(self) -> dict[str, Any]:
-        """The measured part of `info --json` that does not concern events."""
-        report: dict[str, Any] = {"steps": self.steps, "drift": self.drift}
-        if math.isfinite(self.force.least):
-            newton = float(self.problem.scales.of(NEWTON))
-            second = float(self.problem.scales.of(SECOND))
-            report["normal_force"] = {
-                "min": self.force.least * newton,
-                "max": self.force.most * newton,
-                "t_min": self.force.t_least * second,
-                "t_max": self.force.t_most * second,
-                "weight": self.problem.parameters["m"] * self.problem.parameters["g"],
-            }
-        return report
 
     def snapshot(self) -> dict[str, Any]:
         """What a checkpoint keeps."""

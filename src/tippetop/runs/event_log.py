@@ -69,8 +69,52 @@ def _known(system: System, logged: tuple[str, ...]) -> Known:
     )
 
 
+class LogReport(NamedTuple):
+    """The events of a run so far: the rows of its log, and the tallies of its driver."""
+
+    known: Known
+    second: float  # internal unit of time [s]
+    counts: dict[str, int]  # rows of the log, by kind
+    tally: Any  # a record of the tallies
+    numbers: np.ndarray  # what events keep, (kept,); internal
+
+    def kept(self) -> dict[str, Any]:
+        """Return the numbers that events keep, by name: times [s], None if the event did not happen, or counts."""
+        values = zip(self.known.kept, self.numbers.tolist(), strict=True)
+        return {
+            name: int(value) if what == "count" else None if math.isnan(value) else value * self.second
+            for (name, what), value in values
+        }
+
+    def settled_since(self, view: Observables, last: np.ndarray) -> float | None:
+        """Return when the lasting event last happened [s], if in the state `last`, (1, variables), it still holds."""
+        since = float(self.tally["lasts_since"])
+        if math.isnan(since):
+            return None
+        event = self.known.events[self.known.lasting]
+        value = float(event.formula(view.moment(last[0]), view.body))
+        if not value * event.direction > 0 or slides(view.problem.alone, last.T, [0]).any():
+            return None
+        return since * self.second
+
+    def report(self) -> dict[str, Any]:
+        """Return counts, inversion and band, as `info --json` has them, and the numbers that users' events keep."""
+        tally, kept = self.tally, self.kept()
+        counts = {name: n for name, n in self.counts.items() if n}
+        if any(event.sense and event.name in counts for event in self.known.events):
+            counts["turning_significant"] = int(tally["turnings"])
+        band = {name: float(tally[name]) if tally["turnings"] else None for name in ("theta_min", "theta_max")}
+        own = {name: value for name, value in kept.items() if name not in INVERSION + UNREPORTED}
+        return {
+            "event_counts": counts,
+            "inversion": {name: kept.get(name) for name in INVERSION},
+            "nutational_band": band,
+            **({"kept": own} if own else {}),
+        }
+
+
 class EventLog:
-    """Turns the zeros of slices into rows of the event table, and reports the tallies of a run.
+    """Turns the zeros of slices into rows of the event table.
 
     An event at t = 0 is never logged: the log covers 0 < t <= t_end, and a run that starts on the zero of an event does
     not find it again. Rows of turnings and of lasting events start as not significant; marks make them so later.
@@ -159,22 +203,13 @@ class EventLog:
 
     # --- the end --------------------------------------------------------------------------------------------------
 
-    def settled_since(self, last: np.ndarray) -> float | None:
-        """Return when the lasting event last happened [s], if in the state `last`, (1, variables), it still holds."""
-        since = float(self.tallies.lane["lasts_since"][0])
-        if math.isnan(since):
-            return None
-        event = self.known.events[self.known.lasting]
-        value = float(event.formula(self.view.moment(last[0]), self.view.body))
-        if not value * event.direction > 0 or slides(self.view.problem.alone, last.T, [0]).any():
-            return None
-        return since * self.second
-
     def finish(self, last: np.ndarray) -> list[int]:
         """Return the rows that the end of the run, in the state `last`, shows to be significant."""
         waits = self.tallies.lane["waiting"][0]
         marks = self._marks(np.array([-1]), np.array([0]), np.array([self.view.theta(last)])) if waits else []
-        return [*marks, self.lasting] if self.lasting >= 0 and self.settled_since(last) is not None else marks
+        if self.lasting >= 0 and self.summary().settled_since(self.view, last) is not None:
+            marks = [*marks, self.lasting]
+        return marks
 
     def open_rows(self) -> list[int]:
         """Return rows of the log that are not significant yet, and may be so in the end."""
@@ -186,28 +221,10 @@ class EventLog:
         names = [kept.name for kept in event.kept if kept.what != "count"]
         self.tallies.kept[[name in names for name, _ in self.known.kept], 0] = 0.0
 
-    def kept(self) -> dict[str, Any]:
-        """Return the numbers that events keep, by name: times [s], None if the event did not happen, or counts."""
-        values = zip(self.known.kept, self.tallies.kept[:, 0].tolist(), strict=True)
-        return {
-            name: int(value) if what == "count" else None if math.isnan(value) else value * self.second
-            for (name, what), value in values
-        }
-
-    def report(self) -> dict[str, Any]:
-        """Return counts, inversion and band, as `info --json` has them, and the numbers that users' events keep."""
-        tally, kept = self.tallies.lane[0], self.kept()
-        counts = {name: n for name, n in self.counts.items() if n}
-        if any(event.sense and event.name in counts for event in self.known.events):
-            counts["turning_significant"] = int(tally["turnings"])
-        band = {name: float(tally[name]) if tally["turnings"] else None for name in ("theta_min", "theta_max")}
-        own = {name: value for name, value in kept.items() if name not in INVERSION + UNREPORTED}
-        return {
-            "event_counts": counts,
-            "inversion": {name: kept.get(name) for name in INVERSION},
-            "nutational_band": band,
-            **({"kept": own} if own else {}),
-        }
+    def summary(self) -> LogReport:
+        """Return what is known so far of all events."""
+        tally, numbers = self.tallies.lane[0].copy(), self.tallies.kept[:, 0].copy()
+        return LogReport(self.known, self.second, dict(self.counts), tally, numbers)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a checkpoint keeps beside the tallies."""

@@ -16,7 +16,7 @@ from ..store.checkpoint import END, END_FILE, ROWS
 from ..store.chunks import Appender
 from ..store.lock import Lock
 from ..store.provenance import FORMAT_VERSION
-from . import recording, resuming, sensitivities
+from . import attributes, recording, reporting, resuming, sensitivities
 from .integration import Integration
 
 
@@ -121,7 +121,8 @@ def _unfinished(target: Path, integration: Integration, ending: dict[str, Any]) 
     resuming.put_back(target, integration, ending["slice"])
     for name, columns, chunk in recording.tables_of_run(integration):
         _rechunked(target, name, columns, chunk)
-    attrs = recording.attributes_of(integration)
+    present = integration.progress()
+    attrs = root.finite(attributes.attributes(present))
     done = integration.monitor.steps
     kept: dict[str, Any] = {
         "format_version": FORMAT_VERSION,
@@ -133,8 +134,8 @@ def _unfinished(target: Path, integration: Integration, ending: dict[str, Any]) 
         **dict.fromkeys(sensitivities.NAMES, 0),
         "keyframes": done // integration.problem.keyframe_steps if integration.problem.output == "keyframes" else 0,
         "integration": ending["slice"],
-        "report": root.finite(integration.report()),
-        "reason": integration.reason(),
+        "report": root.finite(reporting.report(present)),
+        "reason": reporting.reason(present),
     }
     resuming.compare(target, integration, kept)
     names = [name for name, *_ in recording.tables_of_run(integration)]

@@ -1,4 +1,4 @@
-"""What is known of a scenario before it is run: its invariants, its regime, its expected cost."""
+"""What is known of a scenario before it is run: its invariants, its regime, its fate."""
 
 import math
 from dataclasses import replace
@@ -8,28 +8,19 @@ import numpy as np
 
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
-from ..mechanics.contact.body import angular_velocity
-from ..mechanics.contact.disc_at_rest import turning
-from ..mechanics.contact.gliding.vector import axis, momentum
-from ..mechanics.contact.response import mobility
-from ..mechanics.contact.single_contact import RESTS_BELOW
-from ..mechanics.contact.state import Row
-from ..mechanics.disc_friction import drilling_torque, inside
 from ..mechanics.friction import is_frictionless
-from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..sampling import ListedTimes
+from . import cost
 
 
-STEPS_PER_RADIAN = {"double": 0.9, "longdouble": 0.9, "quad": 0.85}  # measured: canonical inversion, 1337 steps in 8 s
 LONG = 1e5  # seconds after which the vector form of a rolling top has changed E by 1e-12
 AFFORDABLE = 1.0  # seconds: `check` runs a Coulomb top thrice only if that is quick
-MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # two shared cores of an AMD EPYC
 
 
 def assessment(problem: Problem) -> dict[str, Any]:
     """What is at the start (name -> value in SI, unit), what theory predicts of it, and what the run will take."""
-    start, expected = at_start(problem), cost(problem)
+    start, expected = at_start(problem), cost.estimate(problem)
     columns = [q for q in problem.system.quantities if q.is_column]
     quantities = {q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in columns}
     predicted = _outlook(problem, start) | _regularisation(problem, expected) | _advice(problem)
@@ -58,7 +49,7 @@ def _in_words(quantity: Any, value: float) -> float | str:
 
 def comments(problem: Problem) -> dict[str, Any]:
     """What theory adds to the report of a finished run: the name of its motion, what eps decides."""
-    result = _regularisation(problem, cost(problem))
+    result = _regularisation(problem, cost.estimate(problem))
     if problem.system.motion is not None:
         result["motion"] = problem.system.motion(problem.body(), at_start(problem))
     return result
@@ -83,7 +74,7 @@ def tried(problem: Problem) -> dict[str, Any]:
     a second, its first part."""
     from .run import solve
 
-    expected = cost(problem)["seconds"]
+    expected = cost.estimate(problem)["seconds"]
     until = problem.until * min(1.0, TRIED / expected) if expected > 0 else problem.until
     short = replace(problem, until=until, times=ListedTimes(np.array([0.0])), output="times")
     short_run = solve(short, keep=False)
@@ -160,46 +151,3 @@ def _converged(half: float | None, whole: float | None) -> str:
     if change <= CONVERGED:
         return ""
     return f", and this eps has not converged: half of it changes that time by {100 * change:.2g} %"
-
-
-MORE_STEPS = 1.4  # where friction drills: its force bends at w = U, and a stem brings impacts
-DEARER = 15.0  # a step of these equations, which are not optimised, than one of others; measured: 23 to 35 us, idle
-SPAN = 9.0  # of a step in the time of friction's slowest decay; measured: 8 to 11
-SHARE = 0.5  # of the time to rest that drilling alone would take: sliding takes of the spin too; measured: 0.4 to 2
-
-
-def drilling(problem: Problem) -> tuple[float, float]:
-    """When a disc comes to rest [s], and how many steps its stiff friction takes until then, or until the end.
-
-    While it hardly slides, friction is viscous with the rate 3 pi mu g/(8 patch |Omega_z|) times m K, and its torque
-    takes of Omega_z what is proportional to time: 2 m K I/(m patch^2) of these rates pass while it falls to 1/e.
-    """
-    q, body = Row._make(problem.start()[: len(Row._fields)]), problem.internal_body
-    law, second = body.friction, float(problem.scales.of(SECOND))
-    u = axis(q)
-    turn = max(abs(float(angular_velocity(u, momentum(q), body).z)), RESTS_BELOW)
-    drag, weight = inside(0.0, float(law.patch * turn) ** 2), float(body.m * body.g)
-    slowing = -float(drilling_torque(weight, turn, drag, law.mu, law.patch) * turning(u, body).own)
-    if slowing == 0:  # mu = 0: the disc does not slow the spin
-        return math.inf, 0.0
-    rate = float(law.mu * weight * drag.k * mobility(math.sin(math.acos(u.z)), u.z, body).ee)
-    rest = SHARE * turn / slowing
-    left = max(turn * (1 - problem.until / second / rest), RESTS_BELOW)
-    steps = rate * turn / (SPAN * slowing) * math.log(turn / left)
-    return rest * second, steps
-
-
-def cost(problem: Problem) -> dict[str, float]:
-    """Orders of magnitude: a step spans about a radian of the fastest angle; where friction drills, see `drilling`."""
-    rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
-    fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))
-    steps, dearer = problem.until * fastest * STEPS_PER_RADIAN[problem.precision], 1.0
-    if problem.law.regions and not is_frictionless(problem.friction):
-        until, stiff = drilling(problem)
-        rests = max(0.0, problem.until - until) / float(problem.scales.of(SECOND)) * STEPS_PER_RADIAN[problem.precision]
-        steps, dearer = MORE_STEPS * steps * min(1.0, until / problem.until) + stiff + rests, DEARER
-    return {
-        "steps": round(steps),
-        "seconds": round(steps * MICROSECONDS_PER_STEP[problem.precision] * dearer * 1e-6, 4),
-        "megabytes": round(len(problem.times) * 8 * 24 / 1e6, 3),
-    }

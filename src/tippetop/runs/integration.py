@@ -1,6 +1,5 @@
 """One run from start to end: slices go to a sink, the drift monitor and the event log; the end gets a status."""
 
-import math
 import threading
 import time
 from collections.abc import Callable
@@ -10,18 +9,17 @@ import numpy as np
 
 from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.observables import Observables
-from ..engine.settling import CLASSES, SETTLED_FOR, classes_of, stays, with_phases
+from ..engine.settling import SETTLED_FOR, stays
 from ..engine.status import Status
 from ..engine.taylor import driver_of, fingerprint
-from ..mechanics.events import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..scenario.own_records import is_users
 from ..store import hexfloat
 from . import keyframes
 from .drift import Monitor
 from .event_log import EventLog
 from .phases import Story
+from .reporting import RunProgress
 from .sinks import Sink
 
 
@@ -69,7 +67,7 @@ class Integration:
         self.status: Status | None = None
         self.last_slice: State | None = None  # where the last slice began: a longer run continues from there
 
-    def run(self, sink: Sink, progress: Callable[["Integration"], None] | None = None) -> None:
+    def run(self, sink: Sink, progress: Callable[[RunProgress], None] | None = None) -> None:
         """Continues to the end. What the sink has taken after a slice is what a snapshot then stands for.
 
         Parameters
@@ -77,7 +75,7 @@ class Integration:
         sink
             Takes rows and events as they come.
         progress
-            Called with this integration after every slice.
+            Called after every slice.
 
         Raises
         ------
@@ -101,14 +99,24 @@ class Integration:
                 self.status = Status.SETTLED
                 break
             if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
-                sink.keyframe(keyframes.columns(self))
-            sink.slice_done(self)
+                sink.keyframe(keyframes.columns(problem, self.driver, self.t_end, self.monitor.steps))
+            present = self.progress()
+            sink.slice_done(present, self.snapshot)
             if progress is not None:
-                progress(self)
+                progress(present)
         self.fill(sink)
         sink.events(self.log.empty, self.log.finish(self.last))
         if problem.output == "events":
             self.write(sink, np.array([self.t_end]), self.last)
+
+    def part(self, sink: Sink, steps: int, more: Callable[[], bool]) -> None:
+        """Make slices of `steps` steps while `more()`: the rows of a part of a run, or a measurement."""
+        request = Request(self, sink)
+        self.status = self.ended_at_start() if self.fresh else None
+        while self.status is None and more():
+            self.follow(self.driver.advance(request, steps), sink)
+            self.fresh = False
+        self.fill(sink)
 
     def _steps(self) -> int:
         """The steps of the next slice: up to a multiple of what one has, so that nothing depends on where it began."""
@@ -143,7 +151,7 @@ class Integration:
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
         self.monitor.follow(seen, self.driver.extremes(), piece.steps)
         self.story.follow(piece.tables)
-        sink.more(piece.tables)
+        sink.tables(piece.tables)
         table, marks, states = self.log.take(piece.passages)
         sink.events(table, marks)
         if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # it ended in the midst of a step
@@ -167,89 +175,27 @@ class Integration:
         self.filled += len(times)
 
     def _settled_long(self) -> bool:
-        since = self.log.settled_since(self.last)
+        since = self.log.summary().settled_since(self.view, self.last)
         if since is None or not self.t_end - since > SETTLED_FOR * self.second:
             return False
         return stays(self.problem.body(), self.view.evaluate(self.last), self.second)
 
-    def report(self) -> dict[str, Any]:
-        """The measured part of `info --json`, as far as the run has come."""
-        theta_end = self.view.theta(self.last)
-        return {
-            "t_end": self.t_end,
-            **self.monitor.report(),
-            **self.log.report(),
-            "theta_end": theta_end,
-            **({"contact_phases": self.story.report()} if self.problem.contact is not None else {}),
-            **({"steps_by": "heyoka"} if self.driver.is_called and self.problem.precision == "double" else {}),
-            **self._outcome(),
-        }
-
-    def _outcome(self) -> dict[str, str]:
-        """What has become of the body by now, a name of CLASSES; nothing of a system that friction cannot turn over."""
-        system = self.problem.system
-        if self.driver.sentence or not (system.inverts and system.classes):
-            return {}
-        if self.log.kept().get("lifted_at") is not None and self.problem.on_liftoff != "fly":
-            return {"outcome": "lifted-off"}
-        values = self.view.evaluate(self.last)
-        theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
-        settled = np.array([self.log.settled_since(self.last) is not None])
-        kinds = classes_of(system, theta, omega3 / self.second, settled, self.problem.body())
-        kind = with_phases(kinds, theta, values)
-        return {"outcome": CLASSES[kind[0]]}
-
-    def reason(self) -> str:
-        """The sentence that the user reads about the end."""
-        t, status = self.t_end, self.status
-        lifted = self.log.kept().get("lifted_at") if self._may_lift_off() else None
-        beyond = f", but outside the model since the liftoff at t = {lifted:.9g} s" if lifted is not None else ""
-        if status is None:
-            return f"interrupted or running: t = {t:.6g} s of {self.problem.until:.6g} s"
-        if self.driver.sentence:
-            return f"{self.driver.sentence}: stopped at t = {t:.9g} s; the last good state is kept"
-        if status is Status.FINISHED:
-            return f"finished at t = {t:.6g} s{beyond}"
-        if status is Status.SETTLED:
-            settled = self.log.settled_since(self.last)
-            return f"settled: sliding died at t = {settled:.6g} s, stopped at t = {t:.6g} s{beyond}"
-        if status in (Status.LIFTOFF, Status.FALLEN) and (own := self._own_ending()):
-            return f"`{own.name}` ended the run as {status.value} at t = {t:.9g} s: {own.long_name}"
-        if status is Status.LIFTOFF and t == 0:
-            return "the body lifts off at the start (g_n < 0): the model does not hold there"
-        if status is Status.LIFTOFF:
-            return f"the body lifted off at t = {t:.9g} s (g_n = 0): the model ends there"
-        if status is Status.FALLEN:
-            return f"the top fell at t = {t:.9g} s (theta = pi/2): the plane is in its way"
-        if status is Status.ENDED:
-            return f"an event of the system ended the run at t = {t:.9g} s: {self._last_ending()}"
-        domains = self.view.domains(self.last)
-        meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
-        stiff = "the coordinates are regular there, so the friction law is singular or too stiff (large mu, small eps)"
-        if any(is_users(event.formula) for event in self.problem.system.events):
-            stiff += ", or the formula of an event of yours is singular"
-        if t == 0 and status is Status.NON_FINITE:
-            stiff += ", or a number of the start, the body or the law is too large"
-        what = "the state is not finite after" if status is Status.NON_FINITE else "the step size vanishes at"
-        return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
-
-    def _may_lift_off(self) -> bool:
-        """Whether the model of this system ends at liftoff (a fixed tip holds on)."""
-        return any(event.ends == Status.LIFTOFF.value for event in self.problem.system.events)
-
-    def _own_ending(self) -> Event | None:
-        """The event of the user that ended the run, if it was one: of those that may have, the nearest to its zero."""
-        events = [e for e in self.problem.system.events if e.ends and Status.of_event(e.ends) is self.status]
-        if not any(hasattr(e.formula, "of") for e in events):
-            return None
-        state, body = self.view.moment(self.last), self.view.body
-        last = min(events, key=lambda e: abs(float(np.min(e.formula(state, body)))))
-        return last if hasattr(last.formula, "of") else None
-
-    def _last_ending(self) -> str:
-        """What the system says of the event that ended the run."""
-        events = self.problem.system.events
-        return next(e.long_name for e in events if e.ends and Status.of_event(e.ends) is self.status)
+    def progress(self) -> RunProgress:
+        """Return how far the run has come."""
+        return RunProgress(
+            self.problem,
+            self.view,
+            self.status,
+            self.t_end,
+            self.monitor.steps,
+            self.last,
+            dict(self.monitor.drift),
+            self.monitor.force,
+            self.log.summary(),
+            self.story.report() if self.problem.contact is not None else None,
+            self.driver.sentence,
+            not self.driver.is_called,
+        )
 
     def snapshot(self) -> dict[str, Any]:
         """All that is needed to continue bit by bit, as plain JSON data."""
@@ -275,7 +221,7 @@ class Integration:
         return hexfloat.encode({"equations": fingerprint(self.driver), **state})
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Continues from a snapshot. Raises ValueError if it was made of other equations.
+        """Continue from a snapshot.
 
         Parameters
         ----------
@@ -304,6 +250,19 @@ class Integration:
         self.log.restore(hexfloat.decode(kept["log"]))
         if "story" in kept:
             self.story = Story(**hexfloat.decode(kept["story"]))
+
+    def take_up(self, row: dict[str, np.ndarray]) -> None:
+        """Continue from a keyframe; what is measured and logged begins anew there.
+
+        Parameters
+        ----------
+        row
+            Of each column the values of one keyframe of the same problem.
+        """
+        keyframes.restore(self.driver, row)
+        self.last = self.driver.present()
+        self.t_end, self.fresh = float(row["time"]), False
+        self.monitor.steps = int(row["step"])
 
 
 class Request:

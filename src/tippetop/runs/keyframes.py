@@ -1,7 +1,7 @@
 """Keyframes: an integrator's exact state every so many steps, from which any part of a run can be integrated again."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 
 
-if TYPE_CHECKING:
-    from .integration import Integration
-
 PER_CHUNK = 1024  # keyframes: 1 MB of 120 numbers each
 EXACT = {"state": "state", "clock": "time", "carried": "carried"}
 """Columns of numbers of any precision, by the names in a snapshot."""
@@ -24,13 +21,15 @@ KNOWN = ("tally", "functions", "kept", "phase")
 PARTS = {"double": 1, "longdouble": 2, "quad": 3}  # doubles that add up to a number exactly
 
 
-def columns(integration: "Integration") -> dict[str, Column]:
-    """The present state as a row of the group `keyframes`.
+def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[str, Column]:
+    """Return the present state as a row of the group `keyframes`.
 
     Parameters
     ----------
-    integration
-        At the end of a step.
+    problem, driver
+        The run, at the end of a step.
+    t_end, steps
+        How far it has come [s], and in how many steps.
 
     Returns
     -------
@@ -38,18 +37,17 @@ def columns(integration: "Integration") -> dict[str, Column]:
         time [s]; the steps made; in internal units, as doubles that add up to the number: all that is integrated, and
         the time in double length; what the observer knows.
     """
-    driver, precision = integration.driver, integration.problem.precision
-    kept, number = driver.snapshot(), integration.problem.number
+    kept, number = driver.snapshot(), problem.number
     kept["state"] = [*kept["state"], *[number(0)] * (driver.width - len(kept["state"]))]
     exact = {
-        name: _parts(np.array(kept[source], dtype=number), PARTS[precision])
+        name: _parts(np.array(kept[source], dtype=number), PARTS[problem.precision])
         for name, source in EXACT.items()
         if source in kept
     }
     known = np.concatenate([np.ravel(np.array(kept[name], dtype=float)) for name in KNOWN if name in kept])
     about = {
-        "time": (np.array(integration.t_end), "time", {"units": SECOND.symbol}),
-        "step": (np.array(integration.monitor.steps), "steps made", {}),
+        "time": (np.array(t_end), "time", {"units": SECOND.symbol}),
+        "step": (np.array(steps), "steps made", {}),
         "observer": (known, "numbers of the events, and of the phase of a contact", {}),
         **{name: (value, f"{WORDS[name]}: doubles to be added", {}) for name, value in exact.items()},
     }
@@ -75,33 +73,19 @@ def rows(path: Path, problem: Problem) -> dict[str, Column]:
         driver, columns = driver_of(problem), {name: array[:] for name, array in arrays.items()}
         states = np.zeros((0, len(start)), problem.number)
         for k in range(len(times) - 1):
-            _restore(driver, {name: values[k] for name, values in columns.items()})
+            restore(driver, {name: values[k] for name, values in columns.items()})
             states = np.vstack([states, driver.present()])
     return Observables(problem).columns(times, np.vstack([start, states]))
 
 
-def empty(integration: "Integration") -> dict[str, Column]:
-    """The columns of the group without rows."""
-    return {name: column._replace(values=column.values[:0]) for name, column in columns(integration).items()}
+def empty(problem: Problem, driver: Driver) -> dict[str, Column]:
+    """Return the columns of the group without rows."""
+    row = columns(problem, driver, 0.0, 0)
+    return {name: column._replace(values=column.values[:0]) for name, column in row.items()}
 
 
-def restore(integration: "Integration", row: dict[str, np.ndarray]) -> None:
-    """Puts an integration where a keyframe was taken; what is measured and logged begins anew there.
-
-    Parameters
-    ----------
-    integration
-        Of the same problem.
-    row
-        Of each column the values of one keyframe.
-    """
-    _restore(integration.driver, row)
-    integration.last = integration.driver.present()
-    integration.t_end, integration.fresh = float(row["time"]), False
-    integration.monitor.steps = int(row["step"])
-
-
-def _restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
+def restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
+    """Put a driver in the state of a keyframe."""
     exact = {EXACT[name]: _sum(row[name], driver.number) for name in EXACT if name in row}
     driver.restore(_known(driver, row["observer"]) | exact, exact["state"], tuple(exact["time"]))
 

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from ..awaiting import awaited
 from ..columns import Column
-from ..engine.status import Status
+from ..engine.observables import Observables
 from ..errors import Interrupted
 from ..problem import Problem
 from ..store import checkpoint, files, provenance, skeleton, tables
@@ -22,9 +22,10 @@ from ..store.checkpoint import CHECKPOINT, END, ROWS
 from ..store.chunks import Appender
 from ..store.lock import LOCK, Lock
 from ..store.root import finish, finite, new_store
-from . import attributes, keyframes, phases, sensitivities
+from . import attributes, keyframes, phases, reporting, sensitivities
 from .events import EventTable, event_columns
 from .integration import Integration
+from .reporting import RunProgress
 
 
 MOST_ROWS, FEWEST_ROWS = 1 << 18, 1 << 10  # of a chunk: 2 MiB a column take a third less than twice 1 MiB
@@ -33,7 +34,7 @@ COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when comm
 PATIENCE = 2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
 FINISHED = "The run is finished and whole; only temporary files are left in it."
 
-Progress = Callable[[Integration], None]
+Progress = Callable[[RunProgress], None]
 
 
 class Recorder:
@@ -42,17 +43,17 @@ class Recorder:
     All writing is done in one thread of its own: it follows the integration, and no KeyboardInterrupt enters it.
     """
 
-    keeps_rows: ClassVar[bool] = True
+    keeps_rows = True
 
     def __init__(
         self,
-        integration: Integration,
-        tables_of_run: dict[str, Appender],
+        problem: Problem,
+        appenders: dict[str, Appender],
         lock: Lock,
         stop: threading.Event | None = None,
     ):
-        self.integration, self.lock, self.stop = integration, lock, stop
-        self.tables = tables_of_run
+        self.problem, self.view = problem, Observables(problem)
+        self.appenders, self.lock, self.stop = appenders, lock, stop
         self.of = checkpoint.digest(skeleton.root_of(lock.folder))
         self.begun_with: list[dict[str, Any]] = []  # versions and processors of those that wrote it before
         self.behind: deque[Future] = deque()
@@ -65,38 +66,38 @@ class Recorder:
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self._later(lambda: self.tables["trajectory"].append(self.integration.view.columns(times, states())))
+        self._later(lambda: self.appenders["trajectory"].append(self.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
         if len(table.time):
-            self._later(lambda: self.tables["events"].append(event_columns(table)))
+            self._later(lambda: self.appenders["events"].append(event_columns(table)))
         if marks:
-            self._later(lambda: self.tables["events"].mark("significant", marks))
+            self._later(lambda: self.appenders["events"].mark("significant", marks))
 
-    def keyframe(self, columns: dict[str, Column]) -> None:
-        """Takes a keyframe."""
-        self._later(lambda: self.tables["keyframes"].append(columns))
+    def keyframe(self, row: dict[str, Column]) -> None:
+        """Take a keyframe."""
+        self._later(lambda: self.appenders["keyframes"].append(row))
 
-    def more(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+    def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
         """Takes rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(partial(self.tables[name].append, phases.columns(name, table)))
+                self._later(partial(self.appenders[name].append, phases.columns(name, table)))
 
     def derivatives(self) -> None:
         """Makes the tables of derivatives, where the run has come to its end, from its rows and its log there."""
-        problem, log = self.integration.problem, self.integration.log.empty
+        problem = self.problem
         if not problem.sensitivities:
             return
         self._now(lambda: None)
-        arrays = self.tables["events"].arrays
-        events = type(log)(log.kinds, *(arrays[name][:] for name in log.columns()))
-        times = problem.times[: self.integration.filled]
+        arrays, log = self.appenders["events"].arrays, EventTable.empty(problem.system.kinds)
+        events = EventTable(log.kinds, *(arrays[name][:] for name in log.columns()))
+        times = problem.times[: self.appenders["trajectory"].rows]
         make = partial(sensitivities.tables, problem, times, events)
         derived = awaited(make, "the derivatives of the run are being computed", self.stop)
         for name, columns in derived.items():
-            self._later(partial(self.tables[name].append, columns))
+            self._later(partial(self.appenders[name].append, columns))
 
     def _later(self, work: Callable[[], None]) -> None:
         """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
@@ -112,27 +113,27 @@ class Recorder:
 
         def flushed() -> None:
             self.lock.check()
-            for appender in self.tables.values():
+            for appender in self.appenders.values():
                 appender.flush()
                 appender.sync()
             work()
 
         self.thread.submit(flushed).result()
 
-    def slice_done(self, integration: Integration) -> None:
-        """Commits now and then; stops at a commit if asked to."""
+    def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
+        """Commit now and then; stop at a commit if asked to."""
         asked = self.stop is not None and self.stop.is_set()
         if asked or time.monotonic() - self.committed_at > COMMIT_EVERY:
-            self.commit()
+            self.commit(progress, snapshot())
         if asked:
             raise Interrupted
 
-    def commit(self) -> None:
-        """Data first, then the record that acknowledges it."""
+    def commit(self, progress: RunProgress, snapshot: dict[str, Any]) -> None:
+        """Write data first, then the record that acknowledges it."""
         state = {
-            "integration": self.integration.snapshot(),
-            "report": finite(self.integration.report()),
-            "reason": self.integration.reason(),
+            "integration": snapshot,
+            "report": finite(reporting.report(progress)),
+            "reason": reporting.reason(progress),
         }
         self._now(lambda: self._acknowledge(state))
         self.committed_at = time.monotonic()
@@ -142,18 +143,17 @@ class Recorder:
             "format_version": provenance.FORMAT_VERSION,
             **here(),
             "begun_with": self.begun_with,
-            **{count: self.tables[name].rows if name in self.tables else 0 for name, count in ROWS.items()},
-            "digests": {name: appender.digest() for name, appender in self.tables.items()},
+            **{count: self.appenders[name].rows if name in self.appenders else 0 for name, count in ROWS.items()},
+            "digests": {name: appender.digest() for name, appender in self.appenders.items()},
             **state,
         }
         checkpoint.write(self.lock.folder, record, self.of)
 
-    def finish(self) -> dict[str, Any]:
-        """Writes what waits and the root attributes, takes the checkpoint away; gives the attributes back."""
-        attrs = attributes_of(self.integration)
+    def finish(self, progress: RunProgress, ending: dict[str, Any]) -> dict[str, Any]:
+        """Write waiting rows and the root attributes, remove the checkpoint; return the attributes."""
+        attrs = finite(attributes.attributes(progress))
         if self.begun_with:
             attrs["begun_with"] = self.begun_with
-        ending = self.integration.ending()
         self._now(lambda: self._close(attrs, ending))
         return attrs
 
@@ -230,12 +230,12 @@ def record(
     with contextlib.ExitStack() as held:
         with new_store(target, overwrite=overwrite) as scratch:
             integration = Integration(problem, stop)
-            root = tables.create_root(scratch, attributes_of(integration))
+            root = tables.create_root(scratch, finite(attributes.attributes(integration.progress())))
             lock = held.enter_context(Lock(scratch))
             with tables.every_chunk():
                 appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
-            with Recorder(integration, appenders, lock) as recorder:
-                recorder.commit()
+            with Recorder(problem, appenders, lock) as recorder:
+                recorder.commit(integration.progress(), integration.snapshot())
         lock.folder = Path(target)
         tables.moved(root, lock.folder)
         return run_into(integration, lock, progress, stop, appenders=appenders)
@@ -251,7 +251,7 @@ def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Col
     for name, columns in sensitivities.no_rows(integration.problem, integration.log.empty.kinds).items():
         yield name, columns, sensitivities.PER_CHUNK
     if integration.problem.output == "keyframes":
-        yield "keyframes", keyframes.empty(integration), keyframes.PER_CHUNK
+        yield "keyframes", keyframes.empty(integration.problem, integration.driver), keyframes.PER_CHUNK
 
 
 def here() -> dict[str, Any]:
@@ -274,18 +274,11 @@ def run_into(
         if appenders is None:
             names = [name for name, *_ in tables_of_run(integration)]
             appenders = dict(zip(names, map(Appender, tables.open_root(folder, *names)[1]), strict=True))
-        with Recorder(integration, appenders, lock, stop) as recorder:
+        with Recorder(integration.problem, appenders, lock, stop) as recorder:
             if begin is not None:
                 begin(recorder)
             if stop is not None and stop.is_set():
                 raise Interrupted
             integration.run(recorder, progress)
             recorder.derivatives()
-            return integration, recorder.finish()
-
-
-def attributes_of(integration: Integration) -> dict[str, Any]:
-    """The root attributes of a store, as far as its run has come."""
-    status = integration.status or Status.RUNNING
-    report, last = integration.report(), integration.last[0]
-    return finite(attributes.attributes(integration.problem, status, integration.reason(), last, report))
+            return integration, recorder.finish(integration.progress(), integration.ending())

@@ -9,7 +9,7 @@ import numpy as np
 from ..engine.status import Status
 from ..problem import Problem
 from ..sampling import ListedTimes
-from .integration import Integration
+from .reporting import RunProgress
 from .run import solve
 
 
@@ -59,9 +59,9 @@ def _first_equator(problem: Problem) -> tuple[float | None, float | None]:
     the run [s], or None."""
     reached: list[float | None] = []
 
-    def watch(integration: Integration) -> None:
-        reached[:] = [integration.log.report()["inversion"]["first_equator"]]
-        if reached[0] is not None or integration.monitor.steps >= MOST_STEPS:
+    def watch(progress: RunProgress) -> None:
+        reached[:] = [progress.events.kept().get("first_equator")]
+        if reached[0] is not None or progress.steps >= MOST_STEPS:
             raise _EnoughError
 
     lean = replace(problem, times=ListedTimes(np.array([0.0])), precision="double", tolerance=0.0)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -21,28 +21,29 @@ from ..scenario.build import MOST_ROWS
 from ..store import chunks, root, skeleton, tables
 from ..store.chunks import Appender
 from . import keyframes, phases, recording, resuming
-from .events import event_columns
-from .integration import Integration, Request
+from .events import EventTable, event_columns
+from .integration import Integration
 from .run import refuse_more_than_memory
-from .sinks import Nowhere
+from .sinks import Memory
 
 
 STEPS = 512  # between two looks whether all rows are there
 NEAR = 2_000_000  # steps from the start of a run to a row, that a replay without keyframes makes: about ten seconds
 
 
-class _Rows(Nowhere):
+class _Rows(Memory):
     """Takes the rows of an integration, and nothing else of it."""
-
-    keeps_rows: ClassVar[bool] = True
 
     def __init__(self, take: Callable[[np.ndarray, np.ndarray], None]):
         super().__init__()
         self.take = take
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Takes rows."""
+        """Take rows."""
         self.take(times, states())
+
+    def events(self, table: EventTable, marks: list[int]) -> None:
+        """Drop rows of the event log."""
 
 
 def columns(
@@ -126,12 +127,7 @@ def into_store(
 
 def _make(integration: Integration, take: Callable[[np.ndarray, np.ndarray], None]) -> None:
     """Integrates until all rows are there."""
-    sink = _Rows(take)
-    request = Request(integration, sink)
-    integration.status = integration.ended_at_start() if integration.fresh else None
-    while integration.status is None and integration.filled < len(integration.problem.times):
-        integration.follow(integration.driver.advance(request, STEPS), sink)
-    integration.fill(sink)
+    integration.part(_Rows(take), STEPS, lambda: integration.filled < len(integration.problem.times))
 
 
 def _integration(path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None) -> Integration:
@@ -180,7 +176,7 @@ def _refuse_far(path: Path, report: dict[str, Any], times: EvenTimes) -> None:
 def _take_up(path: Path, integration: Integration, start: float) -> None:
     """Takes a run up at its last keyframe before `start` [s], or leaves it at its start."""
     arrays = tables.read_member(path, "keyframes")
-    if arrays.keys() != keyframes.empty(integration).keys():
+    if arrays.keys() != keyframes.empty(integration.problem, integration.driver).keys():
         raise StoreError(f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}.")
     chunks.verify({"clock": arrays["clock"]})
     at = int(np.searchsorted(arrays["clock"][:, 0, 0], start / integration.second, side="left")) - 1
@@ -191,6 +187,6 @@ def _take_up(path: Path, integration: Integration, start: float) -> None:
     if arrays["state"].attrs.get("equations") != fingerprint(integration.driver):
         raise StoreError(f"`{path}` must be of the equations that are installed to be replayed, but is of others.")
     try:
-        keyframes.restore(integration, {name: array[at] for name, array in arrays.items()})
+        integration.take_up({name: array[at] for name, array in arrays.items()})
     except (ValueError, IndexError, TypeError) as error:
         raise StoreError(f"`{path}` must have whole keyframes, but: {error}.") from None

@@ -104,22 +104,22 @@ def go_on(
     stop: threading.Event | None,
 ) -> tuple[Integration, dict[str, Any]]:
     """Integrates into a store, whose lock is held, from where its checkpoint stands."""
-    return run_into(integration, lock, progress, stop, lambda recorder: _go_back(recorder, kept))
+    return run_into(integration, lock, progress, stop, lambda recorder: _go_back(recorder, integration, kept))
 
 
-def _go_back(recorder: Recorder, kept: dict[str, Any]) -> None:
+def _go_back(recorder: Recorder, integration: Integration, kept: dict[str, Any]) -> None:
     """Brings a store back to its checkpoint: rows that were not acknowledged go, the rest is read once and checked."""
     target, recorder.begun_with = recorder.lock.folder, kept["begun_with"]
-    put_back(target, recorder.integration, kept["integration"])
+    put_back(target, integration, kept["integration"])
     files.remove_scratch(target)
-    for name, appender in recorder.tables.items():
+    for name, appender in recorder.appenders.items():
         rows = kept[ROWS[name]]
         appender.cut(rows)
         chunks.verify(appender.arrays)
         appender.reload(rows)
         if appender.digest() != kept["digests"].get(name):
             raise StoreError(f"`{target}` must hold the {rows} acknowledged rows, but some of them are others.")
-    recorder.tables["events"].mark("significant", recorder.integration.log.open_rows(), value=False)
+    recorder.appenders["events"].mark("significant", integration.log.open_rows(), value=False)
 
 
 def put_back(target: Path, integration: Integration, kept: dict[str, Any]) -> None:

@@ -13,10 +13,11 @@ from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..problem import Problem
-from . import sensitivities
+from . import reporting, sensitivities
 from .events import EventTable
 from .integration import Integration
-from .sinks import Memory, Nowhere
+from .reporting import RunProgress
+from .sinks import Memory
 
 
 @dataclass
@@ -26,17 +27,39 @@ class Solution:
     `library.run.Run` shows it to the user, with labels and in SI units.
     """
 
-    problem: Problem
-    status: Status
-    reason: str
+    progress: RunProgress  # at its end
     times: np.ndarray  # [s]
     rows: np.ndarray  # (n, variables), internal
     events: EventTable
-    final: np.ndarray  # last good internal state
-    report: dict[str, Any]
     seconds: dict[str, float]  # where the time went: compile, integrate
     last_slice: dict[str, Any] | None = None  # where it began: what a longer run continues from
     others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)  # parts of further tables
+
+    @property
+    def problem(self) -> Problem:
+        """What was integrated."""
+        return self.progress.problem
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        assert self.progress.status is not None
+        return self.progress.status
+
+    @property
+    def final(self) -> np.ndarray:
+        """The last good state, internal."""
+        return self.progress.last[0]
+
+    @cached_property
+    def reason(self) -> str:
+        """The same in a sentence."""
+        return reporting.reason(self.progress)
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """What was measured on the way."""
+        return reporting.report(self.progress)
 
     @cached_property
     def sensitivities(self) -> dict[str, dict[str, Column]]:
@@ -73,11 +96,10 @@ def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], di
     """Integrates a problem and keeps its end alone: status, final internal state, report, what events keep of their
     passages, and whether it has settled."""
     integration = Integration(problem)
-    integration.run(Nowhere())
-    assert integration.status is not None
-    settled = integration.log.settled_since(integration.last) is not None
-    kept = integration.log.kept()
-    return integration.status, integration.last[0], integration.report(), kept, settled
+    integration.run(Memory(keeps_rows=False))
+    end = integration.progress()
+    assert end.status is not None
+    return end.status, end.last[0], reporting.report(end), end.events.kept(), end.settled_since is not None
 
 
 def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
@@ -85,7 +107,7 @@ def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
     return pieces[0] if len(pieces) == 1 else np.concatenate([empty, *pieces])
 
 
-def solve(problem: Problem, progress: Callable[[Integration], None] | None = None, *, keep: bool = True) -> Solution:
+def solve(problem: Problem, progress: Callable[[RunProgress], None] | None = None, *, keep: bool = True) -> Solution:
     """Integrates a problem to its end, gathering rows and events in memory.
 
     Parameters
@@ -107,18 +129,13 @@ def solve(problem: Problem, progress: Callable[[Integration], None] | None = Non
         refuse_more_than_memory(problem)
     else:
         problem = replace(problem, orientation=False)
-    integration, memory = Integration(problem), Memory() if keep else Nowhere()
+    integration, memory = Integration(problem), Memory(keep)
     integration.run(memory, progress)
-    assert integration.status is not None
     return Solution(
-        problem,
-        integration.status,
-        integration.reason(),
+        integration.progress(),
         _joined(memory.times, np.zeros(0)),
         _joined(memory.states, integration.first[:0]),
         memory.table(),
-        integration.last[0],
-        integration.report(),
         integration.seconds,
         integration.last_slice,
         memory.others,

@@ -12,6 +12,7 @@ from zarr.core.sync import sync
 
 from ..columns import Column
 from ..errors import StoreError
+from ..sampling import extremes
 from . import seal
 from .skeleton import groups_of
 from .tables import create_table, read_member
@@ -260,8 +261,4 @@ def _picked(key: np.ndarray | None, count: int, size: int) -> np.ndarray:
     """Indices of the rows that stand for bins of `size` rows; the last row is always among them."""
     if size == 1:
         return np.arange(count)
-    first = np.arange(0, count, size)
-    if key is None:
-        return np.union1d(first, [count - 1])
-    filled = np.concatenate([np.nan_to_num(key), np.full(-count % size, key[-1])]).reshape(-1, size)
-    return np.unique(np.minimum([*(first + filled.argmin(1)), *(first + filled.argmax(1)), count - 1], count - 1))
+    return np.union1d(np.arange(0, count, size), [count - 1]) if key is None else extremes(key, size)

@@ -8,8 +8,7 @@ import numpy as np
 
 from ..engine.status import Status
 from ..errors import InputError
-from ..runs import forecast
-from ..runs import measuring as runs
+from ..runs import cost
 from . import chunk
 from .plan import MICROSECONDS_PER_STEP, Plan
 
@@ -48,11 +47,11 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
         inferred: none if all were invalid.
     """
     chosen = np.unique(np.linspace(0, plan.n - 1, SOME).round().astype(int))
-    cost = (_alone if plan.base.system.is_hybrid else _in_lanes)(plan, chosen, clock)
+    of_top = (_alone if plan.base.system.is_hybrid else _in_lanes)(plan, chosen, clock)
     return {
-        "core_seconds": round(plan.chunks * (WRITING + cost.chunk) + plan.n * cost.top, 3),
-        "compiling": round(max(cost.compiling, 0.0), 2),
-        "tops_measured": cost.tops,
+        "core_seconds": round(plan.chunks * (WRITING + of_top.chunk) + plan.n * of_top.top, 3),
+        "compiling": round(max(of_top.compiling, 0.0), 2),
+        "tops_measured": of_top.tops,
     }
 
 
@@ -92,7 +91,7 @@ def _alone(plan: Plan, chosen: np.ndarray, clock: Callable[[], float]) -> _Cost:
             problem = plan.problem(top)
         except InputError:
             continue
-        cost = runs.measured(problem, forecast.cost(problem)["steps"], clock)
-        seconds.append(cost["seconds"])
-        compiling += cost.get("compiling", 0.0)
+        result = cost.measured(problem, clock)
+        seconds.append(result["seconds"])
+        compiling += result["compiling"]
     return _Cost(0.0, sum(seconds) / max(begun, 1), compiling, len(seconds))

@@ -215,12 +215,12 @@ class Plan:
     def seconds_per_top(self) -> float:
         """What a top takes one core, an order of magnitude from some of them: the same on every computer, as chunks are
         made of it."""
-        from ..runs import forecast
+        from ..runs import cost
 
         steps = []
         for top in np.unique(np.linspace(0, self.n - 1, 48).astype(int)).tolist():
             try:
-                steps.append(forecast.cost(self.problem(top))["steps"])
+                steps.append(cost.estimate(self.problem(top))["steps"])
             except InputError:
                 steps.append(0)
         least = 0.0 if not self.base.system.is_hybrid else SECONDS_ALONE

@@ -31,11 +31,10 @@ def potential(system: System, b: Touch) -> str:
     if system.potential is None:
         return NO_POTENTIAL
     numbers = refill(b, map(float, leaves(b)))
-
-    def value(symbols: list) -> list:
-        return [_potential(system, symbols, numbers)]
-
-    return f"export const potential = {_arrow(('z', 'first', 'second'), ['z', 'first', 'second'], value)};\n"
+    names = ("z", "first", "second")
+    return (
+        f"export const potential = {_function(names, names, lambda symbols: _potential(system, symbols, numbers))};\n"
+    )
 
 
 def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> str:
@@ -65,52 +64,49 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
     """The functions of one friction law, as an object."""
     form, names = variables.form, [*system.parameters, *law.parameters]
     template = system.body_of(dict.fromkeys(system.parameters, 1.0), law._make(1.0 for _ in law.parameters))
-    count, given = len(leaves(template)), initial_names(system)
+    given, n = initial_names(system), len(variables.names)
     heavy = "R" not in system.parameters
-    state = [f"y[{i}]" for i in range(len(variables.names))]
-    numbers = [f"b[{i}]" for i in range(count)]
+    numbers = [f"b[{i}]" for i in range(len(leaves(template)))]
+    state = [*(f"y[{i}]" for i in range(n)), *numbers]
+    well = ("z", "first", "second")
+
+    def made(symbols: Sequence[Any]) -> Any:
+        return refill(template, iter(symbols))
 
     def body(symbols: Sequence[Any]) -> list:
         by_name = dict(zip(names, symbols, strict=True))
         return leaves(system.body_of(by_name, law._make(by_name[name] for name in law.parameters)))
 
     def of(symbols: Sequence[Any]) -> tuple[Any, Any, Any]:
-        q, n = symbols[: variables.moving], len(state)
-        return (
-            type(form.units)(*q),
-            variables.carried(*symbols[variables.moving : n]),
-            refill(template, iter(symbols[n:])),
-        )
+        q, carried = symbols[: variables.moving], symbols[variables.moving : n]
+        return type(form.units)(*q), variables.carried(*carried), made(symbols[n:])
 
     def rates(symbols: Sequence[Any]) -> list:
         q, carried, b = of(symbols)
         return [*form.rates(q, b), *(integral.rate(q, carried, b) for integral in variables.integrals)]
 
     def start(symbols: Sequence[Any]) -> list:
-        sine, z, *rest = symbols
-        return _start(
-            system, variables, dict(zip(given, rest, strict=False)), sine, z, refill(template, iter(rest[len(given) :]))
-        )
+        s, z, *rest = symbols
+        data, b = dict(zip(given, rest, strict=False)), made(rest[len(given) :])
+        q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
+        return [*q, *carried]
 
     def weights(symbols: Sequence[Any]) -> list:
-        b = refill(template, iter(symbols))
+        b = made(symbols)
         mass, length = system.scales(b)
-        return [_power(unit, mass, length, sqrt(length / b.g)) for unit in list(variables.units.values())]
+        return [_power(unit, mass, length, sqrt(length / b.g)) for unit in variables.units.values()]
 
+    data = [f"d[{i}]" for i in range(len(given))]
     parts = {
-        "body": _arrow(("p",), [f"p[{i}]" for i in range(len(names))], body),
-        "rates": _filling(("y", "b", "out"), [*state, *numbers], rates),
-        "start": _arrow(
-            ("sine", "z", "d", "b"), ["sine", "z", *(f"d[{i}]" for i in range(len(given))), *numbers], start
-        ),
-        "weights": _arrow(("b",), numbers, weights),
-        "seen": _filling(("y", "b", "out"), [*state, *numbers], lambda symbols: seen(system, form, *of(symbols))),
-        "sizes": _arrow(("b",), numbers, lambda symbols: sizes(refill(template, iter(symbols)), heavy=heavy)),
+        "body": _function(("p",), [f"p[{i}]" for i in range(len(names))], body),
+        "rates": _function(("y", "b", "out"), state, rates, fills=True),
+        "start": _function(("sine", "z", "d", "b"), ["sine", "z", *data, *numbers], start),
+        "weights": _function(("b",), numbers, weights),
+        "seen": _function(("y", "b", "out"), state, lambda symbols: seen(system, form, *of(symbols)), fills=True),
+        "sizes": _function(("b",), numbers, lambda symbols: sizes(made(symbols), heavy=heavy)),
         "thresholds": _thresholds(system, template, numbers),
-        "potential": _arrow(
-            ("z", "first", "second", "b"),
-            ["z", "first", "second", *numbers],
-            lambda symbols: [_potential(system, symbols[:3], refill(template, iter(symbols[3:])))],
+        "potential": _function(
+            (*well, "b"), [*well, *numbers], lambda symbols: _potential(system, symbols, made(symbols[3:]))
         )
         if system.potential
         else "null",
@@ -118,15 +114,9 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
     return "{\n" + ",\n".join(f"{name}: {text}" for name, text in parts.items()) + "\n}"
 
 
-def _start(system: System, variables: Variables, data: dict[str, Any], s: Any, z: Any, b: Touch) -> list:
-    """The variables at the start of what the user gives."""
-    q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
-    return [*q, *carried]
-
-
-def _potential(system: System, symbols: Sequence[Any], b: Touch) -> Any:
+def _potential(system: System, symbols: Sequence[Any], b: Touch) -> list:
     assert system.potential is not None
-    return system.potential(*symbols[: 1 + len(system.momenta)], b)
+    return [system.potential(*symbols[: 1 + len(system.momenta)], b)]
 
 
 def seen(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
@@ -188,7 +178,8 @@ def _thresholds(system: System, template: Touch, numbers: list[str]) -> str:
     """The thresholds of a tippe top, as a list of records; an empty one for others."""
     if not system.inverts:
         return "() => []"
-    records: list[str] = []
+
+    records = []
 
     def values(symbols: list) -> list:
         known = thresholds(refill(template, iter(symbols)), poles(template))
@@ -197,19 +188,18 @@ def _thresholds(system: System, template: Touch, numbers: list[str]) -> str:
             records.append(f"{{...{json.dumps(about)}, value: v[{i}]}}")
         return [t.value for t in known.values()]
 
-    of_body = _arrow(("b",), numbers, values)
+    of_body = _function(("b",), numbers, values)
     return f"(b) => {{ const v = ({of_body})(b); return [{', '.join(records)}]; }}"
 
 
-def _arrow(names: Sequence[str], inputs: list[str], formula: Callable[[list], Sequence[Any]]) -> str:
-    """A function that gives its one result, or a list of them."""
+def _function(
+    names: Sequence[str], inputs: Sequence[str], formula: Callable[[list], Sequence[Any]], *, fills: bool = False
+) -> str:
+    """A function that returns its one result or a list of them, or puts them into its last argument."""
     lines, results = function(JAVASCRIPT, inputs, formula)
-    value = results[0] if len(results) == 1 else f"[{', '.join(results)}]"
-    return f"({', '.join(names)}) => {{\n{chr(10).join(lines)}\nreturn {value};\n}}"
-
-
-def _filling(names: Sequence[str], inputs: list[str], formula: Callable[[list], Sequence[Any]]) -> str:
-    """A function that puts its results into its last argument."""
-    lines, results = function(JAVASCRIPT, inputs, formula)
-    sets = [f"{names[-1]}[{i}] = {result};" for i, result in enumerate(results)]
-    return f"({', '.join(names)}) => {{\n{chr(10).join([*lines, *sets])}\n}}"
+    if fills:
+        lines += [f"{names[-1]}[{i}] = {result};" for i, result in enumerate(results)]
+    else:
+        value = ", ".join(results)
+        lines.append(f"return {value if len(results) == 1 else f'[{value}]'};")
+    return f"({', '.join(names)}) => {{\n{chr(10).join(lines)}\n}}"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import flagged, greek, units_text
+from ..columns import flag_names, flagged, greek, units_text
 from ..errors import InputError, StoreError
 from ..runs.attributes import headline_of
 from ..runs.shape import body_of, is_planar, shape
@@ -142,15 +142,15 @@ def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     """The events within a part of a run, turnings only where they are significant."""
     events = groups["events"]
     names = events["kind"].attrs["flag_meanings"].split()
-    time, kind = np.asarray(events["time"].values), np.asarray(events["kind"].values)
+    time = events["time"].values
     keep = (time >= begin) & (time <= end)
-    keep &= ~flagged(events["kind"], "turning") | np.asarray(events["significant"].values).astype(bool)
+    keep &= ~flagged(events["kind"], "turning") | events["significant"].values.astype(bool)
     rows = np.flatnonzero(keep)
     rows = rows[:: max(1, -(-len(rows) // MOST_EVENTS))]
-    sign, theta = np.asarray(events["theta_dot_sign"].values), np.asarray(events["theta"].values)
+    columns = (events[name].values[rows].tolist() for name in ("time", "kind", "theta", "theta_dot_sign"))
     return [
-        {"time": float(time[i]), "kind": names[kind[i]], "theta": _number(theta[i]), "least": bool(sign[i] > 0)}
-        for i in rows
+        {"time": t, "kind": names[kind], "theta": theta if math.isfinite(theta) else None, "least": sign > 0}
+        for t, kind, theta, sign in zip(*columns, strict=True)
     ]
 
 
@@ -159,14 +159,11 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     if "phases" not in groups:
         return []
     table = groups["phases"]
-    phases, balls = (table[name].attrs["flag_meanings"].split() for name in ("phase", "ball"))
-    columns = [np.asarray(table[name].values) for name in ("start", "end", "phase", "ball")]
-    return [
-        {"start": float(a), "end": float(b), "phase": phases[int(phase)], "ball": balls[int(ball)]}
-        for a, b, phase, ball in zip(*columns, strict=True)
-        if b >= begin and a <= end
+    columns = [
+        table["start"].values.tolist(),
+        table["end"].values.tolist(),
+        flag_names(table["phase"]),
+        flag_names(table["ball"]),
     ]
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    rows = (dict(zip(("start", "end", "phase", "ball"), row, strict=True)) for row in zip(*columns, strict=True))
+    return [row for row in rows if row["end"] >= begin and row["start"] <= end]

@@ -54,10 +54,8 @@ def well_quantities(system: System) -> list[str]:
 
 
 def plain(attrs: dict[str, Any]) -> Any:
-    """The system of a store, without the phases of its contact."""
-    system = find(attrs["system"])
-    assert system is not None  # `shape.body_of` has refused what is not known
-    return system
+    """The system of a store, without the phases of its contact; `shape.body_of` has refused an unknown one."""
+    return find(attrs["system"])
 
 
 def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
@@ -70,31 +68,29 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     attrs
         The root attributes of its store.
     """
-    b, planar = body_of(attrs), is_planar(attrs)
-    n = len(columns["time"])
-    out = np.zeros((n, STRIDE))
-    out[:, ORIENTATION] = columns["orientation"]
+    b, n = body_of(attrs), len(columns["time"])
     third = axes(Quaternion(*columns["orientation"].T))[2]
-    if planar:
-        omega = Vector(np.zeros(n), columns["theta_dot"], np.zeros(n))
-        momentum = Vector(np.zeros(n), b.I1 * columns["theta_dot"], np.zeros(n))
+    if is_planar(attrs):
+        none, spin = np.zeros(n), columns["theta_dot"]
+        omega, momentum = Vector(none, spin, none), Vector(none, b.I1 * spin, none)
     else:
         momentum = Vector(*columns["L"].T)
         inert = b._replace(I1=tip_inertia(b)) if is_fixed(attrs) else b  # L is about the tip then
-        L3 = b.I3 * columns["omega3"]
-        omega = angular_velocity_of(Vector(*columns["axis"].T), momentum, L3, inert)
+        omega = angular_velocity_of(Vector(*columns["axis"].T), momentum, b.I3 * columns["omega3"], inert)
     offset, radius = _ball(columns, attrs, b)
     arm = Vector(offset * third.x, offset * third.y, offset * third.z - radius)
     slip = _slip(columns, n)
     turning = cross(omega, arm)
     velocity = np.stack([slip[0] - turning.x, slip[1] - turning.y])
+    *momenta, level = well_columns(attrs) or [""]
+    out = np.zeros((n, STRIDE))
+    out[:, ORIENTATION] = columns["orientation"]
     out[:, OMEGA] = np.stack(omega, axis=1)
     out[:, 7:10] = _place(columns, third, offset, radius, is_fixed(attrs))
     out[:, 10:13] = _force(columns, velocity, slip, third.z, b)
     out[:, 13:15] = slip.T
     out[:, 16:19] = np.stack(momentum, axis=1)
     out[:, 19] = columns["theta"]
-    *momenta, level = well_columns(attrs) or [""]
     for i, name in enumerate(momenta):
         out[:, 20 + i] = columns[name]
     out[:, 22] = columns.get(level, np.nan)
@@ -117,13 +113,11 @@ def _slip(columns: Columns, n: int) -> np.ndarray:
     along = columns["nu_x"]
     if "nu_y" not in columns:
         return np.stack([along, np.zeros(n)])
-    across, ex, ey = columns["nu_y"], np.cos(columns["phi"]), np.sin(columns["phi"])
-    v = np.stack([along * ex - across * ey, along * ey + across * ex])
-    known = np.isfinite(v).all(axis=0)
-    if known.any() and not known.all():
-        rows = np.arange(n)
-        v = np.stack([np.interp(rows, rows[known], part[known]) for part in v])
-    return np.nan_to_num(v)
+    v = (along + 1j * columns["nu_y"]) * np.exp(1j * columns["phi"])
+    known = np.flatnonzero(np.isfinite(v))
+    if 0 < len(known) < n:
+        v = np.interp(np.arange(n), known, v[known])
+    return np.nan_to_num([v.real, v.imag])
 
 
 def _place(columns: Columns, third: Vector, offset: Any, radius: Any, fixed: bool) -> np.ndarray:
@@ -141,12 +135,10 @@ def _force(columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarr
     normal = columns.get("normal_force", np.full(n, np.nan))
     if "nu_x" in columns and "phase" not in columns and type(b.friction) in SLIP:
         k = slip_coefficient(np.maximum((slip**2).sum(axis=0), 1e-300), z, b.friction)
-        return np.stack([-k * normal * slip[0], -k * normal * slip[1], normal], axis=1)
-    if n < 2:
-        return np.stack([np.zeros(n), np.zeros(n), normal], axis=1)
-    push = b.m * np.gradient(velocity, columns["time"], axis=1)
+        return np.stack([*(-k * normal * slip), normal], axis=1)
+    push = b.m * np.gradient(velocity, columns["time"], axis=1) if n > 1 else np.zeros((2, n))
     if "phase" in columns:
         change = np.flatnonzero(np.diff(columns["phase"]) | np.diff(columns["ball"]))
         push[:, np.unique(np.clip([change, change + 1], 0, n - 1))] = 0.0
         push[:, normal == 0] = 0.0
-    return np.stack([push[0], push[1], normal], axis=1)
+    return np.stack([*push, normal], axis=1)

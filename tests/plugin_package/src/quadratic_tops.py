@@ -66,8 +66,8 @@ SCALED_TIPPE_TOP = TIPPE_TOP.replace(
     title="tippe top with scaled moments of inertia",
     parameters={
         **{name: TIPPE_TOP.parameters[name] for name in ("m", "R", "alpha")},
-        "k1": tt.Number(ONE, "transverse moment of inertia over m R^2", above=0),
-        "k3": tt.Number(ONE, "axial moment of inertia over m R^2", above=0),
+        "k1": tt.number(ONE, "transverse moment of inertia over m R^2", above=0),
+        "k3": tt.number(ONE, "axial moment of inertia over m R^2", above=0),
         "g": TIPPE_TOP.parameters["g"],
     },
     body=body,

@@ -8,17 +8,17 @@ import pytest
 from tippetop.cli import main, outcome
 from tippetop.runs import forecast
 from tippetop.scenario import build, reading
-from tippetop.scenario.suspicions import suspicions
+from tippetop.scenario.doubts import doubts
 
 
 def test_presets_are_not_suspicious() -> None:
     for name in reading.presets():
-        assert suspicions(build.load(name)) == []
+        assert doubts(build.load(name)) == []
 
 
 def test_a_top_that_begins_below_its_plane_is_suspicious() -> None:
-    assert suspicions(build.load("gliding-heavy-top", ["initial.theta=1.57"])) == []
-    (sentence,) = suspicions(build.load("gliding-heavy-top", ["initial.theta=3.0"]))
+    assert doubts(build.load("gliding-heavy-top", ["initial.theta=1.57"])) == []
+    (sentence,) = doubts(build.load("gliding-heavy-top", ["initial.theta=3.0"]))
     assert "beyond pi/2: this body has fallen" in sentence
 
 
@@ -33,9 +33,9 @@ def test_a_top_that_begins_below_its_plane_is_suspicious() -> None:
         (["parameters.R=25.0", "parameters.I1=4.7", "parameters.I3=5.0"], "looks like millimetres"),
     ],
 )
-def test_a_suspicion_is_said_and_changes_no_exit_code(sets: list[str], word: str, capsys) -> None:
+def test_a_doubt_is_a_warning_and_changes_no_exit_code(sets: list[str], word: str, capsys) -> None:
     tables = reading.override(reading.read("inverting"), sets)
-    assert any(word in sentence for sentence in suspicions(build.problem(tables)))
+    assert any(word in sentence for sentence in doubts(build.problem(tables)))
     arguments = [part for text in sets for part in ("--set", text)]
     with pytest.raises(SystemExit) as end:
         main(["check", "inverting", *arguments, "--json"])

@@ -1,4 +1,4 @@
-"""What is allowed in a scenario, but is hardly meant: numbers left out, other units, a body below the plane."""
+"""Warnings about a scenario that is allowed but hardly meant: numbers left out, other units, a body below the plane."""
 
 import math
 
@@ -16,8 +16,8 @@ PLAUSIBLE = {"R": (0.01, 4.0), "l": (0.0, 100.0)}
 """Moments of inertia over mass times this size squared: of a sphere with a stem; of a disc on a long or short leg."""
 
 
-def suspicions(problem: Problem) -> list[str]:
-    """One sentence for everything that is suspicious; empty for most scenarios."""
+def doubts(problem: Problem) -> list[str]:
+    """Return one sentence for each doubt; empty for most scenarios."""
     return [*_left_out(problem), *_fallen(problem), *_other_units(problem), *_odd_inertia(problem)]
 
 

@@ -1,0 +1,61 @@
+"""The time that a run takes is inferred from its first slices, by the clock of the computer."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tippetop.runs import cost
+from tippetop.runs.integration import Integration
+from tippetop.runs.run import solve
+from tippetop.scenario import build
+
+
+STEP, COMPILING = 1e-4, 3.0  # [s]
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[], float]:
+    """A clock that every step moves by 0.1 ms, and the first slice, which compiles, by three seconds."""
+    now, follow = [0.0], Integration.follow
+
+    def counted(self: Integration, piece: Any, sink: Any) -> Any:
+        now[0] += STEP * piece.steps + (COMPILING if now[0] == 0 else 0.0)
+        return follow(self, piece, sink)
+
+    monkeypatch.setattr(Integration, "follow", counted)
+    return lambda: now[0]
+
+
+@pytest.mark.parametrize("until", [0.5, 8.0, 400.0])
+def test_seconds_are_those_of_the_whole_run(until: float, clock: Callable[[], float]) -> None:
+    """Of a long run only the beginning is made."""
+    problem = build.load("rolling", until=until)
+    expected = cost.measured(problem, clock)
+    assert clock() < COMPILING + 4 * max(cost.WORTH, STEP * cost.STEPS)
+    steps = solve(problem, keep=False).report["steps"]
+    assert expected["seconds"] == pytest.approx(STEP * steps, rel=0.1)
+    assert expected["steps"] == pytest.approx(steps, rel=0.1)
+    assert expected["compiling"] == pytest.approx(COMPILING, abs=0.05)
+
+
+def test_steps_that_grow_in_number_are_those_estimated(clock: Callable[[], float]) -> None:
+    """Where friction drills, the beginning shows only how long a step takes."""
+    problem = build.load("leine-glocker-drilling", until=100.0)
+    expected, steps = cost.measured(problem, clock), cost.estimate(problem)["steps"]
+    assert expected["steps"] == steps
+    assert expected["seconds"] == pytest.approx(STEP * steps, rel=1e-3)
+
+
+def test_a_run_that_ends_early_is_not_taken_for_longer(clock: Callable[[], float]) -> None:
+    problem = build.load("inverting", ["initial.omega3=170"], until=1e6)
+    steps = solve(problem, keep=False).report["steps"]
+    assert cost.measured(problem, clock)["steps"] == steps
+
+
+def test_many_rows_are_measured_in_short_slices() -> None:
+    """A slice of 512 steps would make a million rows; they are part of the time."""
+    few, many = (
+        cost.measured(build.load("inverting", [f"run.output_step={step}"], until=8.0)) for step in (1e-2, 1e-6)
+    )
+    assert many["seconds"] > 10 * few["seconds"]
