@@ -187,7 +187,7 @@ ERRATA = (
         r"L_{\hat3}^2>4mglI_1^*\ \Rightarrow\ \text{the upright spinning gliding top is asymptotically stable}",
         r"\begin{gathered}(I_1p^2-iL_{\hat3}p-mgl)(p+\mu g)+\mu mgl^2p^2=0\\\text{has a root with}\ \mathrm{Re}\,p>0\ "
         r"\text{for every}\ \mu>0,\ L_{\hat3}\end{gathered}",
-        '`tt.linear_modes`, `tippetop check` of a `gliding-heavy-top`', upright_gliding_heavy_top,
+        '`tt.theory.linear_modes`, `tippetop check` of a `gliding-heavy-top`', upright_gliding_heavy_top,
     ),
     Erratum(
         35, "(5.72)", M,

@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
 
+__all__ = ["InputError", "Interrupted", "StoreError", "Unfinished"]
 NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and psi have 0.67
 
 

@@ -18,7 +18,7 @@ def test_the_numbers_that_are_given_decide_between_two_laws_of_one_name() -> Non
     assert exact.parameters.keys() < smooth.parameters.keys()
     start = {"theta": 0.1, "omega3": 155.0}
     for eps, law in ((None, exact), (1e-2, smooth)):
-        run = tt.run("inverting", tt.Coulomb(mu=0.3, eps=eps), start=start, until=1e-3)
+        run = tt.run("inverting", tt.friction.Coulomb(mu=0.3, eps=eps), start=start, until=1e-3)
         assert run.problem.law is law
         assert (run.problem.contact is not None) == law.set_valued
 
@@ -58,7 +58,7 @@ def test_a_law_that_is_registered_late_lets_the_contact_open_too() -> None:
 
     tt.run("flying", until=1e-3)
     try:
-        tt.register(Late)
+        tt.extending.register(Late)
         assert tt.run("flying", Late(0.3), until=1e-3).problem.law is Late
     finally:
         del friction.LAWS["late"], friction.SLIP[Late]
@@ -71,4 +71,4 @@ def test_a_law_of_a_user_is_smooth() -> None:
         set_valued = True
 
     with pytest.raises(tt.InputError, match="`set_valued` of the law `odd` must be left out"):
-        tt.register(Odd)
+        tt.extending.register(Odd)

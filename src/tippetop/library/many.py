@@ -56,7 +56,7 @@ def ensemble(
         [rad]. It changes no other column.
     lyapunov : bool
         Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s], that of
-        `tippetop.lyapunov` at the end. Each takes several times its run.
+        `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
     **scenario
         Further arguments of `run` that say what the tops have in common: start, parameters, system, ...; none that
         say which rows are kept: there are none.

@@ -206,15 +206,15 @@ def table_of(law: Any) -> dict[str, Any]:
             load_entry_points()
             if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
                 kind = type(law).__name__
-                raise InputError([f"the friction law {kind} must be registered: tippetop.register({kind})."])
+                raise InputError([f"the friction law {kind} must be registered: tippetop.extending.register({kind})."])
         return {"law": law.key, **law._asdict()}
-    such, found = "Viscous(mu=0.3)", f"{law!r:.60}"
+    such, value = "Viscous(mu=0.3)", f"{law!r:.60}"
     if isinstance(law, str):
         load_entry_points()
         such = f"{LAWS[law].__name__ if law in LAWS else 'Viscous'}(...)"
     elif isinstance(law, type):
-        such, found = f"{law.__name__}(...)", "the class itself"
-    raise InputError([f"the friction law must be a record such as {such}, but is {found}."])
+        such, value = f"{law.__name__}(...)", "the class itself"
+    raise InputError([f"the friction law must be a record such as {such}, but is {value}."])
 
 
 def record_of(law: Any, system: System) -> Any:

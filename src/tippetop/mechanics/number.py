@@ -194,8 +194,8 @@ class RecordType(type):
         if abstract:
             body = {key: value for key, value in body.items() if key not in own}
             return super().__new__(mcs, name, bases, body | {"parts": own})
-        made = namedtuple(name, own)  # type: ignore[misc]
-        body |= {key: vars(made)[key] for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")}
+        record = namedtuple(name, own)  # type: ignore[misc]
+        body |= {key: vars(record)[key] for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")}
         fields = [_field(key, rule) for key, rule in own.items()]
         more = [_field(key, rule).replace(kind=_KEYWORD) for key, rule in parts.items() if key not in own]
         body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature([*fields, *more])}

@@ -12,14 +12,16 @@ from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
 # --- a friction law: its numbers and its coefficient ------------------------------------------------------------------
 
 
-class Quadratic(tt.FrictionLaw):
+class Quadratic(tt.extending.FrictionLaw):
     """F = -(mu + drag v_A^2) g_n v_A.
 
     Viscous friction that grows with speed.
     """
 
-    mu: tt.Number = tt.number(SECOND_PER_METRE, "viscous friction coefficient mu", least=0)
-    drag: tt.Number = tt.number(tt.Unit(0, -3, 3, "s3 m-3"), "coefficient of the square of the speed", least=0)
+    mu: tt.extending.Number = tt.extending.number(SECOND_PER_METRE, "viscous friction coefficient mu", least=0)
+    drag: tt.extending.Number = tt.extending.number(
+        tt.extending.Unit(0, -3, 3, "s3 m-3"), "coefficient of the square of the speed", least=0
+    )
 
     @formula
     def coefficient(v2, z, law):
@@ -42,8 +44,8 @@ def spin_energy(s, b):
     return s.L3**2 / (2 * b.I3)
 
 
-EIGHTH = tt.Event("eighth", "theta = pi/4", eighth)
-SPIN_ENERGY = tt.Quantity("spin_energy", "E_3", JOULE, "energy of the rotation about the axis", spin_energy)
+EIGHTH = tt.extending.Event("eighth", "theta = pi/4", eighth)
+SPIN_ENERGY = tt.extending.Quantity("spin_energy", "E_3", JOULE, "energy of the rotation about the axis", spin_energy)
 
 
 # --- a system: a tippe top whose moments of inertia are given in m R^2 -----------------------------------------------
@@ -66,8 +68,8 @@ SCALED_TIPPE_TOP = TIPPE_TOP.replace(
     title="tippe top with scaled moments of inertia",
     parameters={
         **{name: TIPPE_TOP.parameters[name] for name in ("m", "R", "alpha")},
-        "k1": tt.number(ONE, "transverse moment of inertia over m R^2", above=0),
-        "k3": tt.number(ONE, "axial moment of inertia over m R^2", above=0),
+        "k1": tt.extending.number(ONE, "transverse moment of inertia over m R^2", above=0),
+        "k3": tt.extending.number(ONE, "axial moment of inertia over m R^2", above=0),
         "g": TIPPE_TOP.parameters["g"],
     },
     body=body,
