@@ -11,7 +11,7 @@ from helpers.touching import BODY, BOUNCE
 from tippetop.exchange.scales import scale_of
 from tippetop.mechanics.operand import refill
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.mechanics.systems.tippe_top import PARAMETERS
+from tippetop.mechanics.systems.tippe_top import TippeTop
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
 from tippetop.scenario import build
@@ -188,7 +188,7 @@ def test_an_axis_of_a_sweep_keeps_the_sign_of_alpha(how: dict[str, Any]) -> None
 
 def test_a_fit_keeps_the_sign_of_alpha() -> None:
     for value in (-0.25, 0.25):
-        scale = scale_of(PARAMETERS["alpha"], value)
+        scale = scale_of(TippeTop.parameters["alpha"], value)
         assert sorted(map(scale.outside, (scale.low, scale.high))) == sorted((0.0, math.copysign(1, value)))
 
 
