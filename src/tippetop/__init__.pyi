@@ -1,3 +1,11 @@
+import threading
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+
 from . import derivatives as derivatives
 from . import errors as errors
 from . import extending as extending
@@ -9,18 +17,79 @@ from .errors import Interrupted as Interrupted
 from .errors import StoreError as StoreError
 from .library.exchanging import compare as compare
 from .library.exchanging import fit as fit
-from .library.many import ensemble as ensemble
 from .library.run import Run as Run
 from .library.running import open as open
 from .library.running import resume as resume
-from .library.running import run as run
 from .library.stored_run import StoredRun as StoredRun
+from .mechanics.contact.body import Top
+from .mechanics.events import Event
+from .mechanics.friction import FrictionLaw
+from .mechanics.system import Quantity, System
 from .mechanics.systems.cylinder import Cylinder as Cylinder
 from .mechanics.systems.heavy_top import HeavyTop as HeavyTop
 from .mechanics.systems.tippe_top import TippeTop as TippeTop
-from .problem import Problem as Problem
+from .problem.one import Problem as Problem
 from .runs.starting import load as load
 from .scenario.reading import presets as presets
 from .sweeps.sweep import sweep as sweep
 
 __version__: str
+
+def ensemble(
+    source: Top | str | Path | System | Mapping[str, Any] | Problem,
+    variations: Mapping[str, Any],
+    friction: Any = ...,
+    *,
+    threads: int | None = ...,
+    progress: Callable[[int, int], None] | bool = ...,
+    orientation: bool = ...,
+    lyapunov: bool = ...,
+    start: Mapping[str, Any] | str | Path | None = ...,
+    initial: Mapping[str, Any] | None = ...,
+    parameters: Mapping[str, Any] | None = ...,
+    system: str | System | None = ...,
+    form: str | None = ...,
+    contact: Mapping[str, Any] | None = ...,
+    stem: Mapping[str, float] | None = ...,
+    until: float | str | None = ...,
+    output_step: float | str | None = ...,
+    output_times: Sequence[float] | np.ndarray | Any | None = ...,
+    output: Literal["times", "events", "steps", "keyframes"] | None = ...,
+    keyframe_steps: int | None = ...,
+    stop_when: Literal["until", "settled"] | None = ...,
+    events: Iterable[str | Event] | str | Event | None = ...,
+    on_liftoff: Literal["stop", "continue", "fly"] | None = ...,
+    precision: Literal["double", "longdouble", "quad"] | None = ...,
+    tolerance: float | None = ...,
+    columns: Iterable[str | Quantity] | str | Quantity | None = ...,
+    sensitivities: Sequence[str] | None = ...,
+) -> xr.Dataset: ...
+def run(
+    source: Top | str | Path | System | Mapping[str, Any] | Problem,
+    friction: FrictionLaw | tuple | Mapping[str, Any] | Sequence[str] | None = ...,
+    *,
+    out: str | Path | None = ...,
+    overwrite: bool = ...,
+    progress: bool = ...,
+    stop: threading.Event | None = ...,
+    start: Mapping[str, Any] | str | Path | None = ...,
+    initial: Mapping[str, Any] | None = ...,
+    parameters: Mapping[str, Any] | None = ...,
+    system: str | System | None = ...,
+    form: str | None = ...,
+    contact: Mapping[str, Any] | None = ...,
+    stem: Mapping[str, float] | None = ...,
+    until: float | str | None = ...,
+    output_step: float | str | None = ...,
+    output_times: Sequence[float] | np.ndarray | Any | None = ...,
+    output: Literal["times", "events", "steps", "keyframes"] | None = ...,
+    keyframe_steps: int | None = ...,
+    stop_when: Literal["until", "settled"] | None = ...,
+    events: Iterable[str | Event] | str | Event | None = ...,
+    on_liftoff: Literal["stop", "continue", "fly"] | None = ...,
+    precision: Literal["double", "longdouble", "quad"] | None = ...,
+    tolerance: float | None = ...,
+    columns: Iterable[str | Quantity] | str | Quantity | None = ...,
+    sensitivities: Sequence[str] | None = ...,
+    orientation: bool | None = ...,
+) -> Run: ...

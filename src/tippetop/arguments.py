@@ -133,16 +133,37 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
     return keys
 
 
-def named_arguments(function: F) -> F:
-    """The function, which answers an unknown keyword with a TypeError that names the nearest one."""
-    known = list(inspect.signature(function).parameters)
+def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F]:
+    """Give a function, in place of its **keywords, the keyword arguments of another one: a decorator.
 
-    @functools.wraps(function)
-    def called(*arguments: Any, **named: Any) -> Any:
-        refuse_unknown(function.__name__, named, known)
-        return function(*arguments, **named)
+    An unknown keyword raises a TypeError that names the nearest one.
 
-    return called  # type: ignore[return-value]
+    Parameters
+    ----------
+    source
+        The other function.
+    options
+        Makes the text that replaces `{options}` in the docstring; `{names}` there become the names.
+    """
+
+    def decorated(function: F) -> F:
+        own = inspect.signature(function)
+        kept = {name: p for name, p in own.parameters.items() if p.kind is not p.VAR_KEYWORD}
+        others = inspect.signature(source).parameters.values()
+        added = [p for p in others if p.kind is p.KEYWORD_ONLY and p.name not in kept]
+        known = [*kept, *(p.name for p in added)]
+
+        @functools.wraps(function)
+        def called(*arguments: Any, **named: Any) -> Any:
+            refuse_unknown(function.__name__, named, known)
+            return function(*arguments, **named)
+
+        called.__signature__ = own.replace(parameters=[*kept.values(), *added])  # type: ignore[attr-defined]
+        text = (function.__doc__ or "").replace("{names}", ", ".join(p.name for p in added))
+        called.__doc__ = text.replace("    {options}", options())
+        return called  # type: ignore[return-value]
+
+    return decorated
 
 
 @contextlib.contextmanager

@@ -47,6 +47,17 @@ class Motion(NamedTuple):
 
 
 @cache
+def vertical_inertia(z: Any, b: Any) -> Any:
+    """Half of I1 + m c^2 sin(theta)^2: the factor of theta'^2 where the reaction is vertical. [section 3.3]"""
+    return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
+
+
+def vertical_potential(z: Any, Lz: Any, L3: Any, b: Any) -> Any:
+    """E - m|r'|^2/2 - vertical_inertia theta'^2 by L_z and L_3: without friction the potential of the nutation."""
+    rotation = L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * b.I1 * ((1 - z) * (1 + z)))
+    return b.m * b.g * (b.R - b.c * z) + rotation
+
+
 def joint(names: tuple[str, ...]) -> Any:
     """A record of the state and the integrals."""
     return namedtuple("Joint", names)
@@ -402,8 +413,8 @@ def main_equation(case: Case) -> Pairs:
     z, s2 = m.u[2], 1 - m.u[2] ** 2
     V = system.potential(z, *(case.quantity(name) for name in system.momenta), b)
     if hasattr(s, "Lz"):
-        left = case.quantity("energy") - b.m * s.speed2 / 2 - gliding.vertical_inertia(z, b) * s.z_dot**2 / s2
-        yield "vertical potential", gliding.vertical_potential(z, s.Lz, s.L3, b), left
+        left = case.quantity("energy") - b.m * s.speed2 / 2 - vertical_inertia(z, b) * s.z_dot**2 / s2
+        yield "vertical potential", vertical_potential(z, s.Lz, s.L3, b), left
     yield "METT", case.quantity("modified_energy"), system.theta_inertia(z, b) * s.z_dot**2 / s2 + V
     if case.has("routh"):
         tippe_top = importlib.import_module("tippetop.mechanics.systems.tippe_top")

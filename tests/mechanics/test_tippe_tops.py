@@ -3,6 +3,7 @@
 import math
 
 import examples
+import laws
 import numpy as np
 import pytest
 
@@ -58,8 +59,8 @@ def test_period_without_friction(system: str, parameters: dict, initial: dict, p
     start = SYSTEMS[system].start(initial, s, z, b)
     scalars = gliding_euler.euler_scalars(start._replace(theta=initial["theta"]), b)
     found = nutation.nutation(
-        lambda z: contact.vertical_inertia(z, b),
-        lambda z: contact.vertical_potential(z, scalars.Lz, scalars.L3, b),
+        lambda z: laws.vertical_inertia(z, b),
+        lambda z: laws.vertical_potential(z, scalars.Lz, scalars.L3, b),
         contact.energy(scalars, b) - b.m * scalars.speed2 / 2,
         initial["theta"],
     )

@@ -35,6 +35,7 @@ EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the s
 FIRST = 256  # steps of a run that are all looked at: a short run has no more
 ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
 STATUSES = {status.code: status for status in Status}
+RUNNING = Status.RUNNING.code
 PLACES = 4  # that a thread keeps of an integrator, 1 MB each of which a short run fills a part
 
 
@@ -190,6 +191,8 @@ class Driver:
             self.place = place = place_for(self, compiled, self._stepper)
         self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
         self.motion, self.loop = place.motion, place.loop
+        names = "status", "steps", "upto", "tiny", "t"
+        self.status, self.steps, self.upto, self.tiny, self.time = (self.tallies.lane[name] for name in names)
         self.variables, self.number = len(start), start.dtype.type
         self.rows.events[:] = rows.events
         if tallies is None:
@@ -213,24 +216,25 @@ class Driver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps; rows go to the request as they come."""
-        self.log.filled[0] = self.samples.filled[0] = 0
-        tally = self.tally
-        before = int(tally["steps"])
-        samples, passages = self._drive(request, most)
-        status, last = STATUSES[int(tally["status"])], self.state[None, :]
-        if tally["upto"] < 1.0:  # an event ended the run in the midst of a step: it is the last passage
-            last = passages.states[-1:]
-        n, steps = self.variables, int(tally["steps"]) - before
-        passages = passages._replace(states=passages.states[:, :n])
-        ended = None if status is Status.RUNNING else status
-        return Slice(steps, self.reached(passages), last[:, :n].copy(), samples[:, :n], passages, ended)
+        self.forget()
+        before, n = int(self.steps[0]), self.variables
+        self.drive(request, most)
+        when, last = self.reached()
+        code, steps = int(self.status[0]), int(self.steps[0]) - before
+        ended = None if code == RUNNING else STATUSES[code]
+        passages = Passages(*(column.copy() for column in self.passages()))
+        return Slice(steps, when, last[None, :n].copy(), self.sampled()[:, :n].copy(), passages, ended)
 
-    def _drive(self, request: Request, most: int) -> tuple[np.ndarray, Passages]:
-        """Make the steps of a slice. Return samples and passages."""
+    def forget(self) -> None:
+        """Forget samples and passages."""
+        self.log.filled[0] = self.samples.filled[0] = 0
+
+    def drive(self, request: Request, most: int) -> None:
+        """Make the steps of a slice."""
         wanted, steps = self.wanted, 0
         while True:
             wanted.ask(request)
-            left = most - steps if self.tally["status"] == Status.RUNNING.code else 0
+            left = most - steps if self.status[0] == RUNNING else 0
             if not len(wanted.times):
                 self._made(NO_ROWS, left)
                 break
@@ -243,7 +247,6 @@ class Driver:
                 request.take(rows.times[first : wanted.made], self._states(rows, first))
             if wanted.made == first or wanted.made < len(rows.times):
                 break
-        return self._sampled(), self._passages()
 
     def _made(self, rows: Rows, most: int) -> int:
         """Make at most so many steps, and write these rows. Return the number of steps."""
@@ -254,15 +257,26 @@ class Driver:
         """Return the states of the rows that the last steps have made, (k, variables), from number `first` on."""
         return rows.states[:, first : int(rows.filled[0])].T
 
-    def _sampled(self) -> np.ndarray:
-        """Return the states that were sampled."""
-        return self.samples.states[: int(self.samples.filled[0])].copy()
+    def sampled(self) -> np.ndarray:
+        """Return the states that were sampled, where they are."""
+        return self.samples.states[: int(self.samples.filled[0])]
 
-    def _passages(self) -> Passages:
-        """Return the passages of the log, in order."""
-        log, count = self.log, int(self.log.filled[0])
-        order = np.argsort(log.time[:count], kind="stable")
-        return Passages(*(c[order] for c in (log.time, log.event, log.sign, log.at_pole, log.states)))
+    def passages(self) -> Passages:
+        """Return the passages of the log, where they are."""
+        log, found = self.log, slice(int(self.log.filled[0]))
+        states = log.states[found, : self.variables]
+        return Passages(log.time[found], log.event[found], log.sign[found], log.at_pole[found], states)
+
+    def drop(self) -> None:
+        """Remove the last passage."""
+        self.log.filled[0] -= 1
+
+    def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
+        """Add a passage that no step has."""
+        log, at = self.log, int(self.log.filled[0])
+        log.time[at], log.event[at], log.sign[at], log.at_pole[at] = time, number, sign, False
+        log.states[at, : len(state)] = state
+        log.filled[0] += 1
 
     def _filling(self, times: np.ndarray, steps: bool) -> Rows:
         """Rows at these times: the same ones as long as these times are wanted."""
@@ -271,9 +285,10 @@ class Driver:
             self.filling = Rows(times, states, filled, steps)
         return self.filling
 
-    def reached(self, passages: Passages) -> Any:
-        """Return the internal time where a slice with these passages has ended."""
-        return float(self.tally["t"])
+    def reached(self) -> tuple[Any, np.ndarray]:
+        """Return the internal time reached, and the state: of the last passage, if it ended the run within a step."""
+        state = self.log.states[self.log.filled[0] - 1] if self.upto[0] < 1.0 else self.state
+        return float(self.time[0]), state
 
     # --- where the run is -----------------------------------------------------------------------------------------
 
@@ -292,7 +307,7 @@ class Driver:
         """All that is integrated, (all variables,), in the working precision."""
         return self.motion.state[:, 0]
 
-    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
         self.motion.state[:, 0] = state
         self.motion.high[0], self.motion.low[0] = clock

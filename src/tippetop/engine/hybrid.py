@@ -5,24 +5,25 @@ Jumps are functions of the common state, which every phase can be read as; the d
 
 import math
 import threading
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from itertools import compress
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..mechanics.events import ON_ZERO as BELOW
 from ..mechanics.events import Event
 from ..mechanics.form import CLOCK, Next, Phase
+from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
-from .driver import Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
+from .driver import RUNNING, STATUSES, Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
 from .expressions import Formulas
 from .phase_tables import PhaseTables
 from .sampled import Sampler
@@ -31,7 +32,7 @@ from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bou
 
 
 MOST_CHANGES = 10_000  # of phase in a run
-PER_SLICE = 64  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
+PER_SLICE = 256  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
@@ -57,7 +58,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
             values += [event.formula(read, first) for event in common]
         return values
 
-    return Formulas(form, events, functions, lambda values: refill(template, values)._replace(**folds))
+    return Formulas(form, events, inlined(functions), lambda values: refill(template, values)._replace(**folds))
 
 
 class Track:
@@ -82,84 +83,75 @@ class Track:
         self.formulas = formulas_of_phase(problem.system, phase, self.b.__class__, self.b.friction.__class__)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
-        self.moving, self.record = variables.moving, type(phase.form.units)
-        of_run, names = run.carried._fields, variables.names[variables.moving :]
-        self.mine = np.array([variables.moving + k for k, name in enumerate(names) if name in of_run], int)
-        self.theirs = np.array([of_run.index(name) for name in names if name in of_run], int)
+        self.moving, self.record, self.width = variables.moving, type(phase.form.units), len(variables.names)
+        self.integrals = [run.carried._fields.index(integral.name) for integral in variables.integrals]
+        self.rates = {integral.name: integral.rate for integral in variables.integrals}
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
-        self.records = self._records(run, code.rows.events)
-        rows = run.rows._replace(events=self.records, axis=code.rows.axis)
-        start, functions = np.zeros(len(variables.names), problem.number), np.zeros(len(rows.events))
+        rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
         self.driver: Driver = kind_of_driver(problem)(
             code,
             rows,
             leaves(self.b),
-            start,
-            functions,
+            np.zeros(self.width, problem.number),
+            np.zeros(len(rows.events)),
             run.end,
             run.tallies,
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
         self.driver.wanted = run.row_times
+        self.driver.forget()
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
 
     def _value(self, state: np.ndarray, event: Event) -> Any:
         """Return the value of an event in a state of the phase."""
-        return event.formula(self.phase.form.scalars(self.record(*state[: self.moving].tolist()), self.b), self.b)
+        return event.formula(self.phase.form.scalars(self.q(state), self.b), self.b)
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase are looked for."""
         records = run.rows.events.copy()
-        for flag in ("extremes", "watched", "ranged"):
-            records[flag] = False
-        records["ends"], records["leader"] = 0, -1
-        kept = records[["first", "last"]].copy()
-        for k, (number, event) in enumerate(zip(self.numbers, self.events, strict=True)):
-            records[number] = mine[k]
+        for flag in ("extremes", "watched", "ranged", "ends"):
+            records[flag] = 0
+        records["leader"] = -1
+        for number, event, record in zip(self.numbers, self.events, mine, strict=True):
+            kept = (0, 0) if event.name in self.exits else records[number][["first", "last"]]  # jumps log their events
+            records[number] = record
+            records[number]["first"], records[number]["last"] = kept
             records[number]["watched"] = not event.sense or event.name in run.problem.events
-            leader = mine[k]["leader"]
+            leader = record["leader"]
             records[number]["leader"] = self.numbers[leader] if leader >= 0 else -1
-            for place in ("first", "last"):  # jumps log their events themselves
-                records[number][place] = 0 if event.name in self.exits else kept[number][place]
         mark_bounded(records)
         return records
 
-    def state(self, x: Any, whole: np.ndarray) -> np.ndarray:
-        """Return the variables of the phase in a common state, and the integrals of the run, scaled."""
-        q = self.phase.enter(x, self.b)
-        state = np.zeros(len(self.driver.state), dtype=whole.dtype)
-        state[: len(q)] = q
-        state[self.mine] = whole[self.theirs]
-        return state
+    @property
+    def found(self) -> tuple[int, int]:
+        """The numbers of samples and passages of a slice so far."""
+        return int(self.driver.samples.filled[0]), int(self.driver.log.filled[0])
 
-    def integrals(self, state: np.ndarray, carried: np.ndarray) -> np.ndarray:
+    def q(self, state: np.ndarray) -> Any:
+        """Return the record of a state; doubles become floats, which formulas take faster."""
+        return self.record._make(state[: self.moving].tolist())
+
+    def state(self, q: Any, whole: Sequence) -> list:
+        """Return all variables of the phase, of its state and the integrals of the run, scaled."""
+        state = [*q, *(whole[k] for k in self.integrals)]
+        return state + [self.driver.number(0)] * (len(self.driver.state) - len(state))
+
+    def moved(self, whole: Sequence, state: np.ndarray) -> list:
         """Return the integrals of the run, scaled, of which the phase has moved some."""
-        whole = carried.copy()
-        whole[self.theirs] = state[self.mine]
+        whole = list(whole)
+        for k, value in zip(self.integrals, state[self.moving : self.width].tolist(), strict=True):
+            whole[k] = value
         return whole
 
-    def common(self, state: np.ndarray, carried: np.ndarray, record: Any) -> Any:
-        """Return the common state of the variables of the phase; doubles become floats, which formulas take faster."""
-        numbers = state[: self.moving]
-        q = self.record(*(numbers.tolist() if state.dtype == float else numbers))
-        whole = self.integrals(state, carried)
-        integrals = whole * whole.dtype.type(1 / INTEGRAL_SCALE)
-        x = self.phase.leave(q, self.b)
-        if not hasattr(x, "carried"):
-            return x
-        return x._replace(carried=record(*(integrals.tolist() if state.dtype == float else integrals)))
 
-
-@dataclass(eq=False)
-class Part:
-    """States of a phase, (n, variables), that become rows of the run."""
+class Span(NamedTuple):
+    """States of a phase that become rows of the run, apart from these states."""
 
     track: Track
-    carried: np.ndarray  # the integrals of the run, scaled, of which the phase moves some: (k,), or (n, k) of all
-    states: np.ndarray
-    rows: Any = None
+    whole: Sequence  # the integrals of the run, scaled, before the phase moved some
+    size: int
 
 
 class HybridDriver:
@@ -188,29 +180,29 @@ class HybridDriver:
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
-        system, number = problem.system, problem.number
-        self.problem, self.stop, self.number = problem, stop, number
+        system, number = problem.system, float if problem.precision == "double" else problem.number
+        self.problem, self.stop, self.number = problem, stop, number  # floats are faster than NumPy's
         self.variables = len(problem.variables.names)
         self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
         self.body, self.phases = _assembled(problem)
         self.carried = problem.variables.carried
         events = {event.name: event for event in system.events}
-        for phase in self.phases.values():
-            events = {event.name: event for event in phase.events} | events
-        every = [*system.events, *(event for name, event in events.items() if name not in system.kinds)]
-        self.rows: EventRows = event_rows(every, [(0, 1, 1.0, 0.0)] * len(every), ())
-        self.numbers = {event.name: k for k, event in enumerate(every)}
         in_phases = [event for phase in self.phases.values() for event in phase.events]
+        events = events | {event.name: event for event in in_phases} | events
+        self.rows: EventRows = event_rows(list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ())
+        self.numbers = {name: k for k, name in enumerate(events)}
         for event in in_phases:
             self.rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
-        self.lasting = {event.name for event in every if event.lasting}
+        numbers = [(place, *number) for place, number in enumerate(self.rows.numbers.tolist())]
+        self.kept = [numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()]
+        self.lasting = {name for name, event in events.items() if event.lasting}
         self.tallies = new_tallies(self.rows, 1)
         self.tallies.functions[SIGN] = 0.0  # not known
         self.row_times, self.tables = Wanted(), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[str] = set()
-        self.parts: list[Part] = []
+        self.spans: list[tuple] = []  # the phases of a slice: each, the integrals, and what its track had found before
         self.world = SimpleNamespace(
             body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
             rates=self._rates,
@@ -220,8 +212,8 @@ class HybridDriver:
 
             self.world.struck = Impacts(problem, self.body[0].friction, stop).struck
         start = problem.start()
-        q, carried = problem.variables.split(start.tolist() if start.dtype == float else start)
-        self.whole = start[problem.variables.moving :].copy()
+        q, carried = problem.variables.split(start.tolist())
+        self.whole = start[problem.variables.moving :].tolist()
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
         try:
             n = system.begin(x, self.world) if system.begin else Next(next(iter(self.phases)), x, "start")
@@ -260,9 +252,8 @@ class HybridDriver:
         b = b or phase.parameters(self.body)
         return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
-    def _enter(self, n: Next, now: Any, before: np.ndarray | None) -> None:
-        """Take up what follows a state `before` of the present phase, at an internal time."""
-        old = None if before is None else (self.track, self.whole, before)
+    def _enter(self, n: Next, now: Any, before: Track | None) -> None:
+        """Take up what follows a phase `before`, at an internal time."""
         track = self.track = self.track_of(n.phase)
         self.world.phase = track.phase
         if n.cause != "":
@@ -270,14 +261,17 @@ class HybridDriver:
         self.tables.add(float(now), n.rows)
         time = min(now + self.number(n.delay), self.end)
         if hasattr(n.x, "carried"):
-            self.whole = np.array([self.number(value) * INTEGRAL_SCALE for value in n.x.carried], dtype=self.number)
-        state = track.state(n.x, self.whole)
-        track.driver.put(state, (time, 0 * time))
+            self.whole = [self.number(value) * INTEGRAL_SCALE for value in n.x.carried]
+        q = track.phase.enter(n.x, track.b)
+        track.driver.put(track.state(q, self.whole), (time, 0 * time))
         self.waits = n.delay > 0 and n.series is None
-        self._begin_events(n, track, state, now, old)
-        lane = self.tallies.lane
-        lane["status"], lane["upto"], lane["tiny"], lane["steps"] = Status.RUNNING.code, 1.0, 0, 0
-        lane["t"] = self.began = float(time)
+        found = track.found
+        self._begin_events(n, track.record._make(q), now, before)
+        self.spans.append((track, self.whole, *(found if n.series is not None else track.found)))
+        self.began = float(time)
+        driver = track.driver
+        driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
+        driver.time[0] = self.began
         self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 
     def _set_clock(self, clock: Any) -> None:
@@ -286,79 +280,76 @@ class HybridDriver:
         self.until = clock
         self.track.driver.end_at(clock if self.clocked else self.end)
 
-    def _begin_events(self, n: Next, track: Track, state: np.ndarray, now: Any, old: Any) -> None:
+    def _begin_events(self, n: Next, q: Any, now: Any, before: Track | None) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
-        functions, live = self.tallies.functions, set()
-        q = track.record(*(state[: track.moving].tolist() if state.dtype == float else state[: track.moving]))
+        track, live = self.track, set()
         values = track.formulas.functions(q, self._integrals(), track.b)
         if n.series is not None:
-            self._fill(n, track, now)
+            self._fill(float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now))
+        signs, zeros = (self.tallies.functions[kind, :, 0] for kind in (SIGN, ON_ZERO))
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
             name, value = event.name, float(value)
-            by_value, zero = 1.0 if value > 0 else -1.0, 0
+            sign, zero = 1.0 if value > 0 else -1.0, 0
             if name in track.exits:
-                sign = n.sides.get(name, by_value if event.direction == 0 else -event.direction)
+                sign = n.sides.get(name, -event.direction or sign)
                 zero = -n.zeros.get(name, 0)
             elif name in self.live:
-                known = functions[SIGN, number, 0]
-                sign = known if abs(value) < BELOW else by_value
-                if sign != known and n.series is not None:
+                known = signs[number]
+                if abs(value) < BELOW:
+                    sign = known
+                elif sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
-                elif sign != known and old and (event.sense or (event.lasting and sign == event.direction)):
-                    self._note(name, now, Part(old[0], old[1], old[2][None]), int(sign))  # of theta: it has a corner
-            else:
-                sign, zero = by_value, abs(value) < BELOW
-            if name not in track.exits:
+                elif sign != known and before and (event.sense or (event.lasting and sign == event.direction)):
+                    self._note(name, now, before, self.last, int(sign))  # of theta: it has a corner
                 live.add(name)
-            functions[SIGN, number, 0], functions[ON_ZERO, number, 0] = sign, zero
+            else:
+                zero = abs(value) < BELOW
+                live.add(name)
+            signs[number], zeros[number] = sign, zero
         self.live = live
 
     def _integrals(self) -> Any:
         """Return the integrals of the run as they are now, whole again."""
-        return self.carried._make(self.whole * self.number(1 / INTEGRAL_SCALE))
+        return self.carried._make([value / INTEGRAL_SCALE for value in self.whole])
 
     # --- steps ----------------------------------------------------------------------------------------------------
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps, through as many phases as they take."""
-        self.request, self.steps, self.parts = request, request.steps, []
-        self.asked: list[tuple[np.ndarray, Part]] = []
-        self.samples: list[Part] = []
-        self.log: list[tuple[Passages, Part]] = []
+        self.request, self.steps = request, request.steps
+        self.asked: list[tuple[Track, Sequence, np.ndarray, np.ndarray]] = []
+        for track in self.tracks.values():
+            track.driver.forget()
+        self.spans = [(self.track, self.whole, 0, 0)]
         steps, status = 0, None
-        while True:
-            if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
-                when, status, state = self.end, Status.FINISHED, self.state[None, :]
-                self.tally["upto"] = 0.0
-                break
-            driver = self.track.driver
+        while self.clock[0] < self.end:
             if self.waits:
-                self._rows_before()
-            sampled = self._sample()
-            piece = driver.advance(self, 1 if self.track.sampler else most - steps)
-            steps += piece.steps
-            when, status, state = piece.time, piece.status, piece.last
-            ending = sampled if sampled and piece.status is Status.FINISHED else self._ending(piece)
-            if len(piece.samples):
-                self.samples.append(self._part(piece.samples))
-            count = len(piece.passages.times) - (ending not in (None, CLOCK, sampled))
-            if count:
-                passages = Passages(*(column[:count] for column in piece.passages))
-                self.log.append((passages, self._part(passages.states)))
-            if ending is None and (status is not None or steps >= most or not self.track.sampler):
+                self.waits = False
+                self._fill(self.began, lambda times: np.repeat(self.state[None], len(times), axis=0))
+            track, sampled, driver = self.track, self._sample(), self.track.driver
+            before = int(driver.steps[0])
+            driver.drive(self, 1 if track.sampler else most - steps)
+            steps += int(driver.steps[0]) - before
+            when, last = driver.reached()
+            self.last = last[: track.width].copy()
+            code = int(driver.status[0])
+            status = None if code == RUNNING else STATUSES[code]
+            ending = sampled if sampled and status is Status.FINISHED else self._ending(status)
+            if ending not in (None, CLOCK, sampled):  # the jump logs it
+                driver.drop()
+            if ending is not None:
+                status = self._jump(ending, when)
+            if status is not None or steps >= most or (self.changes % PER_SLICE == 0 if ending else not track.sampler):
                 break
-            if ending is None:
-                continue
-            status = self._jump(ending, state[0], when)
-            full = steps >= most or self.changes % PER_SLICE == 0
-            if status is not None or (full and self.clock[0] < self.end):
-                break
+        if status is None:
+            track, self.last = self.track, self.state[: self.track.width].copy()
+            if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
+                when, status = self.end, Status.FINISHED
+                self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        last = self.present() if status is None else self._rows([self._part(state)])[0]
-        passages = self._hand_over()
-        return Slice(steps, when, last, self._joined(self.samples), passages, status, self.tables.take())
+        return self._slice(steps, when, track, status)
 
     def _sample(self) -> str:
         """Let the phase end where a sampled event happens in its next step. Return that event, or nothing."""
@@ -372,34 +363,35 @@ class HybridDriver:
         driver.end_at(first[1])
         return str(first[0])
 
-    def _ending(self, piece: Slice) -> str | None:
+    def _ending(self, status: Status | None) -> str | None:
         """Return the exit by which the present phase ends; None if it does not, or ends the run."""
-        if piece.status is Status.FINISHED:
+        if status is Status.FINISHED:
             return CLOCK if self.clocked else None
-        if piece.status is None or not len(piece.passages.events):
+        log = self.track.driver.log
+        if status is None or not log.filled[0]:
             return None
-        number = int(piece.passages.events[-1])
+        number = int(log.event[log.filled[0] - 1])
         event = self.track.events[self.track.numbers.index(number)]
         ends = self.track.driver.rows.events[number]["ends"]
         return event.name if ends and event.name in self.track.exits else None
 
-    def _jump(self, ending: str, state: np.ndarray, when: Any) -> Status | None:
-        """Take up what follows the end of a phase in a state (variables,). Return how it ends the run, or None."""
+    def _jump(self, ending: str, when: Any) -> Status | None:
+        """Take up what follows the end of a phase in its last state. Return how it ends the run, or None."""
         self.changes += 1
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
-        now = self.number(when)
+        now, track, state = self.number(when), self.track, self.last
         self.world.left = self.end - now
-        track = self.track
-        x = track.common(state, self.whole, self.carried)
-        self.whole = track.integrals(state, self.whole)
+        self.whole = track.moved(self.whole, state)
+        x = track.phase.leave(track.q(state), track.b)
+        if hasattr(x, "carried"):
+            x = x._replace(carried=self._integrals())
         try:
             n = track.exits[ending](x, self.world)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        part = self._part(state[None])
         for name in n.logged:
-            self._note(name, now + n.logged_after, part, 1)
+            self._note(name, now + n.logged_after, track, state, 1)
         if n.ends:
             self.sentence = n.message
             self.tables.add(float(when), n.rows)
@@ -412,7 +404,7 @@ class HybridDriver:
             self.sentence = f"the contact has changed its phase {MOST_CHANGES} times"
         if self.sentence:
             return Status.STALLED
-        self._enter(n, now, state)
+        self._enter(n, now, track)
         return None
 
     # --- rows -----------------------------------------------------------------------------------------------------
@@ -423,21 +415,15 @@ class HybridDriver:
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
         """Take states of the present phase that were asked for."""
-        self.asked.append((times, self._part(np.array(states))))
+        self.asked.append((self.track, self.whole, times, states))
 
-    def _part(self, states: np.ndarray, carried: np.ndarray | None = None) -> Part:
-        return Part(self.track, self.whole if carried is None else carried, states)
-
-    def _note(self, name: str, time: Any, part: Part, sign: int) -> None:
+    def _note(self, name: str, time: Any, track: Track, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of a phase."""
         number = self.numbers[name]
-        times = np.array([time], dtype=self.number)
-        self.log.append((Passages(times, np.array([number]), np.array([sign]), np.zeros(1, bool), part.states), part))
+        track.driver.note(time, number, sign, state)
         if name in self.lasting:
             self.tally["lasts_since"] = float(time)
-        first, last = (int(self.rows.events[number][place]) for place in ("first", "last"))
-        for place in range(first, last):
-            what, direction = self.rows.numbers[place]
+        for place, what, direction in self.kept[number]:
             kept = self.tallies.kept[:, 0]
             if direction * sign < 0:
                 continue
@@ -446,39 +432,22 @@ class HybridDriver:
             elif what == LAST or np.isnan(kept[place]):
                 kept[place] = float(time)
 
-    def _series(self, n: Next, track: Track, t: np.ndarray) -> Part:
+    def _series(self, n: Next, since: np.ndarray) -> np.ndarray:
         """Return states at times since the beginning of a jump that takes time."""
+        t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
         q, carried = n.series(t)
-        states, whole = (
-            np.array([[self.number(one) for one in np.broadcast_to(value, t.shape)] for value in record]).T
-            for record in (q, carried)
-        )
-        whole = whole * self.number(INTEGRAL_SCALE)
-        return Part(track, whole, states)
+        moved = [carried[k] * INTEGRAL_SCALE for k in self.track.integrals]
+        states = [[self.number(one) for one in np.broadcast_to(value, t.shape)] for value in (*q, *moved)]
+        return np.array(states).T
 
-    def _rows_before(self) -> None:
-        """Give the rows that are wanted of a jump that is too short for a series: the state at its end."""
-        self.waits = False
+    def _fill(self, until: float, made: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Give the rows that are wanted before a time, at which the present phase makes its first step."""
         while not self.steps:
             self.row_times.ask(self)
             left = self.row_times.left
-            count = int(np.searchsorted(left, self.began))
+            count = int(np.searchsorted(left, until))
             if count:
-                self.asked.append((left[:count], self._part(np.repeat(self.state[None, :], count, axis=0))))
-            self.row_times.made += count
-            if count < len(left) or not count:
-                break
-
-    def _fill(self, n: Next, track: Track, now: Any) -> None:
-        """Give the rows that are wanted of a jump that takes time."""
-        while not self.steps:
-            self.row_times.ask(self)
-            left = self.row_times.left
-            count = int(np.searchsorted(left, float(now + n.delay)))
-            if count:
-                since = left[:count].astype(self.number) - now
-                t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
-                self.asked.append((left[:count], self._series(n, track, t)))
+                self.take(left[:count], made(left[:count]))
             self.row_times.made += count
             if count < len(left) or not count:
                 break
@@ -493,55 +462,52 @@ class HybridDriver:
             return float(track.formulas.functions(q, carried, track.b)[k])
 
         t = zero_of(function, known, n.delay)
-        self._note(event.name, now + t, self._series(n, track, np.array([t])), -int(known))
+        self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(self, parts: list[Part]) -> list[np.ndarray]:
-        """Return the rows of parts: those of one phase are made together."""
-        alike: dict[Track, list[Part]] = {}
-        for part in parts:
-            if part.rows is None:
-                alike.setdefault(part.track, []).append(part)
-        split, system = self.problem.variables.carried, self.problem.system
-        for track, some in alike.items():
-            lengths = [len(part.states) for part in some]
-            n = sum(lengths)
-            carried, states = np.empty((n, len(self.whole)), self.number), np.empty((n, track.moving), self.number)
-            first = 0
-            for part, length in zip(some, lengths, strict=True):
-                some_rows = slice(first, first + length)
-                states[some_rows] = part.states[:, : track.moving]
-                carried[some_rows] = part.carried
-                if part.carried.ndim == 1:
-                    carried[some_rows, track.theirs] = part.states[:, track.mine]
-                first += length
-            q = track.record(*states.T)
-            with_units = split(*(carried * self.number(1 / INTEGRAL_SCALE)).T)
-            record = system.row(track.phase, q, with_units, self.body) if system.row else track.phase.leave(q, track.b)
-            rows = np.empty((n, self.variables), self.number)
-            moving = self.variables - len(self.whole)
-            for k, value in enumerate(record[:moving]):
-                rows[:, k] = value
-            rows[:, moving:] = carried
-            first = 0
-            for part, length in zip(some, lengths, strict=True):
-                part.rows, first = rows[first : first + length], first + length
-        return [part.rows for part in parts]
+    def _rows(self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]) -> np.ndarray:
+        """Return the rows of spans, one after another, of states by phase."""
+        system, number = self.problem.system, self.number
+        counts = [span.size for span in spans]
+        rows = np.empty((self.variables, sum(counts)), number)
+        moving = self.variables - len(self.whole)
+        for track, pieces in states.items():
+            mine = [span.track is track for span in spans]
+            state = np.concatenate([piece.T[: track.width] for piece in pieces], axis=1)
+            wholes = np.array([span.whole for span in compress(spans, mine)])
+            whole = np.repeat(wholes.T, list(compress(counts, mine)), axis=1)
+            whole[track.integrals] = state[track.moving :]
+            q, carried = track.record(*state[: track.moving]), self.carried(*(whole * number(1 / INTEGRAL_SCALE)))
+            record = system.row(track.phase, q, carried, self.body) if system.row else track.phase.leave(q, track.b)
+            places = np.flatnonzero(np.repeat(mine, counts))
+            for k, value in enumerate((*record[:moving], *whole)):
+                rows[k, places] = value
+        return rows.T
 
-    def _hand_over(self) -> Passages:
-        """Make rows of all that waits, give those that were asked for, and return the passages."""
-        self._rows([*(part for _, part in self.asked), *self.samples, *(part for _, part in self.log)])
-        if self.asked:
-            times = np.concatenate([times for times, _ in self.asked])
-            self.request.take(times, self._joined([part for _, part in self.asked]))
-        none = np.zeros(0, int)
-        empty = np.zeros(0, self.number), none, none, none > 0
-        columns = [empty, *(passages[:-1] for passages, _ in self.log)]
-        rows = self._joined([part for _, part in self.log])
-        return Passages._make((*map(np.concatenate, zip(*columns, strict=True)), rows))
-
-    def _joined(self, parts: list[Part]) -> np.ndarray:
-        rows = self._rows(parts)
-        return np.concatenate(rows) if rows else np.zeros((0, self.variables), self.number)
+    def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
+        """Make rows of all that waits, give those that were asked for, and return the rest."""
+        asked = [Span(track, whole, len(times)) for track, whole, times, _ in self.asked]
+        samples, logged, ends = [], [], {track: track.found for track in self.tracks.values()}
+        for of, whole, *before in reversed(self.spans):
+            samples.append(Span(of, whole, ends[of][0] - before[0]))
+            logged.append(Span(of, whole, ends[of][1] - before[1]))
+            ends[of] = before[0], before[1]
+        groups = asked, samples[::-1], logged[::-1], [Span(track, self.whole, 1)]
+        found: dict[Track, Passages] = {}
+        states: dict[Track, list[np.ndarray]] = {}
+        for one in self.tracks.values():
+            passages, own = one.driver.passages(), [states for of, _, _, states in self.asked if of is one]
+            pieces = [*own, one.driver.sampled(), passages.states, *([self.last[None]] if one is track else [])]
+            states |= {one: pieces} if any(map(len, pieces)) else {}
+            found[one] = passages
+        rows = self._rows([span for group in groups for span in group], states)
+        parts = np.split(rows, np.cumsum([sum(span.size for span in group) for group in groups])[:-1])
+        if asked:
+            self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
+        owners = [list(found).index(span.track) for span in groups[2] for _ in range(span.size)]
+        order = np.argsort(np.argsort(owners, kind="stable"))
+        columns = [np.concatenate(column)[order] for column in zip(*(p[:-1] for p in found.values()), strict=True)]
+        passages = Passages._make([*columns, parts[2]])
+        return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
 
     # --- where the run is -----------------------------------------------------------------------------------------
 
@@ -572,7 +538,7 @@ class HybridDriver:
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([self._part(self.state[None, :].copy())])[0]
+        return self._rows([Span(self.track, self.whole, 1)], {self.track: [self.state[None]]})
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""
@@ -606,8 +572,7 @@ class HybridDriver:
         under_way, live = rest[:4], rest[4:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
         self.world.phase = track.phase
-        *whole, until = kept["carried"]
-        self.whole = np.array(whole, dtype=self.number)
+        *self.whole, until = kept["carried"].tolist()
         track.driver.restore(kept, state[: len(track.driver.state)], clock)
         self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}
         self._set_clock(until if has_clock else None)

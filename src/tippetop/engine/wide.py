@@ -31,15 +31,13 @@ class WideSteps(Called):
     """
 
     end: Any = None  # internal time of the end of the run
+    samples: list[np.ndarray]
+    times: list[Any]  # of the log, and states there
+    states: list[np.ndarray]
 
     def begin(self) -> None:
-        """Forget the rows that were kept; and samples and zeros, if the loop has none any more."""
+        """Forget the rows that were kept."""
         self.rows: list[np.ndarray] = []
-        if self.records["samples"].filled[0] == 0:
-            self.samples: list[np.ndarray] = []
-        if self.records["log"].filled[0] == 0:
-            self.times: list[Any] = []
-            self.states: list[np.ndarray] = []
         self.first = int(self.records["output"].filled[0])
 
     def step(self, motion: Motion) -> None:
@@ -59,7 +57,7 @@ class WideSteps(Called):
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
             motion.tc[:, :, 0] = ta.tc
-            if not np.isfinite(motion.tc.sum()):
+            if not np.abs(motion.tc).max() < LARGEST:
                 motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
 
     def follow(self) -> None:
@@ -121,19 +119,32 @@ class WideDriver(Driver):
     def _states(self, rows: Rows, first: int) -> np.ndarray:
         return np.array(self.stepper.rows)[:, : self.variables]
 
-    def _sampled(self) -> np.ndarray:
+    def forget(self) -> None:
+        super().forget()
+        self.stepper.samples, self.stepper.times, self.stepper.states = [], [], []
+
+    def sampled(self) -> np.ndarray:
         return np.array(self.stepper.samples, self.number).reshape(-1, len(self.state))
 
-    def _passages(self) -> Passages:
-        log, count = self.log, int(self.log.filled[0])
-        order = np.argsort(log.time[:count], kind="stable")
-        times, states = np.array(self.stepper.times, self.number), np.array(self.stepper.states, self.number)
-        columns = times, log.event, log.sign, log.at_pole, states.reshape(count, len(self.state))
-        return Passages(*(c[order] for c in columns))
+    def passages(self) -> Passages:
+        times, states = (np.array(kept, self.number) for kept in (self.stepper.times, self.stepper.states))
+        states = states.reshape(len(times), len(self.state))
+        return super().passages()._replace(times=times, states=states[:, : self.variables])
 
-    def reached(self, passages: Passages) -> Any:
-        """Return the internal time where a slice with these passages has ended."""
-        return passages.times[-1] if self.tally["upto"] < 1.0 else self.stepper.integrator.time
+    def drop(self) -> None:
+        super().drop()
+        self.stepper.times.pop()
+        self.stepper.states.pop()
+
+    def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
+        super().note(float(time), number, sign, state.astype(float))
+        self.stepper.times.append(time)
+        self.stepper.states.append(np.concatenate([state, self.state[len(state) :]]))
+
+    def reached(self) -> tuple[Any, np.ndarray]:
+        within = self.upto[0] < 1.0
+        time = self.stepper.times[-1] if within else self.stepper.integrator.time
+        return time, self.stepper.states[-1] if within else self.state
 
     @property
     def clock(self) -> tuple[Any, Any]:
@@ -145,7 +156,7 @@ class WideDriver(Driver):
         """All that is integrated."""
         return self.stepper.integrator.state
 
-    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
         ta = self.stepper.integrator
         ta.state[:], ta.dtime = state, clock

@@ -2,10 +2,11 @@
 
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
-from ..arguments import measured_values, plain
+from ..arguments import measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
@@ -14,36 +15,35 @@ from ..mechanics.system import Quantity, System
 from ..mechanics.systems import check, laws_of, load_entry_points, systems_of_laws
 from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..problem.options import run_options
 from ..runs import starting
 from ..scenario import build, reading
 from .extensions import extended, given_columns, given_events
 
 
+@takes(run_options)
 def problem_of(
     source: Any,
     friction: Any = None,
     *,
-    start: Any = None,
+    start: Mapping[str, Any] | str | Path | None = None,
     initial: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
     form: str | None = None,
     contact: Mapping[str, Any] | None = None,
-    stem: Mapping[str, Any] | None = None,
-    events: Iterable[str | Event] | str | Event | None = None,
-    columns: Iterable[str | Quantity] | str | Quantity | None = None,
-    until: Any = None,
-    **run: Any,
+    stem: Mapping[str, float] | None = None,
+    **options: Any,
 ) -> Problem:
-    """The checked Problem of what `run` takes. Raises InputError."""
+    """Return the checked Problem of what `run` takes. Raises InputError."""
     if isinstance(source, Problem):
         beside = {"friction": friction, "start": start, "initial": initial, "parameters": parameters, "system": system,
-                 "form": form, "contact": contact, "stem": stem, "events": events, "columns": columns, "until": until,
-                 **run}  # fmt: skip
+                 "form": form, "contact": contact, "stem": stem, **options}  # fmt: skip
         if surplus := [f"`{key}`" for key, value in beside.items() if value is not None]:
             words = ", ".join(surplus)
             raise InputError([f"a Problem must stand alone, but is given beside {words}: change it in `load`."])
         return checked(source)
+    events, columns = options.pop("events", None), options.pop("columns", None)
     named, own = _named(None if events is None else given_events(events), Event)
     named_columns, own_columns = _named(None if columns is None else given_columns(columns), Quantity)
     if named_columns and len(own_columns) == len(named_columns):  # they are added to all columns
@@ -61,7 +61,8 @@ def problem_of(
             _merge(tables, name, numbers)
         if start is not None and initial is not None:
             raise InputError(["`start` and `initial` are the same argument: one of them must be given, but both are."])
-        for name, given in (("start", start), ("initial", initial)):
+        starts: dict[str, Any] = {"start": start, "initial": initial}
+        for name, given in starts.items():
             if isinstance(given, str | os.PathLike):
                 given = {"from": os.fspath(given)}
             if given is not None and not isinstance(given, Mapping):
@@ -72,7 +73,7 @@ def problem_of(
             tables["form"] = form
         if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
             raise InputError([_needs_law(source)])
-        _options(tables, until, {**run, "events": named, "columns": named_columns})
+        _options(tables, options | {"events": named, "columns": named_columns})
         chosen = extended(chosen, own, own_columns)
         if own_columns and named_columns is None and "columns" in tables.get("run", {}):
             tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in own_columns)]
@@ -179,7 +180,7 @@ def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> 
         tables["initial"] = system.replaced(base, plain(given))
 
 
-def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
+def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     """Applies options of the run; those that are None are not given."""
     given = {key: plain(value) for key, value in run.items() if value is not None}
     if "output_times" in given:
@@ -189,14 +190,10 @@ def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
     base = tables.get("run", {})
     if not isinstance(base, dict):  # the check of the scenario says so
         return
-    base = reading.without_output(base, given)
-    tables["run"] = {**base, **given}
-    if until is not None:
-        until = plain(until)
-        times = base.get("output_times")
-        tables["run"]["until"] = until
-        if isinstance(times, list) and isinstance(until, int | float):
-            tables["run"]["output_times"] = reading.times_until(times, until)
+    tables["run"] = {**reading.without_output(base, given), **given}
+    until, times = given.get("until"), base.get("output_times")
+    if isinstance(times, list) and isinstance(until, int | float) and "output_times" in tables["run"]:
+        tables["run"]["output_times"] = reading.times_until(times, until)
 
 
 def table_of(law: Any) -> dict[str, Any]:

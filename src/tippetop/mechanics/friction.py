@@ -22,7 +22,7 @@ from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 PARTS = {
     "mu_r": number(
         METRE,
-        "rolling resistance of a tippe top: torque per normal force; none within impacts",
+        "rolling resistance of a tippe top: torque per normal force",
         symbol=r"\mu_r",
         least=0,
         default=0.0,
@@ -30,7 +30,7 @@ PARTS = {
     ),
     "mu_d": number(
         METRE,
-        "drilling torque of a tippe top, per normal force; none within impacts",
+        "drilling torque of a tippe top, per normal force",
         symbol=r"\mu_d",
         least=0,
         default=0.0,
@@ -194,7 +194,7 @@ class Contensou(FrictionLaw):
     patch: Number = number(METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", symbol="a", above=0)
     mu_r: Number = number(
         METRE,
-        "rolling resistance: torque per normal force; none within impacts",
+        "rolling resistance: torque per normal force",
         symbol=r"\mu_r",
         least=0,
         default=0.0,

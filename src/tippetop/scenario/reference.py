@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from annotated_types import Ge, Gt, Lt
+from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from ..mechanics.contact.opening import ABOVE, opened
@@ -15,8 +16,10 @@ from ..mechanics.friction import LAWS, PARTS, FrictionLaw
 from ..mechanics.number import Number
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws, that_open
-from ..problem import ORIENTATION, PSI, UNTIL
-from .schema import ContactTable, RunTable, Table
+from ..mechanics.units import Unit
+from ..problem import ORIENTATION, PSI
+from ..problem.options import UNITS, UNTIL
+from .schema import ContactTable, RunTable
 
 
 class Section(NamedTuple):
@@ -86,7 +89,9 @@ def allowed(annotation: Any, metadata: Iterable[Any] = ()) -> str:
     return " ".join([KINDS.get(annotation, "a table"), ", ".join(words)]).strip()
 
 
-def keys_of(table: type[Table], rules: Mapping[str, Number]) -> list[tuple[str, ...]]:
+def keys_of(
+    table: type[BaseModel], rules: Mapping[str, Number], units: Mapping[str, Unit] | None = None
+) -> list[tuple[str, ...]]:
     """The keys of a table of a scenario or of a plan.
 
     Parameters
@@ -95,6 +100,8 @@ def keys_of(table: type[Table], rules: Mapping[str, Number]) -> list[tuple[str, 
         The model of the table, whose fields are described.
     rules
         The numbers among them that have a record, by key.
+    units
+        Units of the others.
 
     Returns
     -------
@@ -107,7 +114,8 @@ def keys_of(table: type[Table], rules: Mapping[str, Number]) -> list[tuple[str, 
             must = rule.must().removeprefix("must be ")
             text, unit = field.description or rule.long_name, rule.unit.symbol
         else:
-            must, text, unit = allowed(field.annotation, field.metadata), field.description or "", ""
+            must, text = allowed(field.annotation, field.metadata), field.description or ""
+            unit = (units or {})[name].symbol if name in (units or {}) else ""
         if field.is_required():
             must += "; must be given"
         elif field.default is not None and field.default is not PydanticUndefined:
@@ -163,7 +171,7 @@ def scenario() -> list[Section]:
         ),
         Section("[contact]", "", KEYS, keys_of(ContactTable, CONTACT)),
         Section("[stem]", "", KEYS, _numbers(STEM)),
-        Section("[run]", "", KEYS, keys_of(RunTable, {"until": UNTIL})),
+        Section("[run]", "", KEYS, keys_of(RunTable, {"until": UNTIL}, UNITS)),
     ]
 
 

@@ -70,7 +70,7 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
     state = [*(f"y[{i}]" for i in range(n)), *numbers]
     well = ("z", "first", "second")
 
-    def made(symbols: Sequence[Any]) -> Any:
+    def fill(symbols: Sequence[Any]) -> Any:
         return refill(template, iter(symbols))
 
     def body(symbols: Sequence[Any]) -> list:
@@ -79,7 +79,7 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
 
     def of(symbols: Sequence[Any]) -> tuple[Any, Any, Any]:
         q, carried = symbols[: variables.moving], symbols[variables.moving : n]
-        return type(form.units)(*q), variables.carried(*carried), made(symbols[n:])
+        return type(form.units)(*q), variables.carried(*carried), fill(symbols[n:])
 
     def rates(symbols: Sequence[Any]) -> list:
         q, carried, b = of(symbols)
@@ -87,12 +87,12 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
 
     def start(symbols: Sequence[Any]) -> list:
         s, z, *rest = symbols
-        data, b = dict(zip(given, rest, strict=False)), made(rest[len(given) :])
+        data, b = dict(zip(given, rest, strict=False)), fill(rest[len(given) :])
         q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
         return [*q, *carried]
 
     def weights(symbols: Sequence[Any]) -> list:
-        b = made(symbols)
+        b = fill(symbols)
         mass, length = system.scales(b)
         return [_power(unit, mass, length, sqrt(length / b.g)) for unit in variables.units.values()]
 
@@ -103,10 +103,10 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
         "start": _function(("sine", "z", "d", "b"), ["sine", "z", *data, *numbers], start),
         "weights": _function(("b",), numbers, weights),
         "seen": _function(("y", "b", "out"), state, lambda symbols: seen(system, form, *of(symbols)), fills=True),
-        "sizes": _function(("b",), numbers, lambda symbols: sizes(made(symbols), heavy=heavy)),
+        "sizes": _function(("b",), numbers, lambda symbols: sizes(fill(symbols), heavy=heavy)),
         "thresholds": _thresholds(system, template, numbers),
         "potential": _function(
-            (*well, "b"), [*well, *numbers], lambda symbols: _potential(system, symbols, made(symbols[3:]))
+            (*well, "b"), [*well, *numbers], lambda symbols: _potential(system, symbols, fill(symbols[3:]))
         )
         if system.potential
         else "null",

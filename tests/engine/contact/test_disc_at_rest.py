@@ -10,6 +10,8 @@ from touching import ROCKING
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact.disc_at_rest import margin
 from tippetop.mechanics.contact.opening import opened
+from tippetop.mechanics.contact.single_contact import regions_of
+from tippetop.mechanics.contact.state import Row, moving
 from tippetop.mechanics.operand import Vector
 from tippetop.mechanics.units import SECOND
 from tippetop.runs.run import solve
@@ -64,6 +66,27 @@ def test_where_a_disc_comes_to_rest_its_velocities_are_continuous():
     for name in ("theta_dot", "omega3", "phi_dot"):
         before, after = getattr(c, name)[k - 1 : k + 1]
         assert abs(after - before) < 3e-5 + 1e3 * dt, name
+
+
+def test_the_reaction_jumps_where_a_disc_stops_and_is_continuous_where_it_gives_way():
+    """The mobility is invertible: the force that keeps v_A = 0 is that of sliding only where v_A' = 0 before."""
+    done = solve(rocking(output="steps"))
+    b, phases = done.problem.internal_body, opened(done.problem.system, done.problem.law, 1).phases
+    rows = [Row(*row[: len(Row._fields)]) for row in done.rows]
+    rests = np.array([row.phase for row in rows]) == REST
+    changes = np.flatnonzero(np.diff(rests.astype(int)))
+    assert len(changes) == 3
+    for k in changes:
+        x = moving(rows[k if rests[k + 1] else k + 1], ())  # the end of a slide, or its beginning
+        slip, rest = phases["slip-" + regions_of(x, done.problem.law.regions, b)[0]], phases["rest"]
+        q = slip.enter(x, b)
+        sliding, held = (np.array(phase.reaction(phase.enter(x, b), b).force) for phase in (slip, rest))
+        jump = np.linalg.norm(held - sliding)
+        slows = np.hypot(*slip.form.rates(q, b)[6:8])
+        if rests[k + 1]:
+            assert min(jump, slows) > 1e-4
+        else:
+            assert max(jump, slows) < 2e-6
 
 
 def held(done, c):

@@ -98,7 +98,7 @@ def random_flights(rng: np.random.Generator, zeros: int, count: int) -> list[tup
     found: list[tuple[Moving, Touch, float]] = []
     while len(found) < count:
         b, L = body(rng.uniform(-0.6, 0.6)), rng.normal(size=3) * 10 ** rng.uniform(-1, 1.2)
-        theta, gap = rng.uniform(0.05, 3.1), 10 ** rng.uniform(-3, 0.3) if zeros == 0 else 0.0
+        theta, gap = rng.uniform(0.05, 3.1), 10 ** rng.uniform(-12, 0.3) if zeros == 0 else 0.0
         rise = rng.normal() * 10 ** rng.uniform(-2, 0.5) if zeros < 2 else 0.0
         x = state(b, theta, L, rise, gap)
         if zeros == 3:  # L sets the second derivative
@@ -119,13 +119,13 @@ def test_a_body_that_does_not_turn_lands_as_a_point_does(flights: Flights) -> No
 @pytest.mark.parametrize("zeros", [0, 1, 2, 3])
 @pytest.mark.parametrize("count", [150, at_night(2500)])
 def test_no_landing_is_missed(zeros: int, count: int, flights: Flights, rng: np.random.Generator) -> None:
-    """The gap vanishes at the landing, falling, and nowhere before it."""
+    """The gap vanishes at the landing, falling, and nowhere before it; to the rounding error of the height."""
     for x, b, gap in random_flights(rng, zeros, count):
         t = np.longdouble(flights.landing(x, b, zeros)[0])
-        near = np.array([t - 1e-6, t + 1e-6])
-        speed = np.diff(gap_at(x, b, gap, near))[0] / 2e-6
+        near = np.array([t - 1e-9, t + 1e-9])
+        speed = np.diff(gap_at(x, b, gap, near))[0] / 2e-9
         assert speed < 0
-        assert abs(gap_at(x, b, gap, t)) <= 1e-16 + 1e-13 * abs(speed) * max(1, t)
+        assert abs(gap_at(x, b, gap, t)) <= 5e-16 + 1e-13 * abs(speed) * max(1, t)
         assert gap_at(x, b, gap, np.linspace(0, t, 4002, dtype=np.longdouble)[1:-1]).min() > -1e-14
 
 

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from tippetop.engine import impacts
 from tippetop.engine.impacts import Impacts, SlidingImpacts
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.impact_motion import Motion, beyond_rest
+from tippetop.mechanics.contact.impact_motion import Blow, Motion, Push, beyond_rest, growth, slip_rates, speeds
 from tippetop.mechanics.contact.response import Mobility, mobility, spin_mobility
 from tippetop.mechanics.contact.state import Moving
 from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck
@@ -377,6 +377,18 @@ def test_an_impact_has_no_kinks_at_borders_of_regions() -> None:
     made = np.array([hit((0.1, -0.05, -0.2), 1.0, DISC, 0.5, Omega_z=t)[:6] for t in turns])
     jumps = np.abs(np.diff(made, 4, axis=0)).max(axis=0)
     assert np.all(jumps < 3e-3 * np.ptp(made, axis=0))
+
+
+def test_growth_is_half_the_rate_of_the_square_of_the_slip(rng: np.random.Generator) -> None:
+    """That of the slip after a small impulse less that before it: exact, for a square."""
+    for _ in range(10):
+        b, push = Blow(*rng.normal(size=10), None), Push(*rng.normal(size=3))
+        q, h = Motion(*rng.normal(size=10)), 1e-3
+        rates = slip_rates(push, b)
+        later, before = (
+            q._replace(v_e=q.v_e + t * rates[0], v_2=q.v_2 + t * rates[1], turn=q.turn + t * rates[2]) for t in (h, -h)
+        )
+        assert growth(q, push, b) == pytest.approx((sum(speeds(later)) - sum(speeds(before))) / (4 * h), rel=1e-9)
 
 
 def test_impacts_of_a_mobility_are_those_of_the_body() -> None:

@@ -144,6 +144,12 @@ def test_a_rolling_resistance_that_lifts_the_body_is_refused():
         scenario(LAWS["coulomb"], parts={"mu_r": 0.1})
 
 
+@pytest.mark.parametrize("law", ["viscous", "coulomb"])
+def test_quadruple_precision_is_refused(law):
+    with pytest.raises(tt.InputError, match=r'must be "double" or "longdouble" with `friction.mu_r`'):
+        scenario(LAWS[law], initial=SLIDING, run={"precision": "quad"})
+
+
 def test_laws_without_parts_keep_their_bits():
     """Parts of zero give the same motion by other formulas."""
     plain = solve(scenario(LAWS["viscous"], parts=None, initial=SLIDING, contact={}))

@@ -11,9 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.impact import impact_rates
 from tippetop.mechanics.contact.response import Mobility, jumps, mobility
-from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck, struck_planar
+from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck
 from tippetop.mechanics.contact.uniqueness import painleve_bound
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector
@@ -36,6 +35,13 @@ def random_impact(rng: np.random.Generator, most: float = 1.0) -> tuple:
     ball = (BALL, STEM)[rng.integers(2)]
     v = rng.normal(0, 1, 3) * 10 ** rng.uniform(-1, 1, 3)
     return v[0], v[1], -abs(v[2]), at(rng.uniform(0, np.pi), ball), rng.uniform(0.02, most * min(1, BOUNDS[ball]))
+
+
+def impact_rates(beta: float, log_w: float, v_n: float, K: Mobility, mu: float) -> tuple:
+    """The equations of an impact that slips, by sigma, dp = w dsigma: direction, log w, v_n, impulse and work."""
+    C, S, w = np.cos(beta), np.sin(beta), np.exp(log_w)
+    along, across = K.ez - mu * C * K.ee, -(mu * S * K.tt)
+    return C * across - S * along, C * along + S * across, w * (K.zz - mu * C * K.ez), w, w * v_n
 
 
 def balanced(v: tuple, K: Mobility, made: Impact) -> None:
@@ -257,7 +263,7 @@ def test_a_planar_impact_is_made_of_straight_pieces(law: str, rng: np.random.Gen
     for _ in range(150):
         v_x, _, v_n, K, mu = random_impact(rng)
         v_x = 0.0 if rng.random() < 0.1 else v_x
-        made = struck_planar(v_x, v_n, K, mu, 0.7, law)
+        made = struck(v_x, 0.0, v_n, K, mu, 0.7, law)
         expected = planar(v_x, v_n, K, mu, 0.7, law)
         size = max(abs(v_x), abs(v_n))
         assert (made.v_e, made.v_n) == pytest.approx(expected[:2], rel=0, abs=1e-12 * size)

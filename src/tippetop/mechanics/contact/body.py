@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
+from ..inlining import inlined
 from ..number import Record
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
@@ -111,12 +112,14 @@ def arm2(z, b):
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
+@inlined
 @formula
 def axis_rate(u, L, b):
     """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return times(1 / b.I1, cross(L, u))
 
 
+@inlined
 @formula
 def angular_velocity(u, L, b):
     """omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
@@ -136,6 +139,7 @@ def arm_velocity(u, L, b):
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
 
 
+@inlined
 @formula
 def contact_velocity(u, L, V, b):
     """v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
@@ -144,6 +148,7 @@ def contact_velocity(u, L, V, b):
     return plus(V, arm_velocity(u, L, b))
 
 
+@inlined
 @formula
 def centre_velocity(u, L, v, b):
     """The velocity of the centre of mass, (3,) [m/s], where that of the contact point is v."""
@@ -269,16 +274,3 @@ def modified_energy_rate(push_u, push_n, s, b):
     """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
     turn = (b.c - b.R * s.z) * s.phi_dot_s2 + b.R * (s.L3 / b.I3) * s.s2
     return b.m * (height(s.z, b) * (s.z_dot * push_u) + turn * push_n) / s.s2
-
-
-@formula
-def vertical_inertia(z, b):
-    """Half of I1 + m c^2 sin(theta)^2 [kg m^2]: the factor of theta'^2 where the reaction is vertical. [section 3.3]"""
-    return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
-
-
-@formula
-def vertical_potential(z, Lz, L3, b):
-    """E - m|r'|^2/2 - vertical_inertia theta'^2 [J], by L_z and L_3 about the centre of mass: without friction both
-    are constant, and this is the effective potential of the nutation."""
-    return height_energy(z, b) + L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * b.I1 * ((1 - z) * (1 + z)))

@@ -9,23 +9,10 @@ from typing import Any, NamedTuple
 from ..friction import load
 from ..operand import Operand, Vector, cross, formula, plus, times
 from .body import angular_velocity, arm, height
-from .response import Components, bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
+from .response import bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
 
 
 # --- slip ------------------------------------------------------------------------------------------------------------
-
-
-@formula
-def slip_normal_force(b, K, n_e, body):
-    """N of slip [N], from b_z + zhat.K F = 0; falls through zero where the ball lifts off. [T 3.34 with mu n]"""
-    return -b.z / (K.zz - body.friction.mu * n_e * K.ez)
-
-
-@formula
-def slip_force(b, K, n_e, n_t, body):
-    """F of slip along n = n_e e + n_t 2hat, Components [N]."""
-    N = slip_normal_force(b, K, n_e, body)
-    return Components(-(body.friction.mu * N * n_e), -(body.friction.mu * N * n_t), N)
 
 
 @formula
@@ -90,13 +77,6 @@ def slip_motion(u, L, n, body):
 
 
 @formula
-def reaction_of_rolling(b, K):
-    """F that keeps the contact point at rest, Components [N]. [contact 2.3]"""
-    det = K.ee * K.zz - K.ez**2
-    return Components((K.ez * b.z - K.zz * b.e) / det, -b.t / K.tt, (K.ez * b.e - K.ee * b.z) / det)
-
-
-@formula
 def reaction_of_rolling_vector(u, b, body):
     """F that keeps the contact point at rest, (3,) [N]: -K^-1 b."""
     F = mobility_inverse_times(u, b, body)
@@ -109,6 +89,12 @@ def sticking(u, L, body):
     b, per_force = bias_vector(u, L, body), load(angular_velocity(u, L, body), body.friction)
     if per_force is None:
         return reaction_of_rolling_vector(u, b, body), None
+    return held_point(u, b, per_force, body)
+
+
+@formula
+def held_point(u, b, per_force, body):
+    """Force and torque (3,) that cancel the acceleration b of the contact point, with this torque per normal force."""
     of_bias = mobility_inverse_times(u, b, body)
     of_torque = mobility_inverse_times(u, torque_acceleration(u, per_force, body), body)
     N = -of_bias.z / (1 + of_torque.z)

@@ -66,10 +66,17 @@ def jumped(u, L, V, by, b):
 def holding(u, L, rolling, body):
     """What keeps a disc at rest, of a body whose v_A and Omega_z are zero; `rolling`, (3,) [m], is the torque of
     rolling resistance per normal force."""
-    by, excess = turning(u, body), (1 / body.I3 - 1 / body.I1) * dot(L, u)
+    excess = (1 / body.I3 - 1 / body.I1) * dot(L, u)
     free = excess * axis_rate(u, L, body).z  # Omega_z' without them
+    return held_disc(u, bias_vector(u, L, body), free, rolling, body)
+
+
+@formula
+def held_disc(u, bias, free, rolling, body):
+    """The same against the acceleration `bias` of the contact point, and Omega_z' = `free`."""
+    by = turning(u, body)
     loaded = dot(by.turn, rolling)
-    b = plus(bias_vector(u, L, body), times(-free / by.own, by.along))
+    b = plus(bias, times(-free / by.own, by.along))
     r = plus(torque_acceleration(u, rolling, body), times(-loaded / by.own, by.along))
     of_bias = other_mobility_inverse_times(u, b, by.excess, body)
     of_rolling = other_mobility_inverse_times(u, r, by.excess, body)

@@ -166,6 +166,7 @@ def brought_to_rest(x: Moving, sides: Callable, b: Touch, drills: bool) -> Movin
     p, turn = sum_of(both, "force"), sum_of(both, "turn")
     L, velocity = plus(x.L, turn), plus(x.velocity, times(1 / b.m, p))
     mean = times(0.5, plus(angular_velocity(x.u, x.L, b), angular_velocity(x.u, L, b)))
-    work = -(dot(p, times(0.5, plus(x.velocity, velocity))) + dot(turn, mean))
+    work = b.m * b.g * (x.height - height(x.u.z, b))  # of the rest of its fall
+    work = work - (dot(p, times(0.5, plus(x.velocity, velocity))) + dot(turn, mean))
     x = gained(x._replace(L=L, velocity=velocity._replace(z=0 * p.z)), work=work, impulse=p.z)
     return gained(x, jellett_lost=jellett_lost(both)) if drills else x

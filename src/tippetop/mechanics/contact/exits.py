@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..form import CLOCK, Next
-from ..friction import named
+from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from . import body as contact
 from .body import Touch
@@ -85,7 +85,7 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
 
 def law_of(world: Any) -> Any:
     """Return the law of the contact."""
-    return named(type(world.body[0].friction), world.system.laws)
+    return type(world.body[0].friction)
 
 
 def point(x: Moving, b: Touch) -> Vector:
@@ -93,9 +93,10 @@ def point(x: Moving, b: Touch) -> Vector:
     return contact.contact_velocity(x.u, x.L, x.velocity, b)
 
 
-def rise(x: Moving, b: Touch) -> float:
+@inlined
+def rise(x: Moving, b: Touch) -> Any:
     """Return its vertical component."""
-    return float(x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z)
+    return x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z
 
 
 def size(v: Vector) -> Any:
@@ -280,8 +281,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact, after = world.struck(x, b, e_n)
     x = gained(x, work=-after.gained, impulse=after.p.z)
-    if impact.twist:
-        x = gained(x, jellett_lost=impact.twist * contact.arm(x.u, b).z)
+    if any(after.twist):
+        x = gained(x, jellett_lost=dot(after.twist, contact.arm(x.u, b)))
     velocity, v_n = after.velocity, after.v.z
     if e_n == 0:
         velocity, v_n = velocity._replace(z=velocity.z - v_n), 0.0  # it does not rise by rounding

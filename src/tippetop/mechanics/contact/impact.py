@@ -6,27 +6,10 @@ horizontal slip w (cos beta e + sin beta 2hat) nothing is singular where the sli
 
 from typing import NamedTuple
 
-from ..operand import Operand, Vector, cos, dot, exp, formula, plus, sin, sqrt
+from ..inlining import inlined
+from ..operand import Operand, Vector, dot, formula, plus, sqrt
 from .body import angular_velocity, contact_velocity
 from .response import Mobility, jumps, mobility
-
-
-class ImpactRates(NamedTuple):
-    """By sigma [kg]: of the direction beta and log w, of v_n, of the normal impulse and of its work."""
-
-    beta: Operand
-    log_w: Operand
-    v_n: Operand
-    impulse: Operand
-    work_n: Operand
-
-
-@formula
-def impact_rates(beta, log_w, v_n, K, mu):
-    """The equations of an impact that slips."""
-    C, S, w = cos(beta), sin(beta), exp(log_w)
-    along, across = K.ez - mu * C * K.ee, -(mu * S * K.tt)
-    return ImpactRates(C * across - S * along, C * along + S * across, w * (K.zz - mu * C * K.ez), w, w * v_n)
 
 
 # --- what arrives -----------------------------------------------------------------------------------------------------
@@ -43,12 +26,18 @@ class Arrival(NamedTuple):
     K: Mobility
 
 
+@inlined
+@formula
+def meeting(u, L, velocity, b):
+    """v_A, sin(theta), the speed of sliding, and the mobility."""
+    v, s = contact_velocity(u, L, velocity, b), sqrt(u.x * u.x + u.y * u.y)
+    return v, s, sqrt(v.x * v.x + v.y * v.y), mobility(s, u.z, b)
+
+
 @formula
 def arrival(u, L, velocity, b):
     """What arrives, of a body with this axis, momentum and velocity of the centre of mass."""
-    v = contact_velocity(u, L, velocity, b)
-    s = sqrt(u.x * u.x + u.y * u.y)
-    w = sqrt(v.x * v.x + v.y * v.y)
+    v, s, w, K = meeting(u, L, velocity, b)
     none = 0 * s
     if s > 0:
         e = Vector(u.x / s, u.y / s, none)
@@ -56,26 +45,28 @@ def arrival(u, L, velocity, b):
         e = Vector(v.x / w, v.y / w, none)
     else:
         e = Vector(none + 1, none, none)
-    return Arrival(v, e, s, v.x * e.x + v.y * e.y, e.x * v.y - e.y * v.x, mobility(s, u.z, b))
+    return Arrival(v, e, s, v.x * e.x + v.y * e.y, e.x * v.y - e.y * v.x, K)
 
 
 class Struck(NamedTuple):
-    """A body after an impact: impulse, L, velocities of the centre of mass and of the contact point, energy gained."""
+    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and of the contact
+    point, energy gained."""
 
     p: Vector
+    twist: Vector
     L: Vector
     velocity: Vector
     v: Vector
     gained: Operand
 
 
+@inlined
 @formula
 def after_impact(u, L, velocity, a, p_e, p_2, p_z, twist, b):
-    """The body after an impulse at its contact and, of a patch, one of a torque about the vertical."""
+    """The body after an impulse at its contact and one of a torque, (3,)."""
     p = Vector(p_e * a.e.x - p_2 * a.e.y, p_e * a.e.y + p_2 * a.e.x, p_z)
     pushed, turned = jumps(u, p, b)
-    velocity, newer = plus(velocity, pushed), plus(L, turned)
-    newer = Vector(newer.x, newer.y, newer.z + twist)
+    velocity, newer = plus(velocity, pushed), plus(plus(L, turned), twist)
     v = contact_velocity(u, newer, velocity, b)
-    drilled = twist * (angular_velocity(u, L, b).z + angular_velocity(u, newer, b).z)
-    return Struck(p, newer, velocity, v, (dot(p, a.v) + dot(p, v) + drilled) / 2)
+    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
+    return Struck(p, twist, newer, velocity, v, (dot(p, a.v) + dot(p, v) + drilled) / 2)

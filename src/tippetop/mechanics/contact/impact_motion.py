@@ -17,6 +17,7 @@ from ..disc_friction import Border, Region
 from ..events import Event
 from ..form import Form
 from ..friction import slip_coefficient
+from ..inlining import inlined
 from ..operand import formula
 from ..units import ONE
 
@@ -94,6 +95,7 @@ class Sliding(NamedTuple):
 
     form: Form
     push: Callable  # push(q, b)
+    slope: Callable  # slope(q, b) -> lift and growth
     events: tuple[Event, ...]  # formula(q, push, b)
     signs: tuple[int, ...]  # of their functions before they happen
     follows: dict[str, str]  # the next region, by the event of a border
@@ -119,6 +121,11 @@ def sliding(region: Region | None, restitution: str) -> Sliding:
         impulses = per * by.e, per * by.t, per, per * by.turn
         return Motion._make((*slips, 1 / CLOCK_RATE + 0 * q.v_n, *impulses, per * q.v_n, per * power))
 
+    @inlined
+    def slope(q, b):
+        by = push(q, b)
+        return lift(by, b), growth(q, by, b)
+
     def restored(q, push, b):
         return getattr(q, RESTORED[restitution])
 
@@ -132,7 +139,7 @@ def sliding(region: Region | None, restitution: str) -> Sliding:
         follows = {way.event: way.follows for way in region.borders if way.event != "slow"}
         events += [STOPS, *(border(way) for way in region.borders if way.event in follows)]
     form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
-    return Sliding(form, push, tuple(events), tuple(-event.direction for event in events), follows)
+    return Sliding(form, push, slope, tuple(events), tuple(-event.direction for event in events), follows)
 
 
 def held(q: Any, b: Any, until: Any, restitution: str) -> tuple[Any, str]:

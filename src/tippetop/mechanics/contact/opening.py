@@ -11,6 +11,7 @@ from typing import Any
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
+from ..inlining import inlined
 from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
@@ -148,7 +149,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
     near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
-    ways = {CLOCK: (name, "", 0)}
+    ways = {}
     for at, region in enumerate(regions):
         for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
@@ -171,10 +172,11 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
         following = tuple(other for other, label in near.items() if label in labels)
         return Exit(event, following or tuple(bare), jump)
 
-    names = (*(event.name for event in phase.events), *((CLOCK,) if regions or phase.label == "flight" else ()))
+    names = (*(event.name for event in phase.events), *((CLOCK,) if phase.label == "flight" else ()))
     exits = tuple(map(way_out, names))
     forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
-    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball)
+    fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
+    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
 
 
 # --- systems --------------------------------------------------------------------------------------

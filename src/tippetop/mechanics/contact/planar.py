@@ -8,50 +8,19 @@ the centre of mass.
 from collections import namedtuple
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..form import Form, Phase
-from ..operand import Operand, Vector, cos, formula
+from ..operand import Vector, cos
 from ..units import METRE_PER_SECOND, ONE, RADIAN_PER_SECOND
 from .body import Touch, height
-from .coulomb import reaction_of_rolling, slip_force
+from .coulomb import slip_motion
 from .integrals import integral
 from .orientation import planar
-from .response import bias, contact_acceleration, mobility
 from .single_contact import FLIGHT, LIFTOFF, ROLL, SLIP, STICK
 from .state import PLANAR_ROW, Moving, Reaction, filled, planar_theta_dot
-
-
-class Planar(NamedTuple):
-    """The force at the contact [N], and what it leads to."""
-
-    F_x: Operand
-    N: Operand
-    theta_dot2: Operand  # theta'' [rad/s^2]
-    nu_x_dot: Operand  # nu_x' [m/s^2]
-
-
-@formula
-def moved(b, K, F, s, z, body):
-    """The motion with the force F, Components."""
-    theta_dot2 = -(body.c * s * F.z + height(z, body) * F.e) / body.I1
-    return Planar(F.e, F.z, theta_dot2, contact_acceleration(b, K, F).e)
-
-
-@formula
-def slip(s, z, theta_dot, sigma, body):
-    """The motion while the cylinder slips in the direction sigma."""
-    b, K = bias(s, z, theta_dot, 0, 0, body), mobility(s, z, body)
-    return moved(b, K, slip_force(b, K, sigma, 0, body), s, z, body)
-
-
-@formula
-def roll(s, z, theta_dot, body):
-    """The motion while the cylinder rolls; nu_x' vanishes to rounding."""
-    b, K = bias(s, z, theta_dot, 0, 0, body), mobility(s, z, body)
-    return moved(b, K, reaction_of_rolling(b, K), s, z, body)
 
 
 # --- phases ---------------------------------------------------------------------------------------
@@ -90,15 +59,16 @@ Signed: Any = namedtuple("Signed", "z theta_dot nu_x force")
 
 
 def signed(q, b):
-    """The motion of a state. [contact 2.7]"""
-    return slip(q.s, q.z, q.theta_dot, q.sigma, b)
+    """The slide of a state. [contact 2.7]"""
+    x = signed_leave(q, b)
+    return slip_motion(x.u, x.L, Vector(q.sigma, x.u.y, x.u.y), b)
 
 
 def signed_rates(q, b):
     """theta'' and nu_x' of sliding; the sign stays."""
     by = signed(q, b)
     turn = q.z * q.theta_dot, -(q.s * q.theta_dot)
-    return type(SIGNED)(*turn, by.theta_dot2, by.nu_x_dot, 0 * q.z)
+    return type(SIGNED)(*turn, by.turn.y / b.I1, q.sigma * by.P, 0 * q.z)
 
 
 def signed_leave(q, b):
@@ -110,8 +80,7 @@ def signed_leave(q, b):
 
 def signed_reaction(q, b):
     """The force on a cylinder that slides."""
-    by = signed(q, b)
-    return Reaction(Vector(by.F_x, 0 * q.z, by.N))
+    return Reaction(signed(q, b).force)
 
 
 def signed_enter(x, b):
@@ -131,12 +100,12 @@ SIGNED_FORM = Form(
     "angle",
     SIGNED,
     signed_rates,
-    lambda q, b: Signed(q.z, q.theta_dot, q.nu_x, signed(q, b).N),
+    lambda q, b: Signed(q.z, q.theta_dot, q.nu_x, signed(q, b).force.z),
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
         integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * height(q.z, b)),
-        integral("work", lambda q, carried, b: -(signed(q, b).F_x * q.nu_x)),
-        integral("impulse", lambda q, carried, b: signed(q, b).N),
+        integral("work", lambda q, carried, b: -(signed(q, b).force.x * q.nu_x)),
+        integral("impulse", lambda q, carried, b: signed(q, b).force.z),
     ),
     orientation=planar(lambda q: (q.s, q.z)),
 )

@@ -5,16 +5,9 @@ Components along e, 2hat, zhat (names without `vector`) are singular at the pole
 
 from typing import NamedTuple
 
+from ..inlining import inlined
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from .body import angular_velocity, arm, arm2, axis_rate, height
-
-
-class Components(NamedTuple):
-    """Components of a vector along e, 2hat and zhat."""
-
-    e: Operand
-    t: Operand  # along 2hat = zhat x e
-    z: Operand
 
 
 class Mobility(NamedTuple):
@@ -26,6 +19,7 @@ class Mobility(NamedTuple):
     tt: Operand  # K_22
 
 
+@inlined
 @formula
 def mobility(s, z, b):
     """K by sin(theta), cos(theta). [contact 1]"""
@@ -85,17 +79,7 @@ def other_mobility_inverse_times(u, x, excess, b):
     )
 
 
-@formula
-def bias(s, z, theta_dot, phi_dot, omega3, b):
-    """b, the acceleration of the contact point without a force there [m/s^2]. [contact 1]"""
-    H, q, swing = height(z, b), b.c - b.R * z, theta_dot**2 + (phi_dot * s) ** 2
-    return Components(
-        s * phi_dot * omega3 * (b.I3 * H / b.I1 - b.R) - b.c * (s * swing),
-        omega3 * theta_dot * (b.I3 * q / b.I1 + b.R * z),
-        -b.g - b.c * (z * swing - b.I3 * (phi_dot * omega3 * s**2) / b.I1),
-    )
-
-
+@inlined
 @formula
 def bias_vector(u, L, b):
     """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free rotation."""
@@ -111,17 +95,12 @@ def bias_vector(u, L, b):
 
 
 @formula
-def contact_acceleration(b, K, F):
-    """b + K F, Components [m/s^2]."""
-    return Components(b.e + K.ee * F.e + K.ez * F.z, b.t + K.tt * F.t, b.z + K.ez * F.e + K.zz * F.z)
-
-
-@formula
 def contact_acceleration_vector(u, b, F, body):
     """b + K F, (3,) [m/s^2]."""
     return plus(b, mobility_times(u, F, body))
 
 
+@inlined
 @formula
 def jumps(u, p, b):
     """What the impulse p, (3,), adds to the velocity of the centre of mass and to L: p/m and a x p."""

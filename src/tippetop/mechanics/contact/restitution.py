@@ -1,10 +1,9 @@
 """What a user says of a contact that may open: the law of impact, and the stem."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..number import Number
-from ..operand import formula
 from ..units import METRE, ONE
 
 
@@ -55,9 +54,3 @@ def stem_faults(R: float, r: float, h: float) -> list[str]:
     if not h > R - r:
         return [f"`stem.h` must exceed R - r = {R - r:.6g}, or the stem never touches the plane, but is {h:.6g}."]
     return []
-
-
-@formula
-def stem_height(height: Any, z: Any, offset: Any, radius: Any) -> Any:
-    """Height of the lowest point of the stem's ball [m], by that of the centre of mass. [contact 0]"""
-    return height - radius + offset * z

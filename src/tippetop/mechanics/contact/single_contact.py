@@ -255,17 +255,17 @@ STICK = ending(
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
     lambda s, b: s.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
 )
+SLIDES = (
+    directed_rates,
+    lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
+    directed_enter,
+    directed_leave,
+)
 DIRECTED_SLIP = phase_of(
     "slip",
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
-    (
-        directed_rates,
-        lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
-        directed_enter,
-        directed_leave,
-        lambda q, b: Reaction(directed_force(q, b)),
-    ),
+    (*SLIDES, lambda q, b: Reaction(directed_force(q, b))),
     work=lambda q, b: -(q.w * dot(direction(q), directed_force(q, b))),
     impulse=lambda q, b: directed_force(q, b).z,
 )
@@ -388,9 +388,9 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
 
     A region is the first, by rising x, whose end is not reached."""
     names = []
-    for b in bodies:
+    for b in bodies if regions else ():
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
-        s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b)) if regions else None
+        s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
         for name, region in regions.items():
             if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
                 names.append(name)
@@ -466,18 +466,7 @@ def directed_acts(q, b):
 
 WITH_PARTS = {
     "slip": slip_under(smooth_friction, (LIFTOFF, TOUCH), lambda omega, b: 0 * omega.z),
-    "directed": loaded_phase(
-        "slip",
-        DIRECTED,
-        (LIFTOFF, TOUCH, STICK),
-        (
-            directed_rates,
-            lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
-            directed_enter,
-            directed_leave,
-        ),
-        directed_acts,
-    ),
+    "directed": loaded_phase("slip", DIRECTED, (LIFTOFF, TOUCH, STICK), SLIDES, directed_acts),
     "roll": without_slip("roll", (LIFTOFF, TOUCH, replace(CONE, formula=loaded_cone)), sticking),
 }
 """The phases of contacts under laws with parts, apart from those of discs."""

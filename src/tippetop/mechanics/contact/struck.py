@@ -1,7 +1,7 @@
 """An impact from its beginning to its end: slip that turns, stops, sticks or reverses, and restitution. [contact 3.3]
 
 Slip in a direction that stays, and what follows a stop, is linear in the normal impulse: closed form. Slip that turns
-is followed in sigma (`impact.impact_rates`) by Taylor series, in variables that are polynomials of each other and keep
+is followed in sigma, dp = w dsigma, by Taylor series, in variables that are polynomials of each other and keep
 their digits: the cosine C of the direction is side (1 - b) with b small near the plane of the axis. Numbers of any
 kind: float, longdouble, mpmath; the results have the digits of the arguments.
 """
@@ -110,11 +110,6 @@ def struck(v_e: Any, v_2: Any, v_n: Any, K: Mobility, mu: Any, e_n: Any, restitu
     after = (at.side * (1 - at.b) * at.w, slip.turn * (at.b * (2 - at.b)) ** 0.5 * at.w, at.v_n)
     works = (at.work_n, -mu * at.slid, pressed.work_n)
     return Impact(at.p_e, at.p_2, at.impulse, *after, *works, slip.mode)
-
-
-def struck_planar(v_x: Any, v_n: Any, K: Mobility, mu: Any, e_n: Any, restitution: str = "energetic") -> Impact:
-    """The impact of a cylinder: every piece is linear in the normal impulse."""
-    return struck(v_x, 0 * v_x, v_n, K, mu, e_n, restitution)
 
 
 class _Slip:

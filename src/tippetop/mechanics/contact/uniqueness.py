@@ -34,35 +34,3 @@ def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
     s = np.sqrt((1 - z) * (1 + z))
     with np.errstate(divide="ignore"):
         return float(np.min((A + B * s**2) / np.abs(alpha * s * (rho - alpha * z))))
-
-
-def both_touch_at(old: tuple[float, float], new: tuple[float, float]) -> float:
-    """cos(theta) where two balls, (offset, radius) [m], touch the plane together; outside [-1, 1]: they never do.
-
-    For a body and its stem: cos(theta_s) = -(R - r)/h.
-    """
-    return (old[1] - new[1]) / (old[0] - new[0])
-
-
-def hand_over_bound(m: float, I1: float, old: tuple[float, float], new: tuple[float, float]) -> float:
-    """The mu below which the old ball lifts off by itself whenever the new one strikes the plane. [contact 4.2]
-
-    Parameters
-    ----------
-    m, I1
-        Mass and transverse moment of inertia [kg, kg m^2].
-    old, new
-        Offset and radius of the ball in contact and of the one that arrives [m].
-
-    Returns
-    -------
-    float
-        Infinite where friction at the new ball never presses the old one down; 0 where the impact does so without
-        friction; NaN if the two never touch the plane together.
-    """
-    z = both_touch_at(old, new)
-    if abs(z) > 1:
-        return math.nan
-    s = math.sqrt((1 - z) * (1 + z))
-    lever = abs((old[1] - old[0] * z) * old[0] * s)
-    return max(0.0, I1 / m + old[0] * new[0] * s**2) / lever if lever else math.inf

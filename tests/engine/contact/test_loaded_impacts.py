@@ -1,0 +1,218 @@
+"""Impacts under laws with rolling resistance and a drilling torque: Newton and Euler by DOP853, in the normal impulse,
+and the balances of momentum and energy."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from tippetop.engine.impacts import Impacts
+from tippetop.mechanics.contact.body import Touch, angular_velocity, arm, centre_velocity
+from tippetop.mechanics.contact.state import Moving
+from tippetop.mechanics.contact.struck import RESTITUTIONS
+from tippetop.mechanics.disc_friction import drag
+from tippetop.mechanics.friction import LAWS, with_parts
+from tippetop.mechanics.operand import Vector
+
+
+MU_R, MU_D, STILL, Z = 0.013, 0.007, 1e-6, np.array([0.0, 0.0, 1.0])
+FLAT = np.array([1.0, 1.0, 0.0])
+PATCH = 0.2
+
+
+def disc(v: Any, spin: float) -> tuple[Any, float]:
+    """Force and drilling torque of a disc, per normal force."""
+    by = drag(v[:2] @ v[:2], (PATCH * spin) ** 2)
+    return 0.3 * by.k * v * FLAT, -0.3 * PATCH**2 * by.twist * spin
+
+
+PUSHES = {
+    "viscous": lambda v, spin: (0.3 * v * FLAT, 0.0),
+    "mixed": lambda v, spin: ((0.1 + 0.2 / np.sqrt(v[:2] @ v[:2] + 0.01)) * v * FLAT, 0.0),
+    "none": lambda v, spin: (0 * v, 0.0),
+    "coulomb": lambda v, spin: (0.3 * v * FLAT / np.hypot(v[0], v[1]), 0.0),
+    "contensou": disc,
+}
+NUMBERS = {
+    "viscous": {"mu": 0.3},
+    "mixed": {"mu": 0.1, "mu_coulomb": 0.2, "eps": 0.1},
+    "none": {},
+    "coulomb": {"mu": 0.3},
+    "contensou": {"mu": 0.3, "patch": PATCH},
+}
+every_law = pytest.mark.parametrize("law", NUMBERS)
+_impacts: dict[tuple, Impacts] = {}
+
+
+def law_of(law: str, parts: Any = (MU_R, MU_D), **numbers: float) -> Any:
+    """The record of a law, with parts or, None, without."""
+    known = LAWS[law].given(NUMBERS[law])
+    more = {} if parts is None else dict(zip(("mu_r", "mu_d"), parts, strict=True))
+    return (known if parts is None else with_parts(known)).record(**NUMBERS[law] | numbers | more)
+
+
+def impacts(friction: Any, restitution: str) -> Impacts:
+    key = type(friction), restitution, friction[-2:] == (0, 0)
+    if key not in _impacts:
+        rules, system = SimpleNamespace(restitution=restitution), SimpleNamespace(laws=LAWS)
+        problem: Any = SimpleNamespace(contact=rules, system=system, precision="double")
+        _impacts[key] = Impacts(problem, friction)
+    return _impacts[key]
+
+
+def bodies(n: int, slides: float, seed: int = 7) -> list[tuple]:
+    """Axes, momenta and velocities before an impact."""
+    rng = np.random.default_rng(seed)
+    made = []
+    for _ in range(n):
+        u = rng.normal(size=3)
+        v = [*(slides * rng.normal(size=2)), -rng.uniform(0.1, 1.0)]
+        made.append(tuple(Vector(*map(float, x)) for x in (u / np.linalg.norm(u), rng.normal(size=3), v)))
+    return made
+
+
+def hit(u: Any, L: Any, v: Any, friction: Any, e_n: float, restitution: str = "energetic") -> tuple:
+    b = Touch(1.0, 1.0, 0.2, 0.59, 0.52, 1.0, friction)
+    x = Moving(u, L, centre_velocity(u, L, v, b), 0.0)
+    return b, x, *impacts(friction, restitution).struck(x, b, e_n)[1:]
+
+
+def newton_euler(
+    u: Any,
+    L: Any,
+    v: Any,
+    b: Any,
+    law: Any,
+    e_n: float,
+    restitution: str,
+    parts: Any = (MU_R, MU_D),
+    method: Any = "DOP853",
+    rtol: float = 1e-12,
+) -> Any:
+    """v_A, L, impulses of force and torque, works after an impact; law None: the contact point stays at rest."""
+    u = np.array(u)
+    inverse = np.linalg.inv(b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u))
+    a = b.c * u - b.R * Z
+
+    def gains(F: Any, T: Any) -> Any:
+        return F / b.m + np.cross(inverse @ (np.cross(a, F) + T), a)
+
+    def rates(p: float, y: Any) -> list:
+        v, omega = y[:3], inverse @ y[3:6]
+        rolls = -parts[0] / np.sqrt(omega[:2] @ omega[:2] + STILL**2)
+        T = np.array([rolls * omega[0], rolls * omega[1], -parts[1] * omega[2] / np.hypot(omega[2], STILL)])
+        if law is None:
+            free = gains(Z, T)[:2]
+            matrix = np.array([gains(one, 0 * Z)[:2] for one in np.eye(3)[:2]]).T
+            F = Z - np.array([*np.linalg.solve(matrix, free), 0.0])
+        else:
+            push, drills = law(v, omega[2])
+            F, T = Z - push, T + drills * Z
+        return [*gains(F, T), *(np.cross(a, F) + T), *F, *T, v[2], F[:2] @ v[:2] + T @ omega]
+
+    def followed(y: Any, function: Any) -> Any:
+        function.terminal, function.direction = True, 1
+        return solve_ivp(rates, (0, 100), y, method=method, rtol=rtol, atol=rtol / 100, events=function).y[:, -1]
+
+    y = followed([*v, *L, *(0.0,) * 8], lambda p, y: y[2])
+    ends = {"energetic": (12, (1 - e_n**2) * y[12]), "poisson": (8, (1 + e_n) * y[8]), "newton": (2, -e_n * v[2])}
+    at, goal = ends[restitution]
+    return followed(y, lambda p, y: y[at] - goal) if e_n else y
+
+
+def found(impact: Any, after: Any) -> Any:
+    return np.array([*after.v, *after.L, *after.p, *after.twist, impact.work_n, impact.work_t])
+
+
+@pytest.mark.parametrize("restitution", RESTITUTIONS)
+@every_law
+def test_sliding_is_the_motion_of_newton_and_euler(law: str, restitution: str) -> None:
+    friction = law_of(law)
+    for body in bodies(6, 10.0 if law == "coulomb" else 3.0):
+        b, _, impact, after = hit(*body, friction, 0.5, restitution)
+        assert impact.mode == "slip"
+        expected = newton_euler(*body, b, PUSHES[law], 0.5, restitution)
+        np.testing.assert_allclose(found(impact, after), expected, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("restitution", RESTITUTIONS)
+def test_a_contact_that_sticks_rolls_by_newton_and_euler(restitution: str) -> None:
+    for body in bodies(6, 0.0):
+        b, _, impact, after = hit(*body, law_of("coulomb"), 0.5, restitution)
+        assert impact.mode == "stick"
+        expected = newton_euler(*body, b, None, 0.5, restitution)
+        np.testing.assert_allclose(found(impact, after), expected, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("slides", [0.0, 0.1, 1.0])
+@every_law
+def test_impulses_are_balanced_and_take_energy(law: str, slides: float) -> None:
+    """Angular momentum about the contact point changes by the impulse of the torques alone."""
+    friction = law_of(law)
+    for body in bodies(20, slides):
+        b, x, impact, after = hit(*body, friction, 0.5)
+        u, L, _ = body
+        a = np.array(arm(u, b))
+
+        def about_contact(L: Any, V: Any, a: Any = a, m: float = b.m) -> Any:
+            return np.array(L) - m * np.cross(a, V)
+
+        def energy(L: Any, V: Any, u: Any = u, b: Any = b) -> Any:
+            return (b.m * np.dot(V, V) + np.dot(angular_velocity(u, L, b), L)) / 2
+
+        turned = about_contact(after.L, after.velocity) - about_contact(L, x.velocity)
+        np.testing.assert_allclose(turned, after.twist, rtol=0, atol=1e-14)
+        gained = energy(after.L, after.velocity) - energy(L, x.velocity)
+        assert after.gained == pytest.approx(gained, abs=2e-14)
+        assert impact.energy == pytest.approx(gained, abs=1e-13)
+        assert impact.work_t < 0
+        assert impact.work_n == pytest.approx(0.75 * impact.compression, rel=1e-12)
+        assert after.p.z > 0
+        if law == "coulomb":
+            assert np.hypot(after.p.x, after.p.y) <= 0.3 * after.p.z
+
+
+@pytest.mark.parametrize("law", [law for law in NUMBERS if law != "none"])
+def test_parts_of_zero_keep_the_bits(law: str) -> None:
+    none = {"mu_r": 0.0} if law == "contensou" else {}
+    for body in bodies(5, 1.0):
+        zero, without = (hit(*body, one, 0.5)[2:] for one in (law_of(law, (0.0, 0.0)), law_of(law, None, **none)))
+        assert zero == without
+
+
+def still_disc(v: Any, spin: float) -> tuple[Any, float]:
+    """That of a small disc, smooth at rest as in sliding."""
+    by = drag(v[:2] @ v[:2], (0.02 * spin) ** 2 + 1e-18)
+    return 0.2 * by.k * v * FLAT, -0.2 * 0.02**2 * by.twist * spin
+
+
+def test_a_disc_that_rests_gives_way_where_the_direction_of_rolling_turns() -> None:
+    """Radau's method follows it through its rest."""
+    u = Vector(np.sin(1.0), 0.0, np.cos(1.0))
+    omega = np.array([0.02, 0.13, 0.0])
+    L = Vector(*(0.59 * omega - 0.07 * (omega @ u) * np.array(u)))
+    v = Vector(0.0, 0.0, -1.0)
+    friction = law_of("contensou", (0.03, 0.0), mu=0.2, patch=0.02)
+    b, _, impact, after = hit(u, L, v, friction, 0.0)
+    assert impact.mode == "slip"
+    expected = newton_euler(u, L, v, b, still_disc, 0.0, "newton", (0.03, 0.0), "Radau", 1e-9)
+    np.testing.assert_allclose(found(impact, after), expected, rtol=0, atol=1e-6)
+
+
+def test_a_disc_without_friction_is_stopped_by_torques_alone() -> None:
+    """That of drilling stops its turning, and nothing holds it."""
+    start = Vector(0.0, 0.0, 1.0), Vector(0.0, 0.0, 1e-3), Vector(0.0, 0.0, -1.0)
+    _, _, impact, after = hit(*start, law_of("contensou", mu=0.0), 0.5)
+    assert (impact.mode, after.p.x, after.p.y) == ("slip", 0, 0)
+    assert after.twist.z == pytest.approx(-1e-3, rel=1e-6)
+    assert after.p.z == pytest.approx(1.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "viscous", "contensou"])
+def test_small_torques_change_an_impact_in_proportion(law: str) -> None:
+    """Without torques an impact is followed by other formulas, in closed form under Coulomb's law."""
+    for body in bodies(10, 1.0):
+        none, some = (np.array([*hit(*body, law_of(law, (s, s)), 0.5)[3].L]) for s in (0.0, 1e-9))
+        np.testing.assert_allclose(some, none, rtol=0, atol=4e-9)
