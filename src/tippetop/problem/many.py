@@ -87,23 +87,25 @@ class Problems:
 
     def body(self, number: Callable) -> Any:
         """The bodies in SI units, of what is given passed through `number`."""
-        friction = type(self.base.friction)(**self.given("friction"))
+        friction = self.base.friction._replace(**self.given("friction"))
         return self.base.system.body_of(self.given("parameters"), friction, number)
 
     @cached_property
     def _body(self) -> Any:
-        return self.body(self._wide)
+        body = self.body(self._wide)
+        return refill(body, map(self._wide, leaves(body)))  # some may be constants
 
     @cached_property
     def scales(self) -> Scales:
         """Internal units, (n,): the system's mass and length, and the power of two seconds that is nearest
-        sqrt(length/g).
+        sqrt(length/g), or to a second without `g`.
 
         A power of two, so that times convert without rounding: output and event times are exact.
         """
-        mass, length = self.base.system.scales(self._body)
+        mass, length = map(self._wide, self.base.system.scales(self._body))
         length = length * self._wide(self.base.form.length_unit)
-        ratio = np.sqrt(length.astype(float) / self._body.g.astype(float))
+        gravity = getattr(self._body, "g", length)  # without gravity the unit is a second
+        ratio = np.sqrt(length.astype(float) / gravity.astype(float))
         return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
 
     def unit(self, unit: Unit) -> np.ndarray:
@@ -237,8 +239,9 @@ class Problems:
         with np.errstate(all="ignore"):
             sentences = at_start(self)
         for sentence, bad in sentences:
-            faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
-            valid &= ~bad
+            if bad.any():
+                faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
+                valid &= ~bad
         valid.flags.writeable = False
         return valid, sorted(faults)
 

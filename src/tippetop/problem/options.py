@@ -2,6 +2,7 @@
 
 import inspect
 import itertools
+import textwrap
 import types
 from collections.abc import Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
@@ -10,7 +11,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 import numpy as np
 
 from ..errors import suggestion
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 from ..mechanics.units import SECOND, Unit
 from ..sampling import EvenTimes, ListedTimes
 
@@ -27,7 +28,7 @@ MOST_ROWS = 10**12
 # change E no less than 0 does (1.4e-14, 1.7e-14; 1.5e-14), and compile in 46 s where 1e-18 takes 32 s.
 LEAST_TOLERANCE = 1e-5
 
-UNTIL = Parameter(SECOND, "end of the run", above=0, most=1e16)
+UNTIL = Number(SECOND, "end of the run", above=0, most=1e16)
 
 
 def option(
@@ -38,7 +39,7 @@ def option(
     note: str = "",
     given: str = "",
     example: Any = None,
-    rule: Parameter | None = None,
+    rule: Number | None = None,
     **interval: float,
 ) -> Any:
     """Declare an option of a run.
@@ -235,5 +236,6 @@ def documentation() -> str:
         unit = f" [{about['unit'].symbol}]" if about["unit"] else ""
         note = f". {about['note'][0].upper()}{about['note'][1:]}" if about["note"] else ""
         text = f"{about['words'][0].upper()}{about['words'][1:]}{unit}{note}."
-        lines += [f"    {name} : {given_type(name).replace(' | None', ', optional')}", f"        {text}"]
+        lines += [f"    {name} : {given_type(name).replace(' | None', ', optional')}"]
+        lines += textwrap.wrap(text, 110, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines)

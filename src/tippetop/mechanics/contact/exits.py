@@ -7,16 +7,14 @@ lowest point, an impact and the body after it. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..form import CLOCK, Next
-from ..friction import Law, named
+from ..form import Next
 from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
-from ..system import System
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, slip_motion, sticking
@@ -85,16 +83,9 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
     return "-".join((*("stem",) * ball, label, *regions))
 
 
-@lru_cache
-def law_under(record: Any, system: System) -> Law:
-    """Return the law of a record in a system."""
-    return named(record, system.laws)[1]  # type: ignore[index]
-
-
-def law_of(world: Any) -> Law:
+def law_of(world: Any) -> Any:
     """Return the law of the contact."""
-    record: Any = type(world.body[0].friction)
-    return law_under(record, world.system)
+    return type(world.body[0].friction)
 
 
 def point(x: Moving, b: Touch) -> Vector:
@@ -484,7 +475,7 @@ def on_disc(n: Next, world: Any) -> Next:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
-    staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
+    staying = [way.event for way in phase.exits if getattr(way.jump, "keywords", {}).get("to") == n.phase]
     for event in phase.events:
         if event.name in (*staying, RESTS.name) and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
@@ -537,7 +528,7 @@ JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
     "liftoff": (lift_off, ("flight",)),
     "stick": (stick, ("roll", "slip", "flight")),
     "slip": (begin_slip, ("slip",)),
-    "gives": (give_way, ("slip",)),
+    "gives": (give_way, ("slip", "rest")),
     "touch": (change_ball, ()),
     "sphere-leaves": (partial(stay_on, ball=1), ()),
     "stem-leaves": (partial(stay_on, ball=0), ()),
