@@ -165,15 +165,13 @@ def _held(folder: Path) -> int:
 def remove_stale(path: Path) -> None:
     """Removes the scratch folders that killed writers of `path` left beside it, and warns, naming them.
 
-    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, or a `.NAME.old` of earlier
-    releases while `path` itself is there; neither it nor a `run.lock` in it held by anybody.
+    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, and which no process holds.
     """
     pattern = re.compile(re.escape(f".{path.name}.part-") + "[0-9a-f]{32}")
     with contextlib.suppress(OSError):
         for name in sorted(os.listdir(path.parent)):
             old = path.with_name(name)
-            earlier = name == f".{path.name}.old" and path.is_dir() and (old / "zarr.json").is_file()
-            if (earlier or pattern.fullmatch(name)) and _removed(old):
+            if pattern.fullmatch(name) and _removed(old):
                 warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
