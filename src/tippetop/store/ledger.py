@@ -280,6 +280,7 @@ class Ledger:
             yield
         except OSError as error:
             self.broken = error
+            self.check()  # a folder that is gone is the cause, not the disk
             raise
 
     def _lay_out(self) -> None:
