@@ -179,7 +179,12 @@ class SlidingImpacts:
         across, about = (spin.across * patch, spin.about * patch**2) if spin else (0, 0)
         moves = (value / mass for value in (*K, across, about))
         slip = v[0] / speed, v[1] / speed, patch * Omega_z / speed
-        rest = bool(self.law.regions) * RESTS_AT * self.eps * (abs(v[2]) / speed + speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5 + abs(slip[2]))
+        rest = (
+            bool(self.law.regions)
+            * RESTS_AT
+            * self.eps
+            * (abs(v[2]) / speed + speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5 + abs(slip[2]))
+        )
         self.b = Blow._make((*moves, z, rising / speed, speed, rest, friction))
         none = 0 * rising
         q = Motion(*slip, v[2] / rising, *(none,) * 6)

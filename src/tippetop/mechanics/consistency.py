@@ -80,14 +80,15 @@ def unmet_requirements(system: System) -> list[str]:
     faults = [
         f"`angles` {of} must have the field `{name}`, which the event log reads, but has {', '.join(named)}."
         for name in ("theta", "theta_dot")
-        if name not in named
+        if name not in named and not system.is_hybrid
     ]
     lacking = [name for name in (*named, *system.vectors) if name not in system.long_names]
     if lacking:
         faults.append(
             f"`long_names` {of} must describe each field of `angles` and `vectors`, but lacks {', '.join(lacking)}."
         )
-    if "energy" not in {quantity.name for quantity in phase.quantities}:
+    balanced = "work" in named or not system.is_hybrid
+    if balanced and "energy" not in {quantity.name for quantity in phase.quantities}:
         faults.append(f"`quantities` {of} must have `energy`, which the energy balance reads, but have not.")
     for form in phase.forms.values():
         faults += [

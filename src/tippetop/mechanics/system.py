@@ -1,7 +1,7 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
 import dataclasses
-from collections import ChainMap
+from collections import ChainMap, namedtuple
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -86,6 +86,10 @@ class Opening(NamedTuple):
     outlook: Callable | None = None  # outlook(b, start, rules) -> Outlook
 
 
+def _all_are(records: Any, kind: type) -> bool:
+    return isinstance(records, Mapping) and all(isinstance(record, kind) for record in records.values())
+
+
 def _same(value: Any) -> Any:
     return value
 
@@ -124,19 +128,20 @@ class System:
     """
 
     name: str
-    title: str
-    source: str
     parameters: dict[str, Parameter]
-    body: Callable  # body(parameters, friction) -> the record that every formula takes, SI
-    body_units: Callable  # body_units(friction units) -> that record filled with units
-    scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
-    normalised_to: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
-    initial: dict[str, Parameter]
-    start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
-    angles: Any  # the record that people read and write (a NamedTuple) filled with units
     phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
-    integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
-    long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
+    title: str = ""
+    source: str = ""
+    body: Any = None  # body(parameters, friction) -> the record that every formula takes, SI
+    body_units: Any = None  # body_units(friction units) -> that record filled with units
+    scales: Callable = field(default=lambda b: (1.0, 1.0))  # scales(b) -> mass [kg] and length [m] that become 1
+    normalised_to: dict[str, float] = field(default_factory=dict)  # what is 0 or 1 in these units by construction:
+    # the expressions fold
+    initial: Any = None
+    start: Any = None  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
+    angles: Any = None  # the record that people read and write (a NamedTuple) filled with units
+    integrals: tuple[str, ...] = ()  # conserved quantities, by name: their drift is reported
+    long_names: dict[str, str] = field(default_factory=dict)  # of the fields of `angles` and of `vectors`
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     undefined_at_poles: tuple[str, ...] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
@@ -164,9 +169,33 @@ class System:
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # further tables: units or words by column
 
     def __post_init__(self) -> None:
+        self._derive()
         freeze(self, "parameters", "initial", "normalised_to", "phases", "long_names", "vectors")
         if isinstance(self.laws, dict | ChainMap):  # a view: friction.LAWS may grow
             object.__setattr__(self, "laws", MappingProxyType(self.laws))
+
+    def _derive(self) -> None:
+        """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
+        given: dict[str, Any] = {"title": self.title or self.name}
+        if self.body is None and _all_are(self.parameters, Parameter):
+            record = namedtuple("Body", [*self.parameters, "friction"])  # type: ignore[misc]
+            units = [rule.unit for rule in self.parameters.values()]
+            given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
+            given["body_units"] = lambda friction: record(*units, friction)
+        angles = self.angles
+        if angles is None and _all_are(self.phases, Phase) and self.phases:
+            angles = given["angles"] = getattr(self.phase.form, "units", None)
+        fields = getattr(angles, "_fields", ())
+        if self.initial is None and fields:
+            given["initial"] = {name: Parameter(unit, name, default=0.0) for name, unit in angles._asdict().items()}
+        if self.start is None and fields:
+            make = type(angles)._make
+            given["start"] = lambda data, s, z, b: make(data.get(name, 0 * z) for name in fields)
+        rules = given.get("initial", self.initial)
+        if not self.long_names and _all_are(rules, Parameter):
+            given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
         return f"<System {self.name}: {self.title}>"

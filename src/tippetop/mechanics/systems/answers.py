@@ -97,7 +97,9 @@ def _of_phases(system: System, body: Any) -> list[str]:
         elif not all(math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, states), strict=True)):
             faults.append(f"{must} {states[0]!r:.60} becomes {states[1]!r:.60}.")
         elif fault := _failure(leave_rows):
-            faults.append(f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but fails: {fault}.")
+            faults.append(
+                f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but fails: {fault}."
+            )
     return faults
 
 
