@@ -35,7 +35,7 @@ PEERS = ("DOP853, C++", "DOP853, numbalsoda", "LSODA, numbalsoda")
 
 def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Problems:
     """Canonical tops with these spins [rad/s]."""
-    tops = ensemble.tops_of("inverting", {"initial.omega3": spins}, until)
+    tops = ensemble.vary(build.load("inverting", None, until), {"initial.omega3": spins})
     assert tops.valid.all()
     return Problems(replace(tops.base, tolerance=tolerance or tops.base.tolerance), tops.columns)
 

@@ -2,14 +2,13 @@
 
 import itertools
 import os
-import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from .compilation import entry, kernel
-from .level_crossings import Level, band_of, crossings, swing
+from .compilation import entry, inlined, kernel
+from .level_crossings import Level, band_of, swing
 from .minimise import AT_REST, MOST_EXTREMES, NEARLY, Status, clipped, extremes, factor, lowest, minimise, settled
 from .staging import BLOCK, first, get, put, second, third, width
 
@@ -17,9 +16,8 @@ from .staging import BLOCK, first, get, put, second, third, width
 STAGED = 8  # doubles that a stage may hand to the next
 STEPS = 2  # of Halley, for every point: almost all points of a dense grid are then at rest
 BLOCK_STEP_IN_POINTS = 64  # a step of one point by itself costs as much as that of so many in a block
-ROWS_BETWEEN_GUESSES = (
-    32  # rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid
-)
+ROWS_BETWEEN_GUESSES = 32
+"""Rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid."""
 
 
 @kernel
@@ -77,19 +75,25 @@ def carried_on(near, far, ahead, q):
         q[j] = clipped((near[j] + step if small else near[j] * far[j]) / (1.0 if small else far[j] - step))
 
 
+@inlined
+def staged(whole, like, r, q, points, stages):
+    """Work the first two stages of a formula at q of the points of a block. Return a result of the second."""
+    one = first(whole, 1.0, like, r)
+    for j in range(q.size):
+        put(stages, j, first(whole, q[j], get(points, j, like), r))
+    for j in range(q.size):
+        put(stages, j, second(whole, get(stages, j, one), q[j], get(points, j, like), r))
+    return second(whole, one, 1.0, like, r)
+
+
 @kernel
 def steps(slopes, like, r, q, last, points, stages, count, enough):
     """Steps q of the points of a block until most are at rest; those that are stay, whatever their neighbours do."""
     n = restless = q.size
-    one = first(slopes, 1.0, like, r)
-    two = second(slopes, one, 1.0, like, r)
     for step in range(8):
         if step >= count and BLOCK_STEP_IN_POINTS * restless <= n:
             break
-        for j in range(n):
-            put(stages, j, first(slopes, q[j], get(points, j, like), r))
-        for j in range(n):
-            put(stages, j, second(slopes, get(stages, j, one), q[j], get(points, j, like), r))
+        two = staged(slopes, like, r, q, points, stages)
         restless = 0
         for j in range(n):
             g1, g2, g3 = third(slopes, get(stages, j, two), q[j], get(points, j, like), r)
@@ -103,12 +107,7 @@ def steps(slopes, like, r, q, last, points, stages, count, enough):
 @kernel
 def values(value, like, r, q, F, points, stages):
     """The values at q of the points of a block."""
-    one = first(value, 1.0, like, r)
-    two = second(value, one, 1.0, like, r)
-    for j in range(q.size):
-        put(stages, j, first(value, q[j], get(points, j, like), r))
-    for j in range(q.size):
-        put(stages, j, second(value, get(stages, j, one), q[j], get(points, j, like), r))
+    two = staged(value, like, r, q, points, stages)
     for j in range(q.size):
         F[j] = third(value, get(stages, j, two), q[j], get(points, j, like), r)
 
@@ -134,7 +133,9 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
     p = prepare(x, y, r)
     count = 1
     if several:
-        q[0], count = lowest(slopes, value, p, r)
+        turns = np.full(MOST_EXTREMES, np.nan)
+        count = (extremes(slopes, p, r, turns) + 1) // 2
+        q[0] = turns[2 * lowest(value, turns, 0, count - 1, p, r)]
     else:
         q[0] = settled(slopes, clipped(guess(p, r)) if anew else q[0], p, r)
         if np.isnan(q[0]):
@@ -184,7 +185,7 @@ def heights(prepare, guess, slopes, value, ends):
 
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
-    """Calls work(slice of rows) on all threads, this one among them; kernels release the interpreter's lock.
+    """Call work(slice of rows) on all threads; kernels release the interpreter's lock.
 
     Slices begin at multiples of `ROWS_BETWEEN_GUESSES` and shrink towards the end: a call takes 40 us to unpack its
     records, and no thread should wait long for another. Not numba's prange: it does not take records of records, and
@@ -198,22 +199,9 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
     while end < rows:
         end += max(1, (rows - end) // (2 * threads * ROWS_BETWEEN_GUESSES)) * ROWS_BETWEEN_GUESSES
         ends.append(min(end, rows))
-    pieces = (slice(*pair) for pair in itertools.pairwise(ends))
-    lock = threading.Lock()
-
-    def take() -> None:
-        while True:
-            with lock:
-                piece = next(pieces, None)
-            if piece is None:
-                return
-            work(piece)
-
-    with ThreadPoolExecutor(threads - 1) as pool:
-        helpers = [pool.submit(take) for _ in range(threads - 1)]
-        take()
-        for helper in helpers:
-            helper.result()
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in pool.map(work, itertools.starmap(slice, itertools.pairwise(ends))):
+            pass
 
 
 def gradients(prepare, gradient):
@@ -250,53 +238,33 @@ def potentials(prepare, slopes, value):
     return potentials
 
 
-def turnings(prepare, guess, slopes, value, ends, excess, bend):
-    """Return the kernel of the minimum, the crossings around it, and a Level at points (xs, ys, levels).
+def turnings(prepare, slopes, value, excess, bend):
+    """Return the kernel of a minimum, the crossings around it, and a Level at points (xs, ys, levels).
 
-    All arrays are (n,).
+    It takes the minimum in whose basin `at` lies, the lowest where it is NaN; then the lowest that the band contains.
+    It fills `other` (2, n) with the crossings of a band elsewhere. All other arrays are (n,).
     """
 
     @entry
-    def turnings(several, allowance, xs, ys, levels, r, low, high, q, F, bends, status):
-        how, steps = np.empty(1, np.int8), (STEPS, AT_REST, (ys, ys, 0.0))
-        for i in range(xs.size):
-            k = slice(i, i + 1)
-            out = F[k], q[k], how
-            row(prepare, guess, slopes, value, ends, several, xs[i], ys[k], r, *out, *steps)
-            p = prepare(xs[i], ys[i], r)
-            low[i], high[i], status[i] = crossings(excess, bend, q[i], levels[i], allowance, p, r)
-            bends[i] = bend(q[i], p, r)
-
-    return turnings
-
-
-def wells(prepare, slopes, value, excess, bend):
-    """Return the kernel of `turnings` for functions of several minima.
-
-    It takes the minimum in whose basin `at` (n,) lies, the lowest where it is NaN; then the lowest that the band
-    contains. It fills `other` (2, n) with the crossings of a band elsewhere.
-    """
-
-    @entry
-    def wells(allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status):
-        turns = np.empty(MOST_EXTREMES)
+    def turnings(allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status):
+        turns = np.full(MOST_EXTREMES, np.nan)
         for i in range(xs.size):
             low[i] = high[i] = other[0, i] = other[1, i] = q[i] = F[i] = bends[i] = np.nan
             status[i] = Level.UNDEFINED
-            if not (np.isfinite(xs[i]) and np.isfinite(ys[i]) and np.isfinite(levels[i])):
+            if not np.isfinite(xs[i] + ys[i]):
                 continue
             p = prepare(xs[i], ys[i], r)
             count = extremes(slopes, p, r, turns)
             minima = (count + 1) // 2
             if np.isnan(at[i]):
-                well = _lowest(value, turns, 0, minima - 1, p, r)
+                well = lowest(value, turns, 0, minima - 1, p, r)
             else:
                 well = 0
                 while well + 1 < minima and at[i] > turns[2 * well + 1]:
                     well += 1
             band = band_of(excess, turns, count, well, levels[i], allowance, p, r)
             low[i], high[i], status[i], first, last = band
-            k = _lowest(value, turns, first, last, p, r)
+            k = lowest(value, turns, first, last, p, r)
             q[i] = turns[2 * k]
             F[i], bends[i] = value(q[i], p, r), bend(q[i], p, r)
             for another in range(minima):
@@ -305,18 +273,7 @@ def wells(prepare, slopes, value, excess, bend):
                     if band[2] != Level.BELOW:
                         other[0, i], other[1, i] = band[0], band[1]
 
-    return wells
-
-
-@kernel
-def _lowest(value, turns, first, last, p, r):
-    """Which of the minima from `first` to `last` is the lowest."""
-    best, least = first, np.inf
-    for k in range(first, last + 1):
-        V = value(turns[2 * k], p, r)
-        if least > V:
-            best, least = k, V
-    return best
+    return turnings
 
 
 def periods(prepare, excess, inertia):

@@ -5,7 +5,7 @@ from enum import IntEnum
 import numpy as np
 
 from .compilation import kernel
-from .minimise import LARGEST, SMALLEST, clipped
+from .minimise import LARGEST, SMALLEST
 
 
 class Level(IntEnum):
@@ -45,42 +45,6 @@ def crossing(excess, inside, outside, level, p, r):
 
 
 @kernel
-def crossings(excess, bend, q, level, allowance, p, r):
-    """The two q around the minimum at q at which excess(q, level, p, r), a function less the level, is 0; and a Level.
-
-    A level less than `allowance` (relative) from the minimum touches it. An end of the range (SMALLEST, LARGEST) stands
-    for a function that stays below the level up to there.
-    """
-    if not (np.isfinite(level) and np.isfinite(q)):
-        return np.nan, np.nan, Level.UNDEFINED
-    depth = -excess(q, level, p, r)
-    if abs(depth) <= allowance * abs(level):
-        return q, q, Level.TOUCHING
-    if depth < 0:
-        return np.nan, np.nan, Level.BELOW
-    width = np.sqrt(2 * depth / max(abs(bend(q, p, r)), 1e-300))  # in ln(q), were the function a parabola
-    low = high = q
-    inner_low, inner_high = q, q
-    step = 1 + min(width, 1.0)
-    while low > SMALLEST:
-        inner_low, low = low, clipped(low / step)
-        if excess(low, level, p, r) > 0:
-            break
-        step *= min(step, 1e8)
-    step = 1 + min(width, 1.0)
-    while high < LARGEST:
-        inner_high, high = high, clipped(high * step)
-        if excess(high, level, p, r) > 0:
-            break
-        step *= min(step, 1e8)
-    if excess(low, level, p, r) > 0:
-        low = crossing(excess, inner_low, low, level, p, r)
-    if excess(high, level, p, r) > 0:
-        high = crossing(excess, inner_high, high, level, p, r)
-    return low, high, Level.ABOVE
-
-
-@kernel
 def beyond(excess, inside, bound, level, p, r):
     """The first crossing on the way from `inside`, where excess < 0, to `bound`; `bound` where there is none."""
     step, before, here = 1.1, inside, inside
@@ -95,11 +59,14 @@ def beyond(excess, inside, bound, level, p, r):
 
 @kernel
 def band_of(excess, q, count, well, level, allowance, p, r):
-    """The two q where the level crosses around the minimum `well` of several, a Level, and the first and last minimum
-    that the band holds: those that no maximum above the level parts from it.
+    """The two q where excess(q, level, p, r), a function less the level, is 0 around the minimum `well`; a Level; and
+    the first and last minimum that the band holds: those that no maximum above the level parts from it.
 
-    q (count,) are minima and maxima in turn.
+    q (count,) are minima and maxima in turn. A level less than `allowance` (relative) from the minimum touches it. An
+    end of the range (SMALLEST, LARGEST) stands for a function that stays below the level up to there.
     """
+    if not (np.isfinite(level) and np.isfinite(q[2 * well])):
+        return np.nan, np.nan, Level.UNDEFINED, well, well
     depth = -excess(q[2 * well], level, p, r)
     if abs(depth) <= allowance * abs(level):
         return q[2 * well], q[2 * well], Level.TOUCHING, well, well

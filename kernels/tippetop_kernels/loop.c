@@ -35,8 +35,12 @@ enum {
     TIMES = 8,    /* rows made together */
     VECTOR = 4,   /* of them in a vector of the processor */
     TOGETHER = 6, /* variables made together: each sum waits for its last addition */
-    FEW = 2       /* rows in a step that are made one by one */
+    FEW = 2,      /* rows in a step that are made one by one */
+    PATIENCE = 64 /* tiny steps in a row that are a stall */
 };
+
+/* Internal time of a step that goes nowhere. */
+static const real TINY = 1e-10;
 
 /* --- what the caller provides: `tippetop.engine.loop` makes the same structures --- */
 
@@ -118,8 +122,7 @@ typedef struct {
 } StopRules;
 
 typedef struct {
-    real noise_floor, at_pole, near_pole, on_zero_for, tiny;
-    integer patience;
+    real noise_floor, at_pole, near_pole, on_zero_for;
 } Thresholds;
 
 typedef struct {
@@ -409,6 +412,13 @@ INLINED real *known(const Loop *l, integer what, integer event) {
     return l->tallies.functions + (what * l->sizes.events + event) * l->sizes.lanes;
 }
 
+INLINED void keep_bounds(const Loop *l, integer n, integer e, const real *low, const real *high,
+                         const real *steady) {
+    copy(n, low, 1, known(l, LOW, e), 1);
+    copy(n, high, 1, known(l, HIGH, e), 1);
+    copy(n, steady, 1, known(l, STEADY, e), 1);
+}
+
 /* Bound an event function. The Bernstein coefficients of the cubic part, plus or minus the sum of
    the other coefficients, bound a polynomial; those of its slope show whether it is monotone: then
    it lies between its ends. */
@@ -442,9 +452,7 @@ INLINED void bound(const Loop *l, integer n, integer e) {
         low[i] = (monotone ? MIN(p0, last) : MIN(low1, low2) - beyond) + event->offset;
         high[i] = (monotone ? MAX(p0, last) : MAX(high1, high2) + beyond) + event->offset;
     }
-    copy(n, low, 1, known(l, LOW, e), 1);
-    copy(n, high, 1, known(l, HIGH, e), 1);
-    copy(n, steady, 1, known(l, STEADY, e), 1);
+    keep_bounds(l, n, e, low, high, steady);
 }
 
 /* Bound an event function that is a variable, by the bounds of its rate. */
@@ -458,9 +466,7 @@ INLINED void bound_by_rate(const Loop *l, integer n, integer e) {
         high[i] = start[i] + event->offset + h[i] * MAX(0.0, greatest[i]);
         steady[i] = ((least[i] > 0) | (greatest[i] < 0)) ? 1.0 : 0.0;
     }
-    copy(n, low, 1, known(l, LOW, e), 1);
-    copy(n, high, 1, known(l, HIGH, e), 1);
-    copy(n, steady, 1, known(l, STEADY, e), 1);
+    keep_bounds(l, n, e, low, high, steady);
 }
 
 /* Bound every event function over the step. */
@@ -672,11 +678,11 @@ static void count_step(const Loop *l, integer lane, real t, real h, real upto) {
     const StopRules *rules = &l->rules;
     Tally *tally = l->tallies.lane + lane;
     tally->steps++;
-    tally->tiny = h < l->thresholds.tiny ? tally->tiny + 1 : 0;
+    tally->tiny = h < TINY ? tally->tiny + 1 : 0;
     if (tally->status == RUNNING) {
         bool lasts =
             rules->lasting >= 0 && (real)rules->way * known(l, SIGN, rules->lasting)[lane] > 0;
-        if (tally->steps >= rules->most_steps || tally->tiny >= l->thresholds.patience)
+        if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
             tally->status = STALLED;
         else if (lasts && t + h - tally->lasts_since > rules->settled_for &&
                  tally->lasts_since != tally->doubted)
@@ -835,7 +841,7 @@ static bool take_step(const Loop *l, integer lane) {
         return false;
     if (h > 0 && tally->status == RUNNING)
         count_step(l, lane, t, h, take_events(l, lane, t, h));
-    else if (tally->status == RUNNING && ++tally->tiny >= l->thresholds.patience)
+    else if (tally->status == RUNNING && ++tally->tiny >= PATIENCE)
         tally->status = STALLED; /* steps that move no double */
     if (tally->status == RUNNING && m->h[lane] == m->limit[lane]) {
         tally->status = FINISHED;

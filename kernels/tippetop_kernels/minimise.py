@@ -107,29 +107,6 @@ def minimise(slopes, guess, p, r):
         step *= step
 
 
-@kernel
-def lowest(slopes, value, p, r):
-    """The lowest of several minima, and how many there are: scans ln(q) in steps of one half, 280 slopes.
-
-    A pair of minimum and maximum closer than the scan can escape the count; it is shallow, hence never the lowest.
-    """
-    best_q, best, count, ratio = np.nan, np.inf, 0, 1.6487212707001282
-    low, g_low = SMALLEST, slopes(SMALLEST, p, r)[0]
-    if g_low >= 0:
-        best_q, best, count = low, value(low, p, r), 1
-    while low < LARGEST:
-        high = clipped(low * ratio)
-        g_high = slopes(high, p, r)[0]
-        if g_low < 0 <= g_high or (high == LARGEST and g_high < 0):
-            q = between(slopes, low, high, p, r) if g_high >= 0 else high
-            V = value(q, p, r)
-            count += 1
-            if best > V:
-                best_q, best = q, V
-        low, g_low = high, g_high
-    return best_q, count
-
-
 MOST_EXTREMES = 7  # that `extremes` gives room for: two minima are the most that was ever seen
 
 
@@ -137,8 +114,9 @@ MOST_EXTREMES = 7  # that `extremes` gives room for: two minima are the most tha
 def extremes(slopes, p, r, q):
     """Minima and maxima in turn, ascending: fills q (7,) with minimum, maximum, minimum, ...; how many there are.
 
-    Scans as `lowest` does, and finds the same minima to the bit; an end of the range counts as a minimum where the
-    function falls towards it.
+    Scans ln(q) in steps of one half, 280 slopes. A pair of minimum and maximum closer than the scan can escape the
+    count; it is shallow, hence never the lowest. An end of the range counts as a minimum where the function falls
+    towards it.
     """
     count, ratio = 0, 1.6487212707001282
     low, g_low = SMALLEST, slopes(SMALLEST, p, r)[0]
@@ -172,3 +150,14 @@ def summit(slopes, low, high, p, r):
         else:
             high = q
     return low
+
+
+@kernel
+def lowest(value, turns, first, last, p, r):
+    """Which of the minima from `first` to `last` among minima and maxima in turn is the lowest."""
+    best, least = first, np.inf
+    for k in range(first, last + 1):
+        V = value(turns[2 * k], p, r)
+        if least > V:
+            best, least = k, V
+    return best

@@ -6,11 +6,11 @@ import inspect
 import math
 import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .errors import InputError, StoreError, suggestion
+from .errors import InputError, StoreError, refuse_unknown
 
 
 if TYPE_CHECKING:
@@ -133,23 +133,37 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
     return keys
 
 
-def named_arguments(function: F) -> F:
-    """The function, which answers an unknown keyword with a TypeError that names the nearest one."""
-    known = list(inspect.signature(function).parameters)
+def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F]:
+    """Give a function, in place of its **keywords, the keyword arguments of another one: a decorator.
 
-    @functools.wraps(function)
-    def called(*arguments: Any, **named: Any) -> Any:
-        refuse_unknown(function.__name__, named, known)
-        return function(*arguments, **named)
+    An unknown keyword raises a TypeError that names the nearest one.
 
-    return called  # type: ignore[return-value]
+    Parameters
+    ----------
+    source
+        The other function.
+    options
+        Makes the text that replaces `{options}` in the docstring; `{names}` there become the names.
+    """
 
+    def decorated(function: F) -> F:
+        own = inspect.signature(function)
+        kept = {name: p for name, p in own.parameters.items() if p.kind is not p.VAR_KEYWORD}
+        others = inspect.signature(source).parameters.values()
+        added = [p for p in others if p.kind is p.KEYWORD_ONLY and p.name not in kept]
+        known = [*kept, *(p.name for p in added)]
 
-def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
-    """Raises TypeError for a keyword that a function has not."""
-    for name in named:
-        if name not in known:
-            raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
+        @functools.wraps(function)
+        def called(*arguments: Any, **named: Any) -> Any:
+            refuse_unknown(function.__name__, named, known)
+            return function(*arguments, **named)
+
+        called.__signature__ = own.replace(parameters=[*kept.values(), *added])  # type: ignore[attr-defined]
+        text = (function.__doc__ or "").replace("{names}", ", ".join(p.name for p in added))
+        called.__doc__ = text.replace("    {options}", options())
+        return called  # type: ignore[return-value]
+
+    return decorated
 
 
 @contextlib.contextmanager

@@ -167,11 +167,12 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
     signs = np.ones((n, len(mine.rows.events)))
     made = new_tops(tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows)
     numbers = iter(range(n))
-    mine.run(made, lambda empty: np.array([*itertools.islice(numbers, empty)], int), seen := Seen(n))
+    seen = Seen(n)
+    mine.run(made, lambda empty: np.array([*itertools.islice(numbers, empty)], int), seen.look, seen.ended)
     assert seen.done == n
     assert np.all(made.lane["status"] == Status.FINISHED.code)
-    theirs = copy.deepcopy(compiling.compiled(
-        base.system, "vector", type(base.friction), "double", base.tolerance, lanes, False, False
+    theirs = copy.deepcopy(compiling.compiled_from(
+        formulas_of(base.system, "vector", type(base.friction)), "double", base.tolerance, lanes, False, False
     ).integrator)  # fmt: skip
     for first in range(0, n, lanes):
         some = np.minimum(np.arange(first, first + lanes), n - 1)
@@ -291,8 +292,10 @@ def test_steps_that_differ_are_noticed() -> None:
     tolerances = ("1e-16", "1e-9")
     made = [build.load("inverting", ["form=vector", f"run.tolerance={tolerance}"], 0.1) for tolerance in tolerances]
     code, other = (driver_of(problem).compiled for problem in made)
-    assert code.machine and compiling.is_same_step(code.machine, code.integrator)
-    assert other.machine and not compiling.is_same_step(other.machine, code.integrator)
+    assert code.machine is not None
+    assert other.machine is not None
+    assert compiling.is_same_step(code.machine, code.integrator)
+    assert not compiling.is_same_step(other.machine, code.integrator)
 
 
 # --- what a run leaves alone ------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ import heyoka as hy
 import numpy as np
 import pytest
 
-from tippetop.engine.compiled import compiled
+from tippetop.engine.compiled import compiled_from
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.opt_level import opt_level
@@ -59,8 +59,9 @@ class Found(NamedTuple):
 @cache
 def oracle(system: Any, form: str, law: Any, tolerance: float, orientation: bool) -> tuple[Any, list]:
     """heyoka's integrator of the same equations, which writes down (event, time, sign)."""
-    made = compiled(system, form, law, "double", tolerance, 0, False, orientation)
-    q, _, body, _ = equations_of_motion(formulas_of(system, form, law), Variables(system.forms[form], orientation))
+    formulas = formulas_of(system, form, law)
+    made = compiled_from(formulas, "double", tolerance, 0, False, orientation)
+    q, _, body, _ = equations_of_motion(formulas, Variables(system.forms[form], orientation))
     scalars = system.forms[form].scalars(q, body)
     seen: list[tuple[int, float, int]] = []
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import Polynomial
 from polynomials import Given
 
-from tippetop.engine.loop import PATIENCE, TINY, Loop, new_motion
+from tippetop.engine.loop import Loop, new_motion
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import (
     LEAST,
@@ -30,6 +30,7 @@ from tippetop.mechanics.events import Event, Kept
 ORDER, LANES, STEPS = 12, 4, 40
 KEPT = (Kept("first", "first", ""), Kept("last", "last", ""), Kept("count", "count", ""), Kept("up", "count", "", 1))
 UNTIL = 2.0
+PATIENCE, TINY = 64, 1e-10  # as in loop.c
 NO_RULES = StopRules(lasting=-1, way=0, settled_for=1.0, most_steps=10**6, every=8, first=0)
 
 

@@ -11,7 +11,7 @@ import tippetop
 from tippetop.engine.opt_level import opt_level
 from tippetop.engine.status import Status
 from tippetop.ensembles import lanes, outcomes
-from tippetop.ensembles.ensemble import measure, tops_of
+from tippetop.ensembles.ensemble import measure, vary
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.mechanics.events import Event, Kept
@@ -96,13 +96,13 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
 
 @pytest.mark.skipif(opt_level() == 0, reason="LLVM at level 0 fuses other products of 4 lanes than of 8; nightly has 3")
 def test_the_number_of_lanes_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
-    measured = measure(tops_of("inverting", mixed, None), threads=1, lanes=4)
+    measured = measure(vary(build.load("inverting"), mixed), threads=1, lanes=4)
     assert same(outcomes.dataset(measured, []), found)
 
 
 def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
     """Every third top's parameters are spoilt after validation: the others do not notice."""
-    tops = tops_of("inverting", mixed, None)
+    tops = vary(build.load("inverting"), mixed)
     assert tops.valid.all()
     spoilt = np.arange(40) % 3 == 1
     tops.pars[3, spoilt] = np.where(np.arange(spoilt.sum()) % 2, np.nan, 1e-280)

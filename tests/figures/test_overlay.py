@@ -61,7 +61,7 @@ def test_no_legend_is_wider_than_its_figure() -> None:
     for i in range(4):
         axes.plot([0, 1], [0, i], label=f"angular momentum $L_{i}$ of something, open where it is 0, {i} = 1 kg m² s⁻¹")
     for columns in (1, 4):
-        legend(axes, "upper right", own=True, ncols=columns)
+        legend(axes, "upper right", ncols=columns)
     unlike = [a_run(friction={"law": f"law {'of a long name ' * i}"}, initial={"theta": i * 0.1}) for i in (1, 2, 9)]
     small = drawing.several("theta", unlike, ["a$b", "c$d", "e"], catalogue.Look(size=(4, 3))).get_figure(root=True)
     for whole in (fig, small):

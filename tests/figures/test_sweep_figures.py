@@ -101,7 +101,7 @@ def test_tops_without_a_time_of_inversion_are_told_apart_by_their_end() -> None:
     meshes = [c for c in figure.axes[0].collections if c.get_array() is not None]
     for i, j in zip(*np.nonzero(np.isnan(times)), strict=True):
         (layer,) = [k for k, values in enumerate(layers) if not np.ma.getmaskarray(np.ma.masked_invalid(values))[j, i]]
-        colour = meshes[layer].to_rgba(np.zeros(1))[0]
+        colour = meshes[layer].to_rgba(layers[layer][j, i])
         assert colour == pytest.approx(mpl.colors.to_rgba(sweep.colours()[SHOWN[int(ends[i, j])]]), abs=1 / 255)
 
 

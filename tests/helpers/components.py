@@ -1,4 +1,4 @@
-"""The response at a contact and Coulomb's law by angles, along e, 2hat and zhat: another way to the formulas of vectors.
+"""The response at a contact and Coulomb's law by angles, along e, 2hat and zhat: an oracle for those of vectors.
 
 K is that of `response.mobility`; everything is singular at the poles.
 """

@@ -9,8 +9,8 @@ import pytest
 
 from tippetop_kernels.compilation import kernel
 from tippetop_kernels.grid import minima, on_threads
-from tippetop_kernels.level_crossings import Level, crossings
-from tippetop_kernels.minimise import LARGEST, SMALLEST, Status, lowest, minimise
+from tippetop_kernels.level_crossings import Level, band_of
+from tippetop_kernels.minimise import LARGEST, MOST_EXTREMES, SMALLEST, Status, extremes, lowest, minimise
 
 
 class Hill(NamedTuple):
@@ -34,11 +34,6 @@ def slopes(q, p, r):
 @kernel
 def excess(q, level, p, r):
     return value(q, p, r) - level
-
-
-@kernel
-def bend(q, p, r):
-    return math.cosh(math.log(q) - p.centre)
 
 
 @kernel
@@ -93,7 +88,9 @@ def double_value(q, p, r):
 
 @pytest.mark.parametrize("tilt", [-1.0, 1.0])
 def test_lowest_of_two_minima(tilt):
-    q, count = lowest(double_slopes, double_value, Hill(0.0, tilt), 0)
+    turns = np.empty(MOST_EXTREMES)
+    count = (extremes(double_slopes, Hill(0.0, tilt), 0, turns) + 1) // 2
+    q = turns[2 * lowest(double_value, turns, 0, count - 1, Hill(0.0, tilt), 0)]
     roots = np.roots([1, 0, -9, tilt]).real
     best = min(roots, key=lambda x: x**4 / 4 - 4.5 * x * x + tilt * x)
     assert math.log(q) == pytest.approx(best, rel=1e-13)
@@ -101,12 +98,12 @@ def test_lowest_of_two_minima(tilt):
 
 
 def test_single_minimum_is_counted_once():
-    assert lowest(slopes, value, Hill(1.0, 0.0), 0)[1] == 1
+    assert extremes(slopes, Hill(1.0, 0.0), 0, np.empty(MOST_EXTREMES)) == 1
 
 
 @pytest.mark.parametrize("width", [1e-5, 0.1, 1.0, 20.0])
 def test_crossings_of_a_hanging_chain(width):
-    low, high, level = crossings(excess, bend, math.exp(2.0), math.cosh(width), 1e-15, Hill(2.0, 0.0), 0)
+    low, high, level, *_ = band_of(excess, [math.exp(2.0)], 1, 0, math.cosh(width), 1e-15, Hill(2.0, 0.0), 0)
     assert level == Level.ABOVE
     rounding = 1e-15 + 3e-16 * math.cosh(width) / math.sinh(width)
     assert math.log(low) == pytest.approx(2 - width, abs=4 * rounding)
@@ -114,10 +111,10 @@ def test_crossings_of_a_hanging_chain(width):
 
 
 def test_levels_of_a_hanging_chain():
-    assert crossings(excess, bend, 1.0, 1.0, 1e-12, Hill(0.0, 0.0), 0) == (1.0, 1.0, Level.TOUCHING)
-    assert crossings(excess, bend, 1.0, 0.5, 1e-12, Hill(0.0, 0.0), 0)[2] == Level.BELOW
-    assert crossings(excess, bend, 1.0, math.nan, 1e-12, Hill(0.0, 0.0), 0)[2] == Level.UNDEFINED
-    assert crossings(excess, bend, 1.0, math.cosh(100.0), 1e-12, Hill(0.0, 0.0), 0) == (SMALLEST, LARGEST, Level.ABOVE)
+    found = [band_of(excess, [1.0], 1, 0, V, 1e-12, Hill(0.0, 0.0), 0) for V in (1.0, 0.5, math.nan, math.cosh(100.0))]
+    assert [level for _, _, level, *_ in found] == [Level.TOUCHING, Level.BELOW, Level.UNDEFINED, Level.ABOVE]
+    assert found[0][:2] == (1.0, 1.0)
+    assert found[3][:2] == (SMALLEST, LARGEST)
 
 
 @kernel

@@ -76,7 +76,7 @@ def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
     def falling(q: Any, b: Any) -> Any:
         return page["State"](q.v, -b.a)
 
-    point = page["point"]
+    point = SYSTEMS["bouncing-point"]
     body = page["NamedTuple"]("B", [("a", Any), ("e", Any), ("friction", Any)])
     fall = dataclasses.replace(point.phases["fall"], forms=page["Form"]("plain", point.angles, falling))
     other = dataclasses.replace(
@@ -87,7 +87,7 @@ def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
         body_units=lambda friction: body(*point.body_units(friction)),
         phases={**point.phases, "fall": fall},
     )
-    tt.register(other)
+    tt.extending.register(other)
     run = tt.run({"system": other.name, "parameters": {"e": 0.5}, "initial": {"h": 1}}, until=2.5)
     np.testing.assert_allclose(times(run, "bounce"), [1.0, 2.0, 2.5], atol=1e-15)
 
@@ -129,20 +129,20 @@ def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
     ],
 )
 def test_an_exit_that_cannot_be_is_refused(page: dict, way: Exit, words: str) -> None:
-    point = page["point"]
+    point = SYSTEMS["bouncing-point"]
     phases = {**point.phases, "fall": dataclasses.replace(point.phases["fall"], exits=(way,))}
     with pytest.raises(tt.InputError, match=words):
-        tt.register(dataclasses.replace(point, name="broken-point", phases=phases))
+        tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
 
 
 def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
     """Run the point with another jump, or with other fields of its phase `fall`."""
-    point = page["point"]
+    point = SYSTEMS["bouncing-point"]
     fall = point.phases["fall"]
     if jump is not None:
         changes["exits"] = (Exit("ground", ("fall",), jump),)
     phases = {**point.phases, "fall": dataclasses.replace(fall, **changes)}
-    tt.register(dataclasses.replace(point, name="broken-point", phases=phases))
+    tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
     return tt.run({"system": "broken-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}}, until=2)
 
 
@@ -188,7 +188,8 @@ def test_a_run_ends_with_the_place_of_a_jump_without_an_end(page: dict, jump: An
 
 
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
-    fall, rest = page["point"].phases["fall"], page["point"].phases["rest"]
+    point = SYSTEMS["bouncing-point"]
+    fall, rest = point.phases["fall"], point.phases["rest"]
     other = dataclasses.replace(page["ground"], formula=lambda s, b: s.v)
     phases = {
         "both `enter` and `leave`": {"rest": dataclasses.replace(rest, enter=lambda x, b: x)},
@@ -199,7 +200,7 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     }
     for words, changed in phases.items():
         with pytest.raises(tt.InputError, match=words):
-            tt.register(dataclasses.replace(page["point"], name="broken", phases=page["point"].phases | changed))
+            tt.extending.register(dataclasses.replace(point, name="broken", phases=point.phases | changed))
 
 
 def scalar(q: Any, b: Any) -> Any:
@@ -208,7 +209,7 @@ def scalar(q: Any, b: Any) -> Any:
 
 
 def test_a_phase_that_changes_the_common_state_is_refused(page: dict) -> None:
-    point, state = page["point"], page["State"]
+    point, state = SYSTEMS["bouncing-point"], page["State"]
     spoilt = dataclasses.replace(point.phases["rest"], enter=lambda x, b: x, leave=lambda q, b: state(q.h + 1, q.v))
     with pytest.raises(tt.InputError, match="must keep the common state"):
-        tt.register(dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt}))
+        tt.extending.register(dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt}))

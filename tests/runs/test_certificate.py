@@ -148,7 +148,10 @@ def test_both_runs_have_a_progress_bar(problem: Problem, monkeypatch: pytest.Mon
 
 
 def test_another_end_is_seen(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
-    spoil(monkeypatch, lambda made: dataclasses.replace(made, status=Status.LIFTOFF))
+    spoil(
+        monkeypatch,
+        lambda made: dataclasses.replace(made, progress=dataclasses.replace(made.progress, status=Status.LIFTOFF)),
+    )
     found = certificate.certificate(problem)
     assert found["same_end"] is False
     assert certificate_violations(found) == ["the run must end as the wider run does, but ends otherwise."]

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from nightly import at_night
 from stores import assert_same
-from touching import BOUNCE, STANDING, THROWN
+from touching import BOUNCE, ROCKING, STANDING, THROWN
 
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
@@ -37,20 +37,35 @@ DRILLS: dict[str, Any] = {
 }
 """A top that rocks from its sphere to its stem, and stands on both, through every region of friction that drills."""
 
-RUNS = {"thrown": THROWN, "stands": STANDING, "bounces": BOUNCE, "on-stem": ON_STEM, "drills": DRILLS}
-PLACES = {
-    ("thrown", "double"): [("dry-slip", 0, 1), ("flight", 0, 1), ("roll", 0, 1), ("dry-slip", 0, 5), ("flight", 0, 2)],
-    ("thrown", "longdouble"): [("dry-slip", 0, 2), ("flight", 0, 1), ("roll", 0, 1)],
-    ("stands", "double"): [("slip", 0, 1), ("slip", 1, 1), ("flight", 1, 1), ("flight", 0, 2), ("both", 0, 1)],
-    ("stands", "longdouble"): [("slip", 1, 1), ("flight", 1, 1), ("both", 0, 1)],
-    ("bounces", "double"): [("flight", 0, 1), ("flight", 0, 5), ("roll", 0, 2), ("roll", 0, 5)],
-    ("on-stem", "double"): [("flight", 1, 2), ("dry-slip", 1, 1), ("roll", 1, 1), ("dry-slip", 1, 5), ("flight", 1, 5)],
-    ("drills", "double"): [
-        *(("drill-inside", 0, 1), ("drill-between", 0, 1), ("drill-between", 0, 5), ("drill-outside", 1, 2)),
-        *(("both-between-outside", 0, 1), ("both-between-outside", 0, 2), ("both-outside-outside", 0, 1)),
-    ],
+LOADED: dict[str, Any] = {**BOUNCE, "friction": {"law": "coulomb", "mu": 0.3, "mu_r": 1e-4, "mu_d": 1e-4}}
+"""A top that bounces under torques of its contact, and rolls."""
+
+RUNS = {
+    "thrown": THROWN,
+    "stands": STANDING,
+    "bounces": BOUNCE,
+    "on-stem": ON_STEM,
+    "drills": DRILLS,
+    "rocks": ROCKING,
+    "loaded": LOADED,
 }
-"""Kind of phase, ball (sphere, stem), and which of the checkpoints in such phases, of each run and precision."""
+PLACES = {
+    ("thrown", "double"): [("slip", 1), ("flight", 1), ("roll", 1), ("slip", 5), ("flight", 2)],
+    ("thrown", "longdouble"): [("slip", 2), ("flight", 1), ("roll", 1)],
+    ("stands", "double"): [("slip", 1), ("stem-slip", 1), ("stem-flight", 1), ("flight", 2), ("both", 1)],
+    ("stands", "longdouble"): [("stem-slip", 1), ("stem-flight", 1), ("both", 1)],
+    ("bounces", "double"): [("flight", 1), ("flight", 5), ("roll", 2), ("roll", 5)],
+    ("on-stem", "double"): [
+        *(("stem-flight", 2), ("stem-slip", 1), ("stem-roll", 1), ("stem-slip", 5), ("stem-flight", 5)),
+    ],
+    ("drills", "double"): [
+        *(("slip-between", 1), ("slip-between", 5), ("stem-slip-outside", 2), ("both-between-outside", 1)),
+    ],
+    ("rocks", "double"): [("slip-inside", 3), ("rest", 1), ("rest", 2)],
+    ("rocks", "longdouble"): [("rest", 1)],
+    ("loaded", "double"): [("flight", 2), ("flight", 6), ("roll", 2)],
+}
+"""Phase, and which of the checkpoints in such phases, of each run and precision."""
 STEPS = 3  # a slice: a phase of four is written in two
 
 
@@ -60,7 +75,7 @@ def problem_of(name: str, precision: str) -> Problem:
     return build.problem({**RUNS[name], "run": run})
 
 
-def killed(problem: Problem, store: Path, place: tuple[str, int], count: int) -> bool:
+def killed(problem: Problem, store: Path, place: str, count: int) -> bool:
     """Records a run in a process of its own, which is killed at its count-th checkpoint in a phase; whether it was."""
     left = [count]
     made: list[Integration] = []
@@ -71,7 +86,7 @@ def killed(problem: Problem, store: Path, place: tuple[str, int], count: int) ->
 
     def kill(_: RunProgress) -> None:
         driver: Any = made[0].driver
-        left[0] -= (driver.kind, driver.ball) == place
+        left[0] -= driver.track.name == place
         if not left[0]:
             os.kill(os.getpid(), signal.SIGKILL)
 
@@ -95,9 +110,9 @@ def test_a_kill_in_any_phase_leaves_no_trace(
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", STEPS)
     problem = problem_of(name, precision)
     recording.record(problem, tmp_path / "whole")
-    for kind, ball, count in PLACES[name, precision]:
-        store = tmp_path / f"{kind}-{ball}-{count}"
-        assert killed(problem, store, (kind, ball), count), store.name
+    for place, count in PLACES[name, precision]:
+        store = tmp_path / f"{place}-{count}"
+        assert killed(problem, store, place, count), store.name
         assert root.attributes(store)["status"] == "running"
         resuming.resume(store)
         assert_same(store, tmp_path / "whole")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tippetop.cli import main, outcome
-from tippetop.runs import forecast
+from tippetop.runs import forecast, regularisation
 from tippetop.scenario import build, reading
 from tippetop.scenario.doubts import doubts
 
@@ -71,10 +71,10 @@ def test_lambda_in_another_unit_is_said(capsys) -> None:
 
 
 def test_an_eps_that_has_not_converged_is_said() -> None:
-    assert forecast._converged(1.0, 1.001) == ""
-    assert "half of it changes that time by 50 %" in forecast._converged(1.0, 2.0)
-    assert "whether it inverts" in forecast._converged(1.0, None)
-    assert forecast._converged(None, None) == ""
+    assert regularisation._converged(1.0, 1.001) == ""
+    assert "half of it changes that time by 50 %" in regularisation._converged(1.0, 2.0)
+    assert "whether it inverts" in regularisation._converged(1.0, None)
+    assert regularisation._converged(None, None) == ""
 
 
 def test_check_says_the_limits_of_rolling() -> None:

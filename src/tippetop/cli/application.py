@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Parameter
 
 from ..errors import InputError
 from . import host, overview, usage
@@ -41,6 +41,7 @@ def _of(names: Iterable[str]) -> App:
         version=overview.version,
         help_format="plaintext",
         result_action="return_value",
+        default_parameter=Parameter(negative=(), name_transform=_option),
         suppress_keyboard_interrupt=False,  # `cli.outcome` says how the run ended
     )
     for name in names:
@@ -48,3 +49,8 @@ def _of(names: Iterable[str]) -> App:
         function = import_module(f".{command.module}", __package__).COMMANDS[name]
         app.command(host.prepared(function) if command.computes else function, name=name)
     return app
+
+
+def _option(name: str) -> str:
+    """Return the name of an option: as_json -> json, from_ -> from."""
+    return name.removeprefix("as_").strip("_").replace("_", "-")

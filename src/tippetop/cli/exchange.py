@@ -13,17 +13,14 @@ from .numbers import Whole
 from .streams import visible
 
 
-Json = Annotated[bool, Parameter(name="--json", negative=())]
-
-
 def compare(
     *files: str,
-    set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    set_: list[str] | None = None,
     quaternion: str | None = None,
     up: str = "z",
     figure: Path | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
-    as_json: Json = False,
+    overwrite: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Hold another program's motion against the exact one: tippetop compare OTHER.csv ... REFERENCE.
 
@@ -50,7 +47,7 @@ def compare(
     """
     from ..errors import InputError
     from ..exchange.motion import Convention
-    from ..exchange.verdict import Verdict, judged
+    from ..exchange.verdict import Verdict
     from ..store.root import finite
     from .plot import check_picture
 
@@ -59,7 +56,7 @@ def compare(
     if figure is not None:
         check_picture(figure, "--figure", overwrite)
     problem = _problem(files[-1], set_)
-    result = Verdict(*judged(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up)))
+    result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
     if figure is not None:
         from ..figures import drawing
         from ..figures.comparison import comparison
@@ -91,7 +88,7 @@ def fit(
     scenario: str,
     *,
     free: str,
-    set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    set_: list[str] | None = None,
     loss: str = "linear",
     starts: Whole = 12,
     marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -100,8 +97,8 @@ def fit(
     noise: str | None = None,
     figure: Path | None = None,
     out: Path | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
-    as_json: Json = False,
+    overwrite: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Fit numbers of a scenario to a measured motion: tippetop fit DATA SCENARIO --free friction.mu,initial.omega3.
 

@@ -16,20 +16,18 @@ from ..figures.catalogue import PLAIN, Look
 from .numbers import Whole
 
 
-Axis = Annotated[str | None, Parameter()]
 COMPILING = "the formulas are being compiled"
 MOST_POINTS = 10**7  # of an axis, which is held in memory whole
-Json = Annotated[bool, Parameter(name="--json", negative=())]
 
 
 def surface(
     scenario: str,
     *,
-    D: Annotated[str | None, Parameter(name="--D", allow_leading_hyphen=True)] = None,
-    lambda_: Annotated[str | None, Parameter(name="--lambda", allow_leading_hyphen=True)] = None,
+    D: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    lambda_: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     out: Path | None = None,
     figure: Path | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    overwrite: bool = False,
     threads: Whole | None = None,
 ) -> int:
     """The minimal surface F(D, lambda) of a tippe top over a grid of any size; the same command continues an
@@ -138,13 +136,13 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
 def potential(
     scenario: str,
     *,
-    D: Annotated[float, Parameter(name="--D", allow_leading_hyphen=True)],
-    lambda_: Annotated[float, Parameter(name="--lambda", allow_leading_hyphen=True)],
+    D: Annotated[float, Parameter(allow_leading_hyphen=True)],
+    lambda_: Annotated[float, Parameter(allow_leading_hyphen=True)],
     n: Whole = 1001,
     out: Path | None = None,
     figure: Path | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
-    as_json: Json = False,
+    overwrite: bool = False,
+    as_json: bool = False,
 ) -> int:
     """The effective potential V(z; D, lambda) of a tippe top, and its minimum.
 

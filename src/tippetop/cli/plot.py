@@ -17,13 +17,13 @@ def plot(
     store: Path,
     *words: Annotated[str, Parameter(help=catalogue.described())],
     out: Path,
-    from_: Annotated[Seconds | None, Parameter(name="--from")] = None,
+    from_: Seconds | None = None,
     until: Seconds | None = None,
     title: str | None = None,
     size: str | None = None,
     dpi: float = 150,
-    dark: Annotated[bool, Parameter(negative=())] = False,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    dark: bool = False,
+    overwrite: bool = False,
 ) -> int:
     """Draw a store to a PNG, SVG or PDF file; several runs in one panel; of a scenario its diagram of states.
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Any
 
 
 def reconstruct(
@@ -14,8 +12,8 @@ def reconstruct(
     *,
     period: float | None = None,
     out: Path | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
-    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    overwrite: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Solve the main equation for theta(t) by a run's D(t) and E~(t), or L_z(t) and E~(t), and compare it with the run.
 

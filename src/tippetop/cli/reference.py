@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING, Any, Literal
 
 from ..errors import InputError, suggestion
 
@@ -51,7 +49,7 @@ def sections(topic: str) -> list[Section]:
     return list(known[topic]())
 
 
-def help_(topic: str | None = None, *, markdown: Annotated[bool, Parameter(negative=())] = False) -> int:
+def help_(topic: str | None = None, *, markdown: bool = False) -> int:
     """Print what may be written in a scenario or a plan, and what a run says.
 
     Parameters
@@ -113,9 +111,7 @@ def _escaped(text: str) -> str:
     return "`".join(part.replace("|", r"\|") if i % 2 else part.translate(plain) for i, part in enumerate(parts))
 
 
-def new(
-    system: str = "tippe-top", *, out: Path | None = None, overwrite: Annotated[bool, Parameter(negative=())] = False
-) -> int:
+def new(system: str = "tippe-top", *, out: Path | None = None, overwrite: bool = False) -> int:
     """Write a scenario with all its keys, what each is and what it must be; it runs as it is.
 
     Parameters

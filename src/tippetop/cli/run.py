@@ -6,9 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Any
 
 from .numbers import Seconds
 from .streams import report
@@ -19,11 +17,11 @@ def run(
     *,
     out: Path | None = None,
     until: Seconds | None = None,
-    set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
+    set_: list[str] | None = None,
     figure: Path | None = None,
-    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
-    certify: Annotated[bool, Parameter(negative=())] = False,
+    as_json: bool = False,
+    overwrite: bool = False,
+    certify: bool = False,
     window: Seconds | None = None,
     columns: str | None = None,
 ) -> int:
@@ -103,8 +101,8 @@ def resume(
     store: Path,
     *,
     until: Seconds | None = None,
-    accept_other_version: Annotated[bool, Parameter(negative=())] = False,
-    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    accept_other_version: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Continue an interrupted run, or a finished one to a later end; the store equals that of one run, bit by bit.
 
@@ -133,13 +131,13 @@ def resume(
 def replay(
     store: Path,
     *,
-    from_: Annotated[Seconds, Parameter(name="--from")],
+    from_: Seconds,
     until: Seconds,
     step: Seconds,
     out: Path,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
-    accept_other_version: Annotated[bool, Parameter(negative=())] = False,
-    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    overwrite: bool = False,
+    accept_other_version: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Integrate a part of a stored run again, from its nearest keyframe: the rows it would have stored, bit by bit.
 

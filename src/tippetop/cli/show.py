@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Any
 
 from .numbers import Seconds
 
 
-Json = Annotated[bool, Parameter(name="--json", negative=())]
-
-
-def info(store: Path, *, as_json: Json = False, errors: Annotated[bool, Parameter(negative=())] = False) -> int:
+def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
     """Print what is in a store: status, events, inversion, drift of the invariants, provenance.
 
     Parameters
@@ -85,9 +80,9 @@ def check(
     scenario: str,
     *,
     until: Seconds | None = None,
-    set_: Annotated[list[str] | None, Parameter(name="--set", negative=())] = None,
-    try_: Annotated[bool, Parameter(name="--try", negative=())] = False,
-    as_json: Json = False,
+    set_: list[str] | None = None,
+    try_: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Validate a scenario: invariants at the start, thresholds, expected fate; cost, by the first steps of the run.
 
@@ -159,7 +154,7 @@ def export(
     to: str,
     out: Path,
     group: str | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    overwrite: bool = False,
 ) -> int:
     """Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator (MJCF, URDF).
 
@@ -190,7 +185,7 @@ def export(
     return 0
 
 
-def systems(*, as_json: Json = False) -> int:
+def systems(*, as_json: bool = False) -> int:
     """List the systems: forms, parameters and initial keys with their units, friction laws, integrals, events.
 
     Parameters
@@ -240,7 +235,7 @@ def _listed(names: Any) -> str:
     return ", ".join(words)
 
 
-def presets(*, as_json: Json = False) -> int:
+def presets(*, as_json: bool = False) -> int:
     """List the built-in scenarios with their sources.
 
     Parameters
@@ -282,12 +277,13 @@ def _units(tables: dict[str, Any]) -> dict[str, str]:
     """Units of the keys of [friction] and [run]; of a law that is not known here, none."""
     from ..mechanics.friction import PARTS
     from ..mechanics.systems import find
+    from ..problem.options import UNITS
 
     system = find(tables["system"])
     law = system.laws.get(tables.get("friction", {}).get("law")) if system is not None else None
     rules = PARTS | dict(law.parameters) if law is not None else {}
     friction = {name: p.unit.symbol for name, p in rules.items()}
-    return friction | {"until": "s", "output_step": "s", "output_times": "s"}
+    return friction | {name: unit.symbol for name, unit in UNITS.items()}
 
 
 def units_of(problem: Any) -> dict[str, str]:

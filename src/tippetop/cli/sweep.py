@@ -7,9 +7,7 @@ import re
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Any
 
 from .numbers import Whole
 
@@ -20,8 +18,8 @@ def sweep(
     out: Path,
     workers: Whole | None = None,
     scheduler: str | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
-    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+    overwrite: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Run the many tops of a plan into a store; the same command continues an unfinished one: the same bits.
 

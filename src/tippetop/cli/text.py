@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
-from ..runs import reporting
-from ..runs.cost import Patience
+from ..runs import cost
 from ..runs.reporting import RunProgress
 from ..runs.summary import lines
 from .streams import report, visible
@@ -42,24 +41,9 @@ def warn(sentences: list[str]) -> list[str]:
     return sentences
 
 
-@contextmanager
-def following() -> Iterator[Callable[[RunProgress], None]]:
+def following() -> AbstractContextManager[Callable[[RunProgress], None]]:
     """Provide a run's progress callback: it draws a bar and warns of a long run."""
-    from ..progress import Bar
-
-    def note(report: dict[str, Any]) -> str:
-        drift = max(report["drift"].values(), default=0.0)
-        turnings = report["event_counts"].get("turning", 0)
-        return f"theta {report['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
-
-    patience = Patience(lambda sentence: warn([sentence]))
-
-    def follow(progress: RunProgress) -> None:
-        bar.update(progress.t_end, progress.problem.until, lambda: note(reporting.report(progress)))
-        patience(progress)
-
-    with Bar("s", "t = {done:.4g} s") as bar:
-        yield follow
+    return cost.following(lambda sentence: warn([sentence]))
 
 
 def summary(headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:

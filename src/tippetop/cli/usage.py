@@ -11,8 +11,6 @@ from cyclopts.exceptions import UnknownCommandError
 from ..errors import InputError, nearest, suggestion
 
 
-RUN = ["until", "output_step", "output_times", "output", "keyframe_steps", "stop_when", "events", "on_liftoff"]
-RUN += ["precision", "tolerance", "columns", "orientation", "sensitivities"]
 NUMBERS = {float: "a number", int: "a whole number"}
 
 
@@ -82,6 +80,7 @@ def scenario_key(word: str) -> str | None:
     """The dotted key of a scenario that a word stands for: theta -> initial.theta; None if there is none."""
     from ..mechanics.friction import PARTS
     from ..mechanics.systems import SYSTEMS
+    from ..problem.options import OPTIONS
 
     tables: dict[str, Any] = {}
     for system in SYSTEMS.values():
@@ -89,7 +88,7 @@ def scenario_key(word: str) -> str | None:
             tables |= {name: f"{table}.{name}" for name in names if name not in tables}
         for law in system.laws.values():
             tables |= {name: f"friction.{name}" for name in (*law.parameters, *PARTS) if name not in tables}
-    tables |= {name: f"run.{name}" for name in RUN}
+    tables |= {name: f"run.{name}" for name in OPTIONS}
     tables |= {"centre_at_rest": "initial.centre_at_rest", "law": "friction.law", "friction": "friction.law"}
     tables |= {"system": "system", "form": "form"}
     return tables.get(word) or tables.get(word.rpartition(".")[2])

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from .numbers import Seconds
 
@@ -13,11 +10,11 @@ from .numbers import Seconds
 def view(
     store: Path | None = None,
     *,
-    playground: Annotated[bool, Parameter(negative=())] = False,
+    playground: bool = False,
     out: Path | None = None,
-    from_: Annotated[Seconds | None, Parameter(name="--from")] = None,
+    from_: Seconds | None = None,
     until: Seconds | None = None,
-    overwrite: Annotated[bool, Parameter(negative=())] = False,
+    overwrite: bool = False,
 ) -> int:
     """Write one HTML file that shows a run in motion, or the map of a sweep, in a browser, without a network.
 

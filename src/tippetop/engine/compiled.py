@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from ..mechanics.system import System
+from ..awaiting import awaited
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .code_cache import compiled_once
-from .expressions import Formulas, equations_of_motion, formulas_of
+from .expressions import Formulas, equations_of_motion
 from .loop import new_motion
 from .opt_level import opt_level
 from .stepper import Called, Loaded, Stepper, call, is_fused, load
@@ -50,18 +50,34 @@ HUGE = 100_000  # terms of the right-hand side from which LLVM would take a minu
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
 
-def compiled(
-    system: System,
-    form_name: str,
-    friction: Any,
-    precision: str,
-    tolerance: float,
-    lanes: int,
-    compact: bool,
-    orientation: bool,
-) -> Compiled:
-    """Return `compiled_from` the formulas of a system in a form, with the type of the record of a friction law."""
-    return compiled_from(formulas_of(system, form_name, friction), precision, tolerance, lanes, compact, orientation)
+def awaited_once(make: Callable, key: tuple, text: str, stop: threading.Event | None = None) -> Any:
+    """Return `make(*key)`, which is cached; the first time, wait for it on a thread.
+
+    Parameters
+    ----------
+    make
+        A cached function.
+    key
+        Its arguments.
+    text
+        What is waited for.
+    stop
+        Set it to give up.
+
+    Raises
+    ------
+    Interrupted
+        If `stop` is set meanwhile.
+    """
+    if (make, key) not in _known:  # a thread takes 0.1 ms
+        awaited(lambda: make(*key), text, stop)
+        if len(_known) >= MOST_COMPILED:  # some may have gone since
+            _known.clear()
+        _known.add((make, key))
+    return make(*key)
+
+
+_known: set[tuple] = set()  # what this process has compiled
 
 
 @lru_cache(maxsize=MOST_COMPILED)
@@ -94,12 +110,12 @@ def compiled_from(
     """
     number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
     q, carried, body, equations = equations_of_motion(formulas, variables)
-    sources = []
+    sources, of_integrals = [], [integral.of or None for integral in variables.integrals]
     for e, (event, formula) in enumerate(zip(formulas.events, formulas.functions(q, carried, body), strict=True)):
         function = hy.expression(0.0) + formula
         source = _source(function, equations, partial(_at_zero, e, formulas, variables))
-        if not source and event.extremes and (integral := _integral_of(e, formulas, variables)):
-            source = integral, 1, INTEGRAL_SCALE, 0.0
+        if not source and event.extremes in of_integrals:
+            source = variables.moving + of_integrals.index(event.extremes), 1, INTEGRAL_SCALE, 0.0
         sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
         if not source:
             equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
@@ -143,28 +159,6 @@ def _at_zero(e: int, formulas: Formulas, variables: Variables, index: int) -> fl
     state[index] = 0.0
     with np.errstate(all="ignore"):  # the others mean nothing
         return float(formulas.functions(*variables.split(list(state)), formulas.body(repeat(1.0)))[e])
-
-
-STATES = 3  # at which a rate is compared
-ALIKE = 1e-11  # relative: formulas of one quantity differ by rounding, others do not agree in so many digits
-
-
-def _integral_of(e: int, formulas: Formulas, variables: Variables) -> int:
-    """Index of the integral whose rate is an event function, if it is written in other words: their values agree for
-    random bodies in random states. 0 if there is none. So the normal force, which is dear, is not integrated twice."""
-    if formulas.sample is None:
-        return 0
-    random = np.random.default_rng(len(variables.names))
-    alike = np.ones(len(variables.integrals), bool)
-    for _ in range(STATES):
-        numbers = iter(random.uniform(0.5, 1.0, 100).tolist())
-        with np.errstate(all="ignore"):
-            q, body = formulas.sample(numbers)
-            carried = variables.carried(*(next(numbers) for _ in variables.integrals))
-            wanted = float(formulas.functions(q, carried, body)[e])
-            rates = np.array([float(integral.rate(q, carried, body)) for integral in variables.integrals])
-        alike &= np.abs(rates - wanted) <= ALIKE * abs(wanted)
-    return variables.moving + int(np.argmax(alike)) if alike.any() else 0
 
 
 def _machine(integrator: Any) -> Loaded | None:

@@ -307,7 +307,7 @@ class Driver:
         """All that is integrated, (all variables,), in the working precision."""
         return self.motion.state[:, 0]
 
-    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
         self.motion.state[:, 0] = state
         self.motion.high[0], self.motion.low[0] = clock

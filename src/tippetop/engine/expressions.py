@@ -49,15 +49,12 @@ class Formulas:
         functions(q, carried, b) -> the event functions, in the order of the events.
     body
         body(values) -> the body, of an iterator over its leaves; what is 0 or 1 by construction is a number.
-    sample
-        sample(numbers) -> a state q and a body, of an iterator over numbers of order one; None: not known.
     """
 
     form: Form
     events: tuple[Event, ...]
     functions: Callable
     body: Callable
-    sample: Callable | None = None
 
 
 @lru_cache(maxsize=64)
@@ -69,19 +66,12 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
         state = moment(system, form, q, carried, b)
         return [event.formula(state, b) for event in system.events]
 
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
 
     def body(values: Iterator) -> Any:
         return refill(template, values)._replace(**system.folds(form))
 
-    def sample(numbers: Iterator[float]) -> tuple[Any, Any]:
-        given = {name: next(numbers) for name in system.parameters}
-        b = system.body_of(given, friction(*(0.1,) * len(friction._fields)))
-        angles = system.angles._make([next(numbers) for _ in system.angles])
-        theta = getattr(angles, "theta", 0.7)
-        return form.of_angles(angles, math.sin(theta), math.cos(theta), b), b
-
-    return Formulas(form, tuple(system.events), functions, body, sample)
+    return Formulas(form, tuple(system.events), functions, body)
 
 
 def in_symbols(formulas: Formulas, variables: Variables) -> tuple[Any, Any, Any, Any]:

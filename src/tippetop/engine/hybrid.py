@@ -50,7 +50,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
     own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
     events = (*own, *common)
-    template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
+    template = body(*(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -158,7 +158,7 @@ class Span(NamedTuple):
 
     track: Track
     whole: Sequence  # the integrals of the run, scaled, before the phase moved some
-    count: int
+    size: int
 
 
 class HybridDriver:
@@ -517,12 +517,12 @@ class HybridDriver:
     def _rows(self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]) -> np.ndarray:
         """Return the rows of spans, one after another, of states by phase."""
         system, number = self.problem.system, self.number
-        counts = [span.count for span in spans]
+        counts = [span.size for span in spans]
         rows = np.empty((self.variables, sum(counts)), number)
         moving = self.variables - len(self.whole)
         for track, pieces in states.items():
             mine = [span.track is track for span in spans]
-            state = np.concatenate([piece[:, : track.width] for piece in pieces]).T.copy()
+            state = np.concatenate([piece.T[: track.width] for piece in pieces], axis=1)
             wholes = np.array([span.whole for span in compress(spans, mine)])
             whole = np.repeat(wholes.T, list(compress(counts, mine)), axis=1)
             whole[track.integrals] = state[track.moving :]
@@ -537,25 +537,26 @@ class HybridDriver:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
         asked = [Span(track, whole, len(times)) for track, whole, times, _ in self.asked]
         samples, logged, ends = [], [], {track: track.found for track in self.tracks.values()}
-        for of, whole, *found in reversed(self.spans):
-            samples.append(Span(of, whole, ends[of][0] - found[0]))
-            logged.append(Span(of, whole, ends[of][1] - found[1]))
-            ends[of] = found
+        for of, whole, *before in reversed(self.spans):
+            samples.append(Span(of, whole, ends[of][0] - before[0]))
+            logged.append(Span(of, whole, ends[of][1] - before[1]))
+            ends[of] = before[0], before[1]
         groups = asked, samples[::-1], logged[::-1], [Span(track, self.whole, 1)]
-        found, states = {}, {}
+        found: dict[Track, Passages] = {}
+        states: dict[Track, list[np.ndarray]] = {}
         for one in self.tracks.values():
             passages, own = one.driver.passages(), [states for of, _, _, states in self.asked if of is one]
             pieces = [*own, one.driver.sampled(), passages.states, *([self.last[None]] if one is track else [])]
             states |= {one: pieces} if any(map(len, pieces)) else {}
             found[one] = passages
         rows = self._rows([span for group in groups for span in group], states)
-        parts = np.split(rows, np.cumsum([sum(span.count for span in group) for group in groups])[:-1])
+        parts = np.split(rows, np.cumsum([sum(span.size for span in group) for group in groups])[:-1])
         if asked:
             self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
-        owners = [list(found).index(span.track) for span in groups[2] for _ in range(span.count)]
+        owners = [list(found).index(span.track) for span in groups[2] for _ in range(span.size)]
         order = np.argsort(np.argsort(owners, kind="stable"))
         columns = [np.concatenate(column)[order] for column in zip(*(p[:-1] for p in found.values()), strict=True)]
-        passages = Passages(*columns, parts[2])
+        passages = Passages._make([*columns, parts[2]])
         return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
 
     # --- where the run is -----------------------------------------------------------------------------------------

@@ -29,7 +29,7 @@ from ..mechanics.contact.response import Mobility, Spin, spin_mobility
 from ..mechanics.contact.state import Moving
 from ..mechanics.contact.struck import Impact, struck
 from ..mechanics.disc_friction import Region
-from ..mechanics.friction import Frictionless, Law, has_parts, named
+from ..mechanics.friction import Frictionless, has_parts
 from ..mechanics.operand import Vector, leaves, refill
 from ..problem import PRECISIONS, Problem
 from .driver import RUNNING, Driver
@@ -74,7 +74,7 @@ NO_ROWS = NoRows()
 def formulas_of_impact(friction: Any, region: Region | None, restitution: str) -> Formulas:
     """Return the formulas of a motion, with the type of the record of a friction law."""
     slides = sliding(region, restitution)
-    template = Blow(*(1.0,) * 10, friction(*friction._fields))
+    template = Blow(*(1.0,) * 10, friction._make(friction._fields))
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         push = slides.push(q, b)
@@ -89,7 +89,7 @@ def formulas_of_impact(friction: Any, region: Region | None, restitution: str) -
 @lru_cache(maxsize=64)
 def loaded_formulas(stretch: loaded.Stretch, friction: Any) -> Formulas:
     """Return the formulas of an impact under a law with torques, with the type of the record of the law."""
-    touch = Touch(*(1.0,) * 6, friction(*friction._fields))
+    touch = Touch(*(1.0,) * 6, friction._make(friction._fields))
     template = loaded.Blow(Vector(1.0, 1.0, 1.0), touch, *(1.0,) * 5)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -136,7 +136,7 @@ class SlidingImpacts:
         Set it to give up while a motion is being compiled.
     """
 
-    def __init__(self, law: Law, restitution: str, precision: str = "double", stop: threading.Event | None = None):
+    def __init__(self, law: Any, restitution: str, precision: str = "double", stop: threading.Event | None = None):
         self.law, self.restitution, self.precision, self.stop = law, restitution, precision, stop
         self.number: Any = float if precision == "double" else PRECISIONS[precision]  # floats are faster than NumPy's
         self.eps = ROUNDING[precision]
@@ -146,7 +146,7 @@ class SlidingImpacts:
         """Return the motion in a region, or with the only name "", and what follows it."""
         if name not in self.known:
             region = self.law.regions.get(name)
-            formulas = formulas_of_impact(self.law.record, region, self.restitution)
+            formulas = formulas_of_impact(self.law, region, self.restitution)
             self.known[name] = sliding(region, self.restitution), driver_of(formulas, self.precision, self.stop)
         return self.known[name]
 
@@ -179,12 +179,10 @@ class SlidingImpacts:
         across, about = (spin.across * patch, spin.about * patch**2) if spin else (0, 0)
         moves = (value / mass for value in (*K, across, about))
         slip = v[0] / speed, v[1] / speed, patch * Omega_z / speed
-        rest = (
-            bool(self.law.regions)
-            * RESTS_AT
-            * self.eps
-            * (abs(v[2]) / speed + speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5 + abs(slip[2]))
-        )
+        rest = 0 * rising
+        if self.law.regions:
+            slides = speeds(Motion(*slip, *(0,) * 7)).v2 ** 0.5
+            rest = RESTS_AT * self.eps * (abs(v[2]) / speed + slides + abs(slip[2]))
         self.b = Blow._make((*moves, z, rising / speed, speed, rest, friction))
         none = 0 * rising
         q = Motion(*slip, v[2] / rising, *(none,) * 6)
@@ -278,7 +276,7 @@ class LoadedImpacts:
         As of `SlidingImpacts`.
     """
 
-    def __init__(self, law: Law, restitution: str, precision: str = "double", stop: threading.Event | None = None):
+    def __init__(self, law: Any, restitution: str, precision: str = "double", stop: threading.Event | None = None):
         self.law, self.restitution, self.precision, self.stop = law, restitution, precision, stop
         self.number: Any = float if precision == "double" else PRECISIONS[precision]
         self.drivers: dict[str, Driver] = {}
@@ -306,7 +304,7 @@ class LoadedImpacts:
         motions = loaded.stretches(law)
         while self.left > 0:
             rests = self.region == loaded.REST
-            if not rests and (passed == "stops" or loaded.is_slow(law, q, b)):
+            if not rests and loaded.is_slow(law, q, b, passed == "stops"):
                 q, passed, span = loaded.stopped(law, q, b), "", LOADED_SPAN
                 self.region, self.mode, rests = loaded.REST, "stick", True
                 by = motions[loaded.REST].acts(q, b)
@@ -339,21 +337,22 @@ class LoadedImpacts:
 
     def _slid(self, q: Any, by: Any) -> Any:
         """Return the motion where friction can no longer hold the contact."""
-        q = loaded.slide(self.law, loaded.stretches(self.law)[""] if not self.law.regions else None, q, by, self.b)
+        q = loaded.slide(self.law, loaded.stretches(self.law).get(""), q, by, self.b)
         self.region, self.mode = loaded.region_at(self.law, q, self.b), "slip"
         return q
 
     def _piece(self, stretch: Any, q: Any, by: Any, passed: str, end: Any) -> Any:
         """Return the steps of a motion from q on, until the clock has run so far or an event happens."""
         if self.region not in self.drivers:
-            formulas = loaded_formulas(stretch, self.law.record)
+            formulas = loaded_formulas(stretch, self.law)
             self.drivers[self.region] = driver_of(formulas, self.precision, self.stop)
         driver = self.drivers[self.region]
-        signs = [-event.direction for event in stretch.events]
-        zeros = [-float(event.name == passed) for event in stretch.events]
-        for k, event in enumerate(stretch.events):
-            if event.name == "slowest" and (passed == event.name or event.formula(q, by, self.b) >= 0):
-                signs[k] = 1
+        signs, zeros = [], []
+        for event in stretch.events:
+            beyond = event.name == passed if event.name in ("stops", "slowest") else False
+            grows = event.name == "slowest" and event.formula(q, by, self.b) >= 0
+            signs.append(event.direction if beyond or grows else -event.direction)
+            zeros.append(-float(event.name == passed))
         driver.take(leaves(self.b)[: len(driver.motion.pars)])
         return piece_of(driver, q, signs, zeros, CLOCK_RATE * end, self.left)
 
@@ -373,7 +372,7 @@ class Impacts:
 
     def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None = None):
         rules: Any = problem.contact
-        law = named(type(friction), problem.system.laws)[1]  # type: ignore[index]
+        law: Any = type(friction)
         self.restitution, self.law = rules.restitution, law
         self.is_dry = law.set_valued or type(friction) is Frictionless
         self.motions = SlidingImpacts(law, rules.restitution, problem.precision, stop)
@@ -387,9 +386,12 @@ class Impacts:
         if self.loaded:
             b = b._replace(clearance=(), lever=())
             pressed, q = self.loaded.struck(x.u, x.L, a.v, b, e_n)
-            works = q.work_n, q.work_t, pressed.work_n, self.loaded.mode
-            p = a.e.x * q.px + a.e.y * q.py, a.e.x * q.py - a.e.y * q.px, q.p_z
-            impact, twist = Impact(*p, *a.v, *works), Vector(q.tx, q.ty, q.tz)
+            p, after = (
+                (a.e.x * x + a.e.y * y, a.e.x * y - a.e.y * x, z)
+                for x, y, z in ((q.px, q.py, q.p_z), (q.vx, q.vy, q.v_n))
+            )
+            works = q.work_n, q.work_t, pressed.work_n
+            impact, twist = Impact._make((*p, *after, *works, self.loaded.mode, 0, 0)), Vector(q.tx, q.ty, q.tz)
         elif self.is_dry:
             impact = struck(*v, a.K, getattr(b.friction, "mu", 0 * b.m), e_n, self.restitution)
         elif self.law.regions:

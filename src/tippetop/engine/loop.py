@@ -24,12 +24,6 @@ from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules,
 MOST_COEFFICIENTS, MOST_LANES = 64, 32
 """Coefficients of a polynomial and lanes for which the loop has room; quadruple precision has 47 coefficients."""
 
-TINY = 1e-10
-"""Internal time of a step that goes nowhere."""
-
-PATIENCE = 64
-"""Tiny steps in a row that are a stall."""
-
 
 class Motion(NamedTuple):
     """The lanes of an integrator: internal units, time in double length."""
@@ -97,8 +91,6 @@ class _Thresholds(NamedTuple):
     at_pole: float = AT_POLE
     near_pole: float = NEAR_POLE
     on_zero_for: float = ON_ZERO_FOR
-    tiny: float = TINY
-    patience: int = PATIENCE
 
 
 class Tables(NamedTuple):

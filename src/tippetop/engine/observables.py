@@ -7,7 +7,7 @@ import numpy as np
 
 from ..columns import Column, column
 from ..mechanics.moment import Moment, moment
-from ..mechanics.operand import leaves
+from ..mechanics.operand import leaves, refill
 from ..mechanics.system import Form, System
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
 from ..problem import ORIENTATION, PSI, TURN, Problem, Problems
@@ -29,8 +29,7 @@ class Observables:
         self.problem, self.form, self.system = problem, problem.form, problem.system
         self._wide = np.float64 if problem.precision == "double" else np.longdouble
         body = problem.internal_body
-        double = self._wide is np.float64
-        self.body = _cast(body, np.float64 if double else lambda leaf: _widened(np.array(leaf), self._wide)[()])
+        self.body = refill(body, (_widened(np.array(leaf), self._wide)[()] for leaf in leaves(body)))
         self._pars = np.array(leaves(self.body), dtype=float)[:, None]
         self._last: tuple[bytes, dict[str, np.ndarray]] = b"", {}  # the row that was read last, and what it says
 
@@ -233,10 +232,6 @@ def _widened(values: np.ndarray, number: Any) -> np.ndarray:
     if number is np.float64 or values.dtype == number:
         return values.astype(number)
     return high.astype(number) + (values - high).astype(np.float64).astype(number)
-
-
-def _cast(record: Any, number: Any) -> Any:
-    return type(record)(*(_cast(f, number) if isinstance(f, tuple) else number(f) for f in record))
 
 
 def event_functions(problems: Problems) -> np.ndarray:

@@ -1,7 +1,7 @@
 """What is kept of every run while its steps pass, and where the event functions stand in the Taylor coefficients."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,11 +109,15 @@ def mark_bounded(records: np.ndarray) -> None:
     records["bounded"][leaders[leaders >= 0]] = True
 
 
-def looked_for(rows: EventRows, events: Sequence[Event], logged: Collection[str], *, stops: bool) -> EventRows:
-    """Return the events as a run looks for them: turnings, which are many, only if they are logged; without
-    ends, unless it `stops`."""
+def looked_for(
+    rows: EventRows, watched: Iterable[bool], ranged: Iterable[bool] | None = None, *, stops: bool
+) -> EventRows:
+    """Return the events as a run looks for them: those that are `watched`, the extremes of those that are `ranged`
+    (None: of all that have some), and the ends of runs if it `stops`."""
     records = rows.events.copy()
-    records["watched"] = [not event.sense or event.name in logged for event in events]
+    records["watched"] = list(watched)
+    if ranged is not None:
+        records["ranged"] &= list(ranged)
     if not stops:
         records["ends"] = 0
     mark_bounded(records)

@@ -1,13 +1,13 @@
 """How a motion changes with the numbers that a user gives: states, columns and their derivatives along directions."""
 
 import threading
-from functools import partial
 from typing import Any
 
 import heyoka as hy
 import numpy as np
 
 from ..awaiting import awaited
+from .compiled import awaited_once
 from .variational import Kind, Readings, compiled_motion, compiled_readings, compiled_starts
 
 
@@ -35,7 +35,6 @@ class Tangents:
 
     def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0, *, uses: int = 1, longest: float = 0.0):
         self.kind, self.tolerance, self.most, self.uses, self.longest = kind, tolerance, most, uses, longest
-        self._known: dict[Any, Any] = {}
 
     def states(
         self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray, needs: tuple[str, ...] | None = None
@@ -62,7 +61,9 @@ class Tangents:
         lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
         compact = float(np.abs(times).max(initial=self.longest)) * total * self.uses < SOON
-        starts, motion = self._compiled(lanes, compact, tuple(wanted))
+        starts = awaited_once(compiled_starts, (kind,), "the start is being compiled")
+        key = kind, lanes, compact, self.tolerance, tuple(wanted)
+        motion = awaited_once(compiled_motion, key, "the variational equations are being compiled")
         begin = starts(np.concatenate([numbers, ways]))
         k = kind.body_numbers
         pars = np.concatenate([numbers[:k], ways[:k]])
@@ -78,19 +79,6 @@ class Tangents:
 
         awaited(fill, "the variational equations are integrated")
         return rows.reshape(len(times), kind.order + 1, len(names), total)
-
-    def _compiled(self, lanes: int, compact: bool, wanted: tuple[str, ...]) -> Any:
-        """The compiled start and motion."""
-        key = (lanes, compact, wanted)
-        if key not in self._known:  # a look into the caches of the module compares whole systems
-            self._known[key] = (
-                awaited(lambda: compiled_starts(self.kind), "the start is being compiled"),
-                awaited(
-                    lambda: compiled_motion(self.kind, lanes, compact, self.tolerance, wanted),
-                    "the variational equations are being compiled",
-                ),
-            )
-        return self._known[key]
 
     def _block(self, motion: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Rows of the lanes of one batch. A lane that breaks down ends all of them: then each is followed alone."""
@@ -131,10 +119,8 @@ class Tangents:
         return columns, dict(zip(timed, outputs[orders * n :], strict=True))
 
     def _readings(self, names: tuple[str, ...] | None, timed: tuple[str, ...]) -> Readings:
-        if (names, timed) not in self._known:
-            make = partial(compiled_readings, self.kind, names, timed)
-            self._known[names, timed] = awaited(make, "the derivatives of columns are being compiled")
-        return self._known[names, timed]
+        key = self.kind, names, timed
+        return awaited_once(compiled_readings, key, "the derivatives of columns are being compiled")
 
     def needs(self, names: tuple[str, ...] | None, timed: tuple[str, ...]) -> tuple[str, ...]:
         """The variables that columns read."""

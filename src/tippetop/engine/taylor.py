@@ -6,14 +6,11 @@ import weakref
 from typing import Any
 
 import heyoka as hy
-import numpy as np
 
-from ..awaiting import awaited
 from ..mechanics.operand import leaves
-from ..mechanics.system import Form, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from .compiled import MOST_COMPILED, Compiled, compiled_from
+from .compiled import Compiled, awaited_once, compiled_from
 from .driver import Driver
 from .expressions import Formulas, formulas_of
 from .observables import event_functions
@@ -49,41 +46,12 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
         from .hybrid import HybridDriver  # a twentieth of a start, which other runs do without
 
         return HybridDriver(problem, stop)  # type: ignore[return-value]
+    system, body = problem.system, problem.internal_body
+    code = code_for(problem, formulas_of(system, problem.form.name, body.friction.__class__), stop)
+    watched = (not event.sense or event.name in problem.events for event in system.events)  # turnings are many
+    rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
     functions = event_functions(problem.alone)[0]
-    return new_driver(problem, problem.system, problem.form, problem.internal_body, problem.start(), functions, stop)
-
-
-def new_driver(
-    problem: Problem,
-    system: System,
-    form: Form,
-    body: Any,
-    start: np.ndarray,
-    functions: np.ndarray,
-    stop: threading.Event | None = None,
-) -> Driver:
-    """Return a driver of some equations with the options of a problem.
-
-    Parameters
-    ----------
-    problem
-        The run: its precision, its end, its events.
-    system, form
-        The equations: those of the problem, or of a phase of its contact.
-    body
-        As they take it, in internal units.
-    start, functions
-        The state at the start, (variables,), and the event functions there.
-    stop
-        Set it to give up while the equations are being compiled.
-
-    Returns
-    -------
-    Driver
-    """
-    code = code_for(problem, formulas_of(system, form.name, body.friction.__class__), stop)
-    rows = looked_for(code.rows, system.events, problem.events, stops=problem.on_liftoff != "continue")
-    return kind_of_driver(problem)(code, rows, leaves(body), start, functions, internal_end(problem))
+    return kind_of_driver(problem)(code, rows, leaves(body), problem.start(), functions, internal_end(problem))
 
 
 def kind_of_driver(problem: Problem) -> type[Driver]:
@@ -105,16 +73,7 @@ def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None 
 
 def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
     """Return `compiled_from` these arguments. Raises Interrupted if `stop` is set meanwhile."""
-    if key in _known:
-        return compiled_from(*key)
-    code = awaited(lambda: compiled_from(*key), "the equations are being compiled", stop)
-    if len(_known) >= MOST_COMPILED:  # some may have gone since
-        _known.clear()
-    _known.add(key)
-    return code
-
-
-_known: set[tuple] = set()  # what this process has compiled: a thread to wait for it takes 0.1 ms
+    return awaited_once(compiled_from, key, "the equations are being compiled", stop)
 
 
 def fingerprint(driver: Driver) -> str:

@@ -57,7 +57,7 @@ class WideSteps(Called):
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
             motion.tc[:, :, 0] = ta.tc
-            if not np.isfinite(motion.tc.sum()):
+            if not np.abs(motion.tc).max() < LARGEST:
                 motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
 
     def follow(self) -> None:
@@ -156,7 +156,7 @@ class WideDriver(Driver):
         """All that is integrated."""
         return self.stepper.integrator.state
 
-    def put(self, state: np.ndarray, clock: tuple[Any, Any]) -> None:
+    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
         ta = self.stepper.integrator
         ta.state[:], ta.dtime = state, clock

@@ -20,7 +20,6 @@ from ..engine.tallies import EventRows, signs_of
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting
-from ..scenario import build
 from .lanes import LANES, SWINGS, Lanes, new_tops
 from .outcomes import Outcomes, _conclude, dataset
 from .singly import Alone, one_by_one
@@ -49,33 +48,6 @@ class _Queue:
             most = 0 if self.stopped else empty + waiting
             taken, self._numbers = self._numbers[:most], self._numbers[most:]
             return taken
-
-
-class _Worker:
-    """A thread's lanes, and the observer that compares invariants of their tops."""
-
-    def __init__(self, outcomes: Outcomes, starts: Starts, lanes: Lanes, ended: Callable[[int], None]):
-        self.outcomes, self.starts, self.lanes, self.ended = outcomes, starts, lanes, ended
-        self.processor = 0.0
-
-    def look(self, states: np.ndarray, tops: np.ndarray) -> None:
-        """Compares invariants with the start."""
-        every = self.outcomes.tops
-        values = invariants(every.base, values_of(every, states[: len(every.start)], tops))
-        for name, value in values.items():
-            start, size = self.starts[name]
-            with np.errstate(all="ignore"):  # a top that is not finite has a drift that is none
-                np.maximum.at(self.outcomes.drift[name], tops, np.abs(value - start[tops]) / size[tops])
-
-    def work(self, queue: _Queue, tops: Tops) -> None:
-        """Runs tops from the queue until there is none left."""
-        clock = time.thread_time()
-        try:
-            self.lanes.run(tops, queue.take, self)
-            self.processor = time.thread_time() - clock
-        except BaseException:
-            queue.stopped = True
-            raise
 
 
 def measure(
@@ -164,7 +136,7 @@ def _run(
     lanes: int,
     wanted: Collection[str] | None,
 ) -> None:
-    lock, counted = threading.Lock(), itertools.count(1)
+    lock, counted, every = threading.Lock(), itertools.count(1), measured.tops
 
     def ended(count: int) -> None:
         if progress is not None:
@@ -172,27 +144,43 @@ def _run(
                 for _ in range(count):
                     progress(next(counted), len(numbers))
 
-    n, every = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))), measured.tops
-    workers = [_Worker(measured, starts, Lanes(every, lanes, wanted), ended) for _ in range(n)]
-    rows, queue = workers[0].lanes.rows, _Queue(numbers, lanes, n)
-    tops = new_tops(every.start, every.pars[: len(workers[0].lanes.motion.pars)], every.end, *signs_of(functions), rows)
+    def look(states: np.ndarray, some: np.ndarray) -> None:
+        """Compare invariants with the start."""
+        values = invariants(every.base, values_of(every, states[: len(every.start)], some))
+        for name, value in values.items():
+            start, size = starts[name]
+            with np.errstate(all="ignore"):  # the drift of a top that is not finite is NaN
+                np.maximum.at(measured.drift[name], some, np.abs(value - start[some]) / size[some])
+
+    def work(worker: Lanes) -> float:
+        """Run tops from the queue until none is left. Return the processor time."""
+        clock = time.thread_time()
+        try:
+            worker.run(tops, queue.take, look, ended)
+        except BaseException:
+            queue.stopped = True
+            raise
+        return time.thread_time() - clock
+
+    n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
+    workers = [Lanes(every, lanes, wanted) for _ in range(n)]
+    first, queue = workers[0], _Queue(numbers, lanes, n)
+    tops = new_tops(every.start, every.pars[: len(first.motion.pars)], every.end, *signs_of(functions), first.rows)
     if n == 1:
-        workers[0].work(queue, tops)
+        measured.processor = work(first)
     else:
         with ThreadPoolExecutor(n) as pool:
-            tasks = [pool.submit(worker.work, queue, tops) for worker in workers]
+            tasks = [pool.submit(work, worker) for worker in workers]
             try:
-                for task in tasks:
-                    task.result()
+                measured.processor = sum(task.result() for task in tasks)
             except BaseException:  # Ctrl-C too: the others must stop
                 queue.stopped = True
                 raise
-    if any(isinstance(worker.lanes.stepper, Called) for worker in workers):
+    if isinstance(first.stepper, Called):
         measured.steps_by = "heyoka"
-    measured.processor = sum(worker.processor for worker in workers)
     measured.steps_made = int(tops.lane["steps"].sum())
-    measured.steps_possible = sum(worker.lanes.steps_possible for worker in workers)
-    _write(measured, numbers, tops, rows)
+    measured.steps_possible = sum(worker.steps_possible for worker in workers)
+    _write(measured, numbers, tops, first.rows)
 
 
 def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows) -> None:
@@ -213,11 +201,6 @@ def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows)
         if event.extremes:
             columns[f"{event.extremes}_min"][numbers] = least[e] / rows.events["scale"][e]
             columns[f"{event.extremes}_max"][numbers] = most[e] / rows.events["scale"][e]
-
-
-def tops_of(source: str, variations: Mapping[str, Any], until: float | None) -> Problems:
-    """The tops of a scenario and its variations. Raises InputError."""
-    return vary(build.load(source, None, until), variations)
 
 
 def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = False) -> Problems:

@@ -48,7 +48,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     return replace(
         base,
         parameters=parameters,
-        friction=type(base.friction)(**numbers("friction")),
+        friction=base.friction._replace(**numbers("friction")),
         initial=initial,
         contact=rules,
         until=until,
@@ -58,12 +58,8 @@ def problem_of(tops: Problems, top: int) -> Problem:
     )
 
 
-def faults_of(tops: Problems, top: int) -> list[str]:
-    """Why one of many cannot be followed alone, in sentences."""
-    return _faults(problem_of(tops, top))
-
-
-def _faults(problem: Problem) -> list[str]:
+def faults_of(problem: Problem) -> list[str]:
+    """Return why a problem cannot be followed alone, in sentences."""
     return [*problem.faults(), *contact_faults(problem)]
 
 
@@ -86,7 +82,7 @@ def one_by_one(
     tops = outcomes.tops
     for done, top in enumerate(numbers.tolist(), 1):
         problem = problem_of(tops, top)
-        if faults := _faults(problem):
+        if faults := faults_of(problem):
             outcomes.status[top] = Status.INVALID.code
             outcomes.faults.append((top, faults[0]))
         else:

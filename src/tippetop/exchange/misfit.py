@@ -51,7 +51,7 @@ class Misfit:
         self.evaluations += len(points)
         parts = self.observation.predictions([self.space.values(p) for p in points], slice(0, rows), slopes=slopes)
         residuals, jacobians = [], []
-        chain = np.array([self.space.slopes(p) for p in points])[:, None] if slopes else None
+        chain = np.array([self.space.slopes(p) for p in points if slopes])[:, None]
         for group, (off, moves) in parts.items():
             weight = self.weights[group]
             given = np.isfinite(self.observation.groups[group][:rows]).all(axis=1)

@@ -1,7 +1,6 @@
 """What a scenario predicts for a table of measurements, and how that moves with the numbers that are free."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -9,7 +8,7 @@ from ..engine.derivatives.numbers import Numbers
 from ..engine.expressions import component
 from ..engine.tangent import Tangents
 from ..errors import InputError, suggestion
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 from ..mechanics.units import METRE, ONE, SECOND
 from ..problem import Problem
 from . import residuals
@@ -18,8 +17,8 @@ from .motion import Motion
 
 OFFSET, CLOCK = "time.offset", "time.scale"
 TIMES = {
-    OFFSET: Parameter(SECOND, "time of the motion where the table's clock shows 0"),
-    CLOCK: Parameter(ONE, "seconds of the motion per second of the table's clock", above=0),
+    OFFSET: Number(SECOND, "time of the motion where the table's clock shows 0"),
+    CLOCK: Number(ONE, "seconds of the motion per second of the table's clock", above=0),
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
 # Part of the duration within which the time of a clock is searched
@@ -117,7 +116,7 @@ class Observation:
         self.names = tuple(dict.fromkeys([*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]))
         self.ways = self.numbers.directions(self.own)
 
-    def rule(self, name: str) -> Parameter:
+    def rule(self, name: str) -> Number:
         """Unit and interval of a number that is free."""
         return TIMES.get(name) or self.numbers.rule(name)
 
@@ -130,17 +129,16 @@ class Observation:
 
     def predictions(
         self, points: Sequence[dict[str, float]], rows: slice = slice(None), *, slopes: bool = True
-    ) -> dict[str, tuple[np.ndarray, Any]]:
+    ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Compute for each group what was measured less what is predicted, (points, rows, parts), and how the
-        prediction moves with each free number, (points, rows, parts, free), SI; None without `slopes`. NaN where
+        prediction moves with each free number, (points, rows, parts, free), SI; without `slopes` free is 0. NaN where
         nothing was measured, or the motion cannot be computed."""
         t, k = self.t[rows], len(points)
-        value, slope = self._read(points, t, slopes=slopes)
-        parts: dict[str, tuple[np.ndarray, Any]] = {}
+        jets = self._read(points, t, slopes=slopes)
+        parts = {}
         for group, seen in self.groups.items():
-            off, moves = self._residual(group, np.tile(seen[rows], (k, 1)), value, slope)
-            shaped = moves if moves is None else moves.reshape(k, len(t), *moves.shape[1:])
-            parts[group] = off.reshape(k, len(t), -1), shaped
+            off, moves = self._residual(group, np.tile(seen[rows], (k, 1)), jets)
+            parts[group] = off.reshape(k, len(t), -1), moves.reshape(k, len(t), *moves.shape[1:])
         return parts
 
     def dots(self) -> dict[str, np.ndarray]:
@@ -153,16 +151,16 @@ class Observation:
 
     def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
         """What is predicted of `dots` at times [s] of the table's clock, by group, (times, parts)."""
-        value, _ = self._read([values], t, slopes=False)
-        curves = {group: self._model(group, value, None)[0] for group in self.groups if group != "orientation"}
+        jets = self._read([values], t, slopes=False)
+        curves = {group: self._model(group, jets)[..., 0] for group in self.groups if group != "orientation"}
         if "orientation" in self.groups:
-            x, y, z = (value[f"third_{c}"] for c in "xyz")
-            curves["orientation"] = np.arctan2(np.hypot(x, y), z)[:, None]
+            x, y, z = (jets[name] for name in AXES[3:])
+            curves["orientation"] = np.arctan2(np.hypot(x, y), z)
         return curves
 
-    def _read(self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool) -> tuple[Any, Any]:
-        """What is read of the motions of sets of values: by name (points rows,), and how it moves with each free number
-        in its SI unit, (points rows, free), or None; in internal units."""
+    def _read(self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool) -> dict[str, np.ndarray]:
+        """Read the motions of sets of values, by name, (points rows, 1 + free), in internal units: the value, then how
+        it moves with each free number in its SI unit, if slopes are asked for."""
         k, tangents = len(points), self.tangents if slopes else self.motions
         lanes = max(1, len(self.own)) if slopes else 1
         own = {name: np.array([values[name] for values in points]) for name in self.own}
@@ -173,50 +171,46 @@ class Observation:
         timed = self.names if slopes and len(self.own) < len(self.free) else ()
         states = tangents.states(columns, ways, np.repeat(clock, lanes, axis=1), tangents.needs(self.names, timed))
         read, rates = tangents.read(columns, ways, states, self.names, timed)
-        value = {name: read[name][0][:, ::lanes].T.ravel() for name in self.names}
-        if not slopes:
-            return value, None
-        moves = {}
+        jets = {}
         for name in self.names:
-            along = read[name][1].reshape(len(t), k, lanes)
-            by = {free: along[:, :, i] / self.numbers.scale(free) for i, free in enumerate(self.own)}
-            if timed:
-                rate = rates[name][:, ::lanes] / self.second
-                by |= {OFFSET: rate, CLOCK: rate * t[:, None]}
-            moves[name] = np.stack([by[free].T.ravel() for free in self.free], axis=1)
-        return value, moves
+            parts = [read[name][0][:, ::lanes]]
+            if slopes:
+                along = read[name][1].reshape(len(t), k, lanes)
+                by = {free: along[:, :, i] / self.numbers.scale(free) for i, free in enumerate(self.own)}
+                if timed:
+                    rate = rates[name][:, ::lanes] / self.second
+                    by |= {OFFSET: rate, CLOCK: rate * t[:, None]}
+                parts += [by[free] for free in self.free]
+            jets[name] = np.stack([part.T.ravel() for part in parts], axis=1)
+        return jets
 
-    def _residual(self, group: str, seen: np.ndarray, value: Any, slope: Any) -> tuple[np.ndarray, np.ndarray | None]:
+    def _residual(self, group: str, seen: np.ndarray, jets: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         if group == "orientation":
-            axes, turn = self._axes(value, slope)
+            axes, turn = self._axes(jets)
             return residuals.of_orientation(seen, axes), turn
-        model, moves = self._model(group, value, slope)
+        jet = self._model(group, jets)
+        model, moves = jet[..., 0], jet[..., 1:]
         if group == "axis":
             return residuals.of_axis(seen, model, moves)
         off = seen - model
         return (np.remainder(off + np.pi, 2 * np.pi) - np.pi if group == "phi" else off), moves
 
-    def _model(self, group: str, value: Any, slope: Any) -> tuple[np.ndarray, np.ndarray | None]:
-        """What is predicted for a group, and how it moves."""
+    def _model(self, group: str, jets: dict[str, np.ndarray]) -> np.ndarray:
+        """What is predicted for a group, and how it moves, (rows, parts, 1 + free)."""
         size = self.metre if group in ("place", "marker") else 1 / self.second if group == "omega3" else 1.0
-        names = NAMES.get(group, (group,))
-        model = np.stack([value[name] for name in names], axis=1) * size
-        moves = None if slope is None else np.stack([slope[name] for name in names], axis=1) * size
+        model = np.stack([jets[name] for name in NAMES.get(group, (group,))], axis=1) * size
         if group == "marker":
-            axes, turn = self._axes(value, slope)
-            arm = axes @ self.marker
-            model = model + arm
-            moves = None if moves is None else moves + np.cross(turn, arm[:, :, None], axis=1)
-        return model, moves
+            axes, turn = self._axes(jets)
+            arm = (axes @ self.marker)[:, :, None]
+            model += np.concatenate([arm, np.cross(turn, arm, axis=1)], axis=2)
+        return model
 
-    def _axes(self, value: Any, slope: Any) -> tuple[np.ndarray, Any]:
+    def _axes(self, jets: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """The axes of the body (rows, space, axes), and how they turn."""
-        first, third = (np.stack([value[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third"))
-        axes = np.stack([first, np.cross(third, first), third], axis=2)
-        if slope is None:
-            return axes, None
-        moved = (np.stack([slope[f"{a}_{c}"] for c in "xyz"], axis=1) for a in ("first", "third"))
-        return axes, residuals.turning(first, third, *moved)
+        first, third = (np.stack([jets[name] for name in names], axis=1) for names in (AXES[:3], AXES[3:]))
+        a, c = first[..., 0], third[..., 0]
+        axes = np.stack([a, np.cross(c, a), c], axis=2)
+        return axes, residuals.turning(a, c, first[..., 1:], third[..., 1:])
 
 
 def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:

@@ -7,7 +7,7 @@ from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion
 
 
-def of_axis(seen: np.ndarray, third: np.ndarray, moves: np.ndarray | None) -> tuple[np.ndarray, np.ndarray | None]:
+def of_axis(seen: np.ndarray, third: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of unit vectors (rows, 3): the chord between them, split along two axes across the measured one, (rows, 2); and
     how it moves where `third` moves so, (rows, 3, free), less the sign. Noise of an axis has two directions, not three.
     """
@@ -16,8 +16,6 @@ def of_axis(seen: np.ndarray, third: np.ndarray, moves: np.ndarray | None) -> tu
     across = np.array([rotation.rotated(swing, Vector(*e)) for e in np.eye(3)[:2]])  # (2, space, rows)
     apart = np.einsum("ixr,rx->ri", across, third)
     half = np.sqrt(np.maximum((1 + (seen * third).sum(axis=1)) / 2, 1e-12))[:, None]  # cos of half the angle
-    if moves is None:
-        return -apart / half, None
     along = np.einsum("rx,rxf->rf", seen, moves)[:, None, :]
     turned = np.einsum("ixr,rxf->rif", across, moves)
     return -apart / half, turned / half[:, :, None] - apart[:, :, None] * along / (4 * half[:, :, None] ** 3)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 
 
 # How far the logarithm of a number may go from where it starts
@@ -15,6 +15,8 @@ WIDEST = float(np.log(20))
 MARGIN = 1e-6
 # Plausible distance of a number from where it starts, relative
 FAR = 0.4
+# Of the differences that are derivatives: values are known to 1e-16, and smooth over 1
+STEP = 1e-5
 # Pairs of initial numbers that are polar components of a horizontal vector; the axis is first
 POLAR = (
     ("initial.theta", "initial.phi"),
@@ -44,7 +46,7 @@ class Scale(NamedTuple):
         return value if self.logarithmic else self.size
 
 
-def scale_of(rule: Parameter, value: float) -> Scale:
+def scale_of(rule: Number, value: float) -> Scale:
     """Return the scale of a number, by its interval and where it starts."""
     low = max((b for b in (rule.above, rule.least) if b is not None), default=-np.inf)
     high = min((b for b in (rule.below, rule.most) if b is not None), default=np.inf)
@@ -133,18 +135,10 @@ class Space:
         return dict(zip(self.names, values, strict=True))
 
     def slopes(self, point: np.ndarray) -> np.ndarray:
-        """Return d value/d coordinate, (free, free)."""
-        values = list(self.values(point).values())
-        slopes = np.diag([s.slope(v) for s, v in zip(self.scales, values, strict=True)])
-        for n, (i, k, swept) in enumerate(self.pairs):
-            if n == 0:
-                r = values[i]
-                c, s = np.cos(values[k] - self.azimuth), np.sin(values[k] - self.azimuth)
-            size = r if swept or n == 0 else 1.0
-            slopes[i, [i, k]] = c, s
-            slopes[k, [i, k]] = -s / size, c / size
-            if n > 0:  # the directions turn with phi, and a rate of phi is divided by theta
-                theta, phi = slopes[list(self.pairs[0][:2])]
-                slopes[i] += values[k] * size * phi
-                slopes[k] -= values[i] / size * phi + (values[k] / r * theta if swept else 0)
-        return slopes * self.width
+        """Return d value/d coordinate, (free, free), as central differences."""
+
+        def values(moved: np.ndarray) -> np.ndarray:
+            return np.array(list(self.values(moved).values()))
+
+        steps = STEP * np.eye(len(point))
+        return np.stack([(values(point + d) - values(point - d)) / (2 * STEP) for d in steps], axis=1)

@@ -16,7 +16,6 @@ from .headers import Heading, heading
 MOST_ROWS = 2_000_000  # what a comparison or a fit holds in memory with all that it computes
 # Standard deviations of the noise by which an angle may lie beyond its bounds
 BEYOND = 5.0
-UNSIGNED = {"theta": np.pi}  # angles with bounds
 
 
 @dataclass(frozen=True)
@@ -95,11 +94,10 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
     t = columns["t"]
     if len(t) < 2:
         return [f"at least two rows must be there, but {'one is' if len(t) else 'none is'}."]
-    if not np.isfinite(t).all():
-        row = int(np.flatnonzero(~np.isfinite(t))[0]) + 1
-        return [f"every row must have a time, but row {row} has none."]
-    if not (np.diff(t) > 0).all():
-        row = int(np.flatnonzero(~(np.diff(t) > 0))[0]) + 2
+    if (lacks := ~np.isfinite(t)).any():
+        return [f"every row must have a time, but row {lacks.argmax() + 1} has none."]
+    if (falls := np.diff(t) <= 0).any():
+        row = falls.argmax() + 2
         return [f"times must ascend, but that of row {row}, {t[row - 1]:.9g} s, follows {t[row - 2]:.9g} s."]
     if max(-t[0], t[-1]) > UNTIL.most:
         return [f"times must be within {UNTIL.most:g} s, but are from {t[0]:g} to {t[-1]:g} s."]
@@ -111,28 +109,25 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
             faults.append(f"the column `{name}` must have a number somewhere, but has none.")
         elif np.isinf(values).any():
             faults.append(f"the column `{name}` must be finite where it is given, but is infinite in places.")
-        elif wrapped and name in UNSIGNED and _beyond(values, name).max() > BEYOND * (noise or 0.0) + 1e-9:
-            worst = int(np.argmax(_beyond(values, name)))
+        elif wrapped and name == "theta" and (beyond := _beyond(values)).max() > BEYOND * (noise or 0.0) + 1e-9:
+            worst = int(np.argmax(beyond))
             value = f"{values[worst]:.6g} rad ({np.rad2deg(values[worst]):.6g} deg) in row {worst + 1}"
             hint = "."
-            if values[worst] > 2 * UNSIGNED[name]:
+            if values[worst] > 2 * np.pi:
                 hint = ": is it in degrees?"
             elif noise == 0:
                 hint = ': noise that explains it must be stated (--noise "1 deg").'
             elif noise is not None:
                 hint = f": a noise of {np.rad2deg(noise):.3g} deg (--noise) does not explain it."
             faults.append(f"`{name}` must lie in 0 to pi, but is {value}{hint}")
-        elif name.startswith("axis_") and np.nanmax(np.abs(values)) > 1.01:
-            faults.append(
-                f"`{name}` is a component of a unit vector, but is {np.nanmax(np.abs(values)):.4g} somewhere."
-            )
+        elif name.startswith("axis_") and (most := np.nanmax(np.abs(values))) > 1.01:
+            faults.append(f"`{name}` is a component of a unit vector, but is {most:.4g} somewhere.")
     return faults
 
 
-def _beyond(values: np.ndarray, name: str) -> np.ndarray:
-    """Return how far angles are beyond their bounds."""
-    middle = UNSIGNED[name] / 2
-    return np.nan_to_num(np.abs(values - middle) - middle)
+def _beyond(theta: np.ndarray) -> np.ndarray:
+    """Return how far theta is beyond 0 to pi."""
+    return np.nan_to_num(np.abs(theta - np.pi / 2) - np.pi / 2)
 
 
 def _csv(path: Path) -> tuple[Sequence[str], np.ndarray]:
@@ -151,10 +146,9 @@ def _csv(path: Path) -> tuple[Sequence[str], np.ndarray]:
                 raise InputError(
                     [f"`{path}` must begin with a header such as `t [s], theta [deg]`, but begins with numbers."]
                 )
-            if len(header) == 1 and ";" in header[0]:
-                raise InputError([f"`{path}` must have commas between columns (and points in its numbers), not `;`."])
-            if len(header) == 1 and "\t" in header[0]:
-                raise InputError([f"`{path}` must have commas between columns, not tabs."])
+            for letter, words in ((";", " (and points in its numbers), not `;`."), ("\t", ", not tabs.")):
+                if len(header) == 1 and letter in header[0]:
+                    raise InputError([f"`{path}` must have commas between columns{words}"])
             read = _heading(path, header)
             width, places = len(header), read.places
             values = np.array([_numbers(path, k, row, width, places) for k, row in enumerate(rows, 1)])

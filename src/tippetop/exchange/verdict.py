@@ -22,8 +22,9 @@ class Verdict:
         What the reference is.
     """
 
-    def __init__(self, motions: Sequence[Compared], orders: list[dict[str, Any]], title: str):
-        self.motions, self.orders, self.title = tuple(motions), orders, title
+    def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):
+        self.motions = tuple(compare(problem, file, convention) for file in files)
+        self.orders, self.title = orders(self.motions), f"{problem.system.title}, {problem.form.name} form"
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, as `tippetop compare --json` prints it."""
@@ -68,9 +69,3 @@ def _row(motion: Compared) -> tuple[str, ...]:
     error = f"{name} {numbers[name]['max']:.2g} {unit}"
     beyond = "never" if left is None else f"{left:.4g} s"
     return (str(motion.path), error, beyond, f"{numbers['until']:.4g} s", *changes, contact)
-
-
-def judged(problem: Problem, files: Sequence[Path], convention: Convention) -> tuple[list[Compared], list[Any], str]:
-    """What a `Verdict` is made of: each file beside the problem, orders of convergence, a title. Raises InputError."""
-    motions = [compare(problem, file, convention) for file in files]
-    return motions, orders(motions), f"{problem.system.title}, {problem.form.name} form"

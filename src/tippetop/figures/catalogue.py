@@ -109,7 +109,7 @@ def kind_of(word: str) -> str:
     return FORMER.get(word, word)
 
 
-def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
+def check_kind(kind: str, known: Iterable[str]) -> None:
     """Raises InputError if there is no such figure."""
     known = list(known)
     if not isinstance(kind, str) or kind not in known:

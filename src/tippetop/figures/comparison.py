@@ -1,5 +1,6 @@
 """Another program's motion beside the reference: theta of both, differences, and what must be conserved."""
 
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -31,7 +32,7 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     panels: Any = fig.subplots(3 if drifts else 2, 1, sharex=True)
     longest = max(motions, key=lambda m: m.t[-1])
     panels[0].plot(longest.t, longest.reference, color=RUN, lw=2.2, alpha=0.55, label="reference")
-    for m, color in zip(motions, _colors(len(motions)), strict=True):
+    for m, color in zip(motions, itertools.cycle(COLORS)):
         if np.isfinite(m.theta).any():
             panels[0].plot(m.t, m.theta, color=color, lw=0.9, label=literal(m.path.stem))
         name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in m.curves)
@@ -50,22 +51,19 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     words, unit = SHOWN.get(name, (name, "rad"))
     panels[1].set(ylabel=f"difference ({unit})", title=f"How far it is off: solid {words}{dotted}")
     if drifts:
-        panels[2].set(
-            ylabel="relative change",
-            title="Its change less the exact one: solid Jellett's integral λ, dashed energy E",
-        )
+        words = "Its change less the exact one: solid Jellett's integral λ, dashed energy E"
+        panels[2].set(ylabel="relative change", title=words)
     panels[-1].set_xlabel("time t (s)")
     for axes in panels[1:]:
         _cut(axes)
-    legend(panels[0], "upper right", own=True, ncols=4)
+    legend(panels[0], "upper right", ncols=4)
     return fig
 
 
 def _draw(axes: Any, t: np.ndarray, values: np.ndarray, **style: Any) -> None:
     """How large differences are; open where they are 0."""
-    sizes = np.where(np.abs(values) > FLOOR, np.abs(values), np.nan)
-    axes.set_yscale("log")
-    axes.plot(t, sizes, **style)
+    sizes = np.abs(values)
+    axes.semilogy(t, np.where(sizes > FLOOR, sizes, np.nan), **style)
 
 
 def _cut(axes: Any) -> None:
@@ -74,7 +72,3 @@ def _cut(axes: Any) -> None:
     values = values[np.isfinite(values)]
     if len(values):
         axes.set_ylim(bottom=max(FLOOR, 0.1 * float(np.quantile(values, 0.01))))
-
-
-def _colors(n: int) -> list[str]:
-    return [COLORS[i % len(COLORS)] for i in range(n)]

@@ -22,21 +22,20 @@ UNIT = 2.2e-16  # of rounding
 def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """How well the run kept what must not change: the picture of trust. Where a change is exactly 0 the curve is open,
     and the legend says so."""
-    own = ax is None
     ax = panel(ax, 10, 5.0)
     t = trajectory["time"].values
     for i, (words, values, color) in enumerate(changes(trajectory, attrs)):
         when, most = worst(t, values)
         _curve(ax, when, most, words, color, dashes(i), alone=".")
-    _dress(ax, attrs, own)
-    words = "relative change" if compact() else f"relative change since t = {_start(attrs, t)} s, worst per bin"
+    _dress(ax, attrs)
+    since = number(0.0 if attrs.get("first_row") else float(t[0]))
+    words = "relative change" if compact() else f"relative change since t = {since} s, worst per bin"
     ax.set(ylabel=words, xlim=span(t))
     return ax
 
 
 def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """How the worst change since the start grows with the length of the run, beside a random walk's sqrt(t)."""
-    own = ax is None
     ax = panel(ax, 9, 5.4)
     t = trajectory["time"].values
     later = t > 0
@@ -48,7 +47,7 @@ def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     ax.set_xscale("log")
     if most > 0:
         ax.plot(t[later], most * np.sqrt(t[later] / t[-1]), color=ink().quiet, lw=1.0, ls="--", label="∝ √t")
-    _dress(ax, attrs, own)
+    _dress(ax, attrs)
     at = " (at keyframes)" if attrs.get("run", {}).get("output") == "keyframes" else ""
     ax.set(ylabel=f"worst relative change up to t{at}")
     if later.sum() > 1:
@@ -69,7 +68,7 @@ def _curve(ax: Axes, t: np.ndarray, values: np.ndarray, words: str, color: str, 
         ax.plot(t[lonely], values[lonely], alone, color=color, ms=2.5)
 
 
-def _dress(ax: Axes, attrs: dict[str, Any], own: bool) -> None:
+def _dress(ax: Axes, attrs: dict[str, Any]) -> None:
     """The unit of rounding, limits around the curves, title and legend."""
     colours = ink()
     ax.set_yscale("log")
@@ -85,7 +84,7 @@ def _dress(ax: Axes, attrs: dict[str, Any], own: bool) -> None:
         least, most = min(map(np.nanmin, known)), max(map(np.nanmax, known))
     ax.set_ylim(min(0.5 * least, 0.3 * UNIT), max(3 * most, 20 * UNIT))
     ax.set(xlabel="time t (s)", title=title(attrs))
-    legend(ax, "upper right", own=own, ncols=3)
+    legend(ax, "upper right", ncols=3)
 
 
 def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarray, str]]:
@@ -100,9 +99,9 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
         if name == "jellett" and "jellett_lost" in trajectory and trajectory["jellett_lost"].values.any():
             values, words = values + trajectory["jellett_lost"].values, "λ + what torques took"
         words += ", since its ball touched first" if len(handed) else ""
-        pieces = np.split(values, handed)
-        start = [None if "ball" in trajectory else first.get(name)] + [None] * (len(pieces) - 1)
-        curves.append((words, np.concatenate([relative(*both) for both in zip(pieces, start, strict=True)])))
+        piece, *others = np.split(values, handed)
+        begun = None if "ball" in trajectory else first.get(name)
+        curves.append((words, np.concatenate([relative(piece, begun), *map(relative, others)])))
     if "energy" in trajectory:
         work = trajectory["work"].values if "work" in trajectory else 0.0
         begun = first["energy"] + first.get("work", 0.0) if first else None
@@ -110,9 +109,7 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
     if "axis" in trajectory:
         length = np.linalg.norm(trajectory["axis"].values, axis=1)
         curves.append(("length of the axis $|\\hat{3}|$", relative(length, 1.0 if first else None)))
-    colours = ink()
-    inks = (colours.run, colours.upper, colours.lower, colours.quiet, colours.alarm)
-    return [(words, values, color) for (words, values), color in zip(curves, inks, strict=False)]
+    return [(*curve, color) for curve, color in zip(curves, ink()[:5], strict=False)]
 
 
 def _handed_over(trajectory: Any, attrs: dict[str, Any]) -> np.ndarray:
@@ -126,7 +123,3 @@ def relative(values: np.ndarray, first: float | None = None) -> np.ndarray:
     """Relative changes since the first of these values, or since the one that is given."""
     start = values[0] if first is None else first
     return np.abs(values - start) / (abs(start) if start else 1.0)
-
-
-def _start(attrs: dict[str, Any], t: np.ndarray) -> str:
-    return "0" if attrs.get("first_row") else number(float(t[0]))

@@ -81,8 +81,8 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
             from .phases import mark
 
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes
-            mark(panels, groups["phases"], groups["impacts"], own=ax is None)
-        return _finished(axes, look, own=ax is None)
+            mark(panels, groups["phases"], groups["impacts"])
+        return _finished(axes, look)
 
 
 def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any], *, several: bool = False) -> None:
@@ -125,7 +125,7 @@ def several(
         _refuse(kind, trajectory, attrs, several=True)
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = overlay(kind, [(run, with_units(attrs)) for run, attrs in runs], [*map(literal, names)], ax)
-        return _finished(axes, look, own=ax is None)
+        return _finished(axes, look)
 
 
 def states_of(system: str, parameters: dict[str, float], lam: float, look: Look = PLAIN, title: str = "") -> Any:
@@ -149,15 +149,15 @@ def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
     return attrs | {"units": attrs.get("units", {}) | units}
 
 
-def _finished(axes: Any, look: Look, *, own: bool) -> Any:
+def _finished(axes: Any, look: Look) -> Any:
     """Return the Axes with the requested title; of a figure of the user it is that of the panel."""
-    from .style import as_given
+    from .style import as_given, is_ours
 
     figure = axes.get_figure(root=True)
     if look.title is not None:
         if any("\ud800" <= letter <= "\udfff" for letter in look.title):  # bytes of a command line that are no text
             raise InputError([f"the title must be text in UTF-8, but is {look.title!r}."])
-        if own and figure.get_suptitle():
+        if is_ours() and figure.get_suptitle():
             figure.suptitle(as_given(look.title), x=0.01, ha="left")
         else:
             axes.set_title(as_given(look.title))
@@ -189,4 +189,4 @@ def _composed(draw: Callable, given: tuple[Any, ...], look: Look) -> Any:
     from .style import styled
 
     with styled(dark=look.dark, size=look.size):
-        return _finished(draw(*given), look, own=True).get_figure(root=True)
+        return _finished(draw(*given), look).get_figure(root=True)

@@ -61,7 +61,7 @@ def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes |
 
 def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Energy E, modified energy E~ and what friction has taken; changes since the start, where they are slight."""
-    own, colours = ax is None, ink()
+    colours = ink()
     ax = panel(ax, 10, 4.8)
     t = trajectory["time"].values
     taken = "taken by friction and impacts" if "phase" in trajectory else "taken by friction"
@@ -71,14 +71,13 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         ("work", taken, colours.lower, 0.9),
     )
     curves = {name: trajectory[name].values for name, *_ in names if name in trajectory}
-    lost = ""
-    if "modified_energy" in curves and not (touches := on_sphere(trajectory)).all():
-        lost = "; none on the stem, in the air"
-        curves["modified_energy"] = np.where(touches, curves["modified_energy"], np.nan)
-        if not touches.any():
-            del curves["modified_energy"]
+    touches = on_sphere(trajectory)
+    lost = "" if touches.all() else "; none on the stem, in the air"
+    if "modified_energy" in curves:
+        modified = np.where(touches, curves.pop("modified_energy"), np.nan)
+        curves |= {"modified_energy": modified} if touches.any() else {}
     level = max(float(np.nanmax(np.abs(values))) for values in curves.values()) or 1.0
-    changes = {name: float(np.ptp(values[np.isfinite(values)])) for name, values in curves.items()}
+    changes = {name: float(np.nanmax(values) - np.nanmin(values)) for name, values in curves.items()}
     if all(change <= CONSTANT * level for change in changes.values()):
         curves.pop("work", None)  # nothing is taken
     origin = float(curves["energy"][0])
@@ -96,5 +95,5 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     if all(changes[name] <= CONSTANT * level for name in curves):
         ends = [float(values[0]) / size for values in curves.values()]
         ax.set_ylim(min(0, 1.3 * min(ends)), max(0, 1.3 * max(ends)))
-    legend(ax, "upper right", own=own, ncols=3)
+    legend(ax, "upper right", ncols=3)
     return ax

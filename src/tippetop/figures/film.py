@@ -42,7 +42,7 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
     decimals = max(0, 1 - int(np.floor(np.log10(max(between, 1e-12)))))
     names = ("", "") if compact() else ("t = ", "θ = ")
     words = [
-        f"{names[0]}{when:.{decimals}f} s\n{names[1]}{f'{np.degrees(angle):.1f}'.replace('-', '−')}°"
+        f"{names[0]}{when:.{decimals}f} s\n{names[1]}{np.degrees(angle):.1f}°".replace("-", "−")
         for when, angle in zip(t, theta, strict=True)
     ]
     ax.set_xticks(np.arange(len(rows)) * step, words)
@@ -87,13 +87,8 @@ def _scene(trajectory: Any, shape: dict[str, Any], row: int) -> raycast.Scene:
         height = -balls[0][0] * third[2]
     else:  # the lowest point is on the floor
         height = max(radius - offset * third[2] for offset, radius in balls)
-    mass = np.array([0.0, 0.0, height])
-    tip = None
-    if shape["kind"] == "heavy":
-        tip = mass + balls[0][0] * third
-        mass, tip = mass - tip * (1, 1, 0), tip * (0, 0, 1)  # the tip stays in the middle
-    else:
-        mass = mass - balls[0][0] * third * (1, 1, 0)  # the ball does
+    mass = np.array([0.0, 0.0, height]) - balls[0][0] * third * (1, 1, 0)  # the ball, or tip, stays in the middle
+    tip = mass + balls[0][0] * third if shape["kind"] == "heavy" else None
     places = [(mass + offset * third, radius) for offset, radius in balls]
     across, along = (half / unit for half in shape["ellipsoid"])
     return raycast.Scene(shape["kind"], axes, mass, places, (across, along), tip)
@@ -103,12 +98,12 @@ def _extent(scenes: list[raycast.Scene]) -> tuple[float, float, float]:
     """Half the width of every pose, its bottom and its top in the picture."""
     points: list[tuple[np.ndarray, float]] = []
     for scene in scenes:
-        if scene.kind == "heavy":
+        if scene.tip is not None:
             end = scene.mass + (scene.ellipsoid[1] + 0.3) * scene.axes[:, 2]
-            points += [(scene.mass, max(scene.ellipsoid)), (end, 0.06)]
-            points += [(scene.tip, 0.06)] if scene.tip is not None else []
+            points += [(scene.mass, max(scene.ellipsoid)), (end, 0.06), (scene.tip, 0.06)]
         else:
-            points += [(centre, radius * (1.25 if scene.kind == "cylinder" else 1.0)) for centre, radius in scene.balls]
+            wide = 1.25 if scene.kind == "cylinder" else 1.0
+            points += [(centre, radius * wide) for centre, radius in scene.balls]
     reach = max(float(np.hypot(*centre[:2])) + radius for centre, radius in points)
     height = [(float(centre @ raycast.UP), radius) for centre, radius in points]
     bottom = min(min(y - radius for y, radius in height), -0.45 * min(reach, 1.0))

@@ -45,7 +45,6 @@ LAWS = {
 """Friction laws in words; another one is `... friction`."""
 PRECISIONS = {"double": "64-bit numbers", "longdouble": "80-bit numbers", "quad": "128-bit numbers"}
 TABLES = ("parameters", "friction", "contact", "stem", "initial")
-WIDTH = 95  # letters of a line
 MOST_NUMBERS = 2  # of bodies that differ in more, the names are given
 RUN_KEYS = ("precision", "tolerance")
 
@@ -98,7 +97,7 @@ def title(attrs: dict[str, Any]) -> str:
     if law := friction(attrs.get("friction", {}), units):
         details.append(law)
     head = attrs["title"][:1].upper() + attrs["title"][1:]
-    most = letters(WIDTH)
+    most = letters()
     if compact():
         return broken(head, most)
     kept = ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in details)
@@ -134,10 +133,8 @@ def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
     for attrs, called in zip(runs, names, strict=True):
         units: dict[str, str] = attrs.get("units", {})
         parts: list[str] = []
-        if any(other.get("system") != attrs.get("system") for other in runs):
-            parts.append(attrs["title"])
-        if any(other.get("form") != attrs.get("form") for other in runs):
-            parts.append(f"{attrs.get('form')} form")
+        for key, text in (("system", attrs["title"]), ("form", f"{attrs.get('form')} form")):
+            parts += [text] if any(other.get(key) != attrs.get(key) for other in runs) else []
         for name in tables:
             own = {
                 key: value
@@ -151,9 +148,8 @@ def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
             else:
                 parts += entries(own, units, at_start=name == "initial")
         for key in RUN_KEYS:
-            given = [other.get("run", {}).get(key) for other in runs]
-            if len({str(value) for value in given}) > 1:
-                value = attrs.get("run", {}).get(key)
+            value = attrs.get("run", {}).get(key)
+            if any(other.get("run", {}).get(key) != value for other in runs):
                 parts.append(PRECISIONS.get(str(value), f"{key.replace('_', ' ')} {value}"))
         if attrs.get("status", "finished") != "finished":
             parts.append(f"ends: {attrs['status']}".replace("-", " "))

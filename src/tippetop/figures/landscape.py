@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..columns import SUPERSCRIPTS, units_text
-from .labels import WIDTH, end_of
+from .labels import end_of
 from .style import compact, figure, heading, ink, legend, mark_ends, panel, panels_over_time, ticks_of_pi
 from .theta import WIDE
 
@@ -36,8 +36,8 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         _spinning(axes, lines, grid[x_name].values, x_scale[0], y_scale[0])
     if run is not None:
         step = max(1, run["routh"].size // MOST_POINTS)
-        path = [run[name].values[::step] for name in ("routh", "jellett", "modified_energy")]
-        x, y, z = path[0] / x_scale[0], path[1] / y_scale[0], 1e3 * path[2]
+        sizes = {"routh": 1 / x_scale[0], "jellett": 1 / y_scale[0], "modified_energy": 1e3}
+        x, y, z = (run[name].values[::step] * size for name, size in sizes.items())
         axes.plot(x, y, z, color=colours.mark, lw=1.1, label="run", zorder=4)
         mark_ends(axes, x, y, z, last=end_of(z), sizes=(6, 6))
         high = max(high, float(np.nanmax(z)))
@@ -56,7 +56,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
     axes.view_init(elev=28, azim=-108)
     words = f"Minimal surface F({_symbol(x_name)}, {_symbol(y_name)}), the least energy"
     axes.set_title(f"{title}\n{words}" if title and not small else words)
-    legend(axes, "lower center", own=ax is None, ncols=3)
+    legend(axes, "lower center", ncols=3)
     return axes
 
 
@@ -73,18 +73,16 @@ def _spinning(axes: Any, lines: Any, x: np.ndarray, x_size: float, y_size: float
                 continue
             if more:  # from the last point on the surface on
                 keep = keep | (inside & (np.r_[keep[1:], False] | np.r_[False, keep[:-1]]))
-            place = [np.where(keep, values, np.nan) for values in (line["D"], line["lambda"], line["E"])]
-            axes.plot(
-                place[0] / x_size, place[1] / y_size, 1e3 * place[2], color=color, ls=style, lw=2.0,
-                label=f"spinning, {words}{more}", zorder=3,
-            )  # fmt: skip
+            sizes = {"D": 1 / x_size, "lambda": 1 / y_size, "E": 1e3}
+            place = (np.where(keep, line[name] * size, np.nan) for name, size in sizes.items())
+            axes.plot(*place, color=color, ls=style, lw=2.0, label=f"spinning, {words}{more}", zorder=3)
 
 
-def band(dataset: Any, events: Any = None, title: str = "", ax: Axes | None = None) -> Axes:
+def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
     """theta(t) on the nutational band that the main equation predicts; logged turning angles as dots; below, how far
     they lie from the nearer edge of the band. `dataset` as `band` gives it; events: time, theta, edge (predicted)."""
-    own, colours = ax is None, ink()
-    away = np.abs(events["theta"].values - events["edge"].values) if events is not None else np.empty(0)
+    colours = ink()
+    away = np.abs(events["theta"].values - events["edge"].values)
     ax, below = panels_over_time(ax, 1.4 if np.isfinite(away).any() else 0)
     step = max(1, dataset["time"].size // MOST_POINTS)
     t, low, high = (dataset[name].values[::step] for name in ("time", "theta_min", "theta_max"))
@@ -100,18 +98,15 @@ def band(dataset: Any, events: Any = None, title: str = "", ax: Axes | None = No
     if "theta" in dataset:
         values.append(dataset["theta"].values[::step])
         ax.plot(t, values[-1], color=colours.run, lw=0.7, label="θ(t)")
-    if events is not None and events["time"].size:
+    if away.size:
         ax.scatter(events["time"], events["theta"], s=6, color=colours.mark, lw=0, zorder=3, label="logged turnings")
     bottom, top = np.nanmin(np.concatenate(values)), np.nanmax(np.concatenate(values))
     room = max(0.04 * (top - bottom), 1e-3)
     if top - bottom > WIDE:
         ticks_of_pi(ax)
-    ax.set(
-        ylabel="inclination θ (rad)", title=heading(title, WIDTH), ylim=(bottom - room, top + room), xlim=(t[0], t[-1])
-    )
-    legend(ax, "upper right", own=own, ncols=4, markerscale=2)
+    ax.set(ylabel="inclination θ (rad)", title=heading(title), ylim=(bottom - room, top + room), xlim=(t[0], t[-1]))
+    legend(ax, "upper right", ncols=4, markerscale=2)
     if below is not None:
-        assert events is not None
         exact = int((away <= EXACT).sum())
         below.semilogy(events["time"].values, np.where(away > EXACT, away, np.nan), ".", ms=3, color=colours.run)
         below.set_ylabel("|logged − edge|\n(rad)")
@@ -129,7 +124,7 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
 
     `section`: F along D at that lambda; `lines`: marked lines at that lambda: the boundary values (D0, E0), (D1, E1).
     """
-    own, colours = ax is None, ink()
+    colours = ink()
     ax = panel(ax, 9, 5.8)
     D, F = section["D"].values, 1e3 * section["F"].values.ravel()
     size, power = _scale(D)
@@ -150,10 +145,10 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
     ax.set(
         xlabel=f"Routh's function D ({power}{_unit(section['D'])})",
         ylabel="energy (mJ)",
-        title=heading(title, WIDTH),
+        title=heading(title),
         xlim=(D[0] / size, D[-1] / size),
     )
-    legend(ax, "lower center", own=own, ncols=4)
+    legend(ax, "lower center", ncols=4)
     return ax
 
 

@@ -36,7 +36,6 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str],
     names
         What they are called where nothing else differs.
     """
-    own = ax is None
     ax = panel(ax, 10, 5.4)
     attrs = [each for _, each in runs]
     labels = differences(attrs, names)
@@ -67,7 +66,7 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str],
     ):
         ticks_of_pi(ax)
     longest = max(map(len, labels))
-    legend(ax, "lower center", own=own, ncols=1 if longest > 60 else 2 if longest > 24 else 4)
+    legend(ax, "lower center", ncols=1 if longest > 60 else 2 if longest > 24 else 4)
     return ax
 
 

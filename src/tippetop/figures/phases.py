@@ -9,18 +9,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..columns import flag_names
-from .style import ink, legend
+from .style import ink, is_ours, legend
 
 
 ORDER = ("slip", "roll", "rest", "flight", "both")
 ON_ONE = ("slip", "roll", "rest")  # ball
-BALLS = ("body", "stem")
 MOST_SHADES = 100  # with more phases, cells of equal width have the mean of their shades
 CELLS = 500  # each wider than a pixel
 
 
-def mark(panels: list[Axes], phases: Any, impacts: Any, *, own: bool = True) -> None:
-    """Shades the phases in panels over time, and marks the impacts; a legend below names both.
+def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
+    """Shades the phases in panels over time, and marks the impacts; a legend below our own figures names both.
 
     Parameters
     ----------
@@ -28,44 +27,40 @@ def mark(panels: list[Axes], phases: Any, impacts: Any, *, own: bool = True) -> 
         Panels that have the time as their x axis.
     phases, impacts
         The groups of the run's store, Datasets or columns by name.
-    own
-        Whether the figure is ours: then the legend stands below it.
     """
     begun, ended = phases["start"].values, phases["end"].values
     if not len(begun):
         return
     colours = ink()
-    ticks_of = dict(zip(BALLS, (colours.alarm, colours.stem), strict=True))
     kinds, lengths = _kinds(phases), ended - begun
-    edges, colors = cells(begun, ended, [colours.shades[phase][ball == "stem"] for phase, ball in kinds])
-    names = np.array(flag_names(impacts["ball"]))
-    ticks = {ball: impacts["time"].values[names == ball] for ball in BALLS}
+    edges, colors = cells(begun, ended, [colours.shades[phase][on_stem] for phase, on_stem in kinds])
+    balls = np.array(flag_names(impacts["ball"]))
+    ticks = [
+        (ball, color, impacts["time"].values[balls == ball])
+        for ball, color in (("body", colours.alarm), ("stem", colours.stem))
+    ]
     for axes in panels:
         limits = axes.get_xlim(), axes.get_ylim()
         axes.grid(visible=False, axis="x")
-        axes.pcolormesh(
-            edges, [0, 1], colors[None], transform=axes.get_xaxis_transform(), zorder=0, label="_phases", lw=0
-        )
-        for ball, when in ticks.items():
-            axes.vlines(
-                _distinct(when, limits[0]), 0, 0.035, transform=axes.get_xaxis_transform(), color=ticks_of[ball],
-                lw=0.7, label=f"_impacts of the {ball}", zorder=2.5,
-            )  # fmt: skip
+        over: Any = {"transform": axes.get_xaxis_transform()}
+        axes.pcolormesh(edges, [0, 1], colors[None], zorder=0, label="_phases", lw=0, **over)
+        for ball, color, when in ticks:
+            label, when = f"_impacts of the {ball}", _distinct(when, limits[0])
+            axes.vlines(when, 0, 0.035, color=color, lw=0.7, label=label, zorder=2.5, **over)
         axes.set(xlim=limits[0], ylim=limits[1])
     total = max(float(lengths.sum()), 1e-300)
     handles: list[Any] = []
-    for kind in sorted(set(kinds), key=lambda kind: (kind[1] == "stem", ORDER.index(kind[0]))):
-        share = float(lengths[[k == kind for k in kinds]].sum()) / total
-        words = kind[0] + (" on the stem" if kind[1] == "stem" else "")
-        handles.append(Patch(color=colours.shades[kind[0]][kind[1] == "stem"], label=f"{words}: {_percent(share)}"))
-    for ball, when in ticks.items():
-        if len(when):
-            words = ("impact" if len(when) == 1 else "impacts") + (" of the stem" if ball == "stem" else "")
-            handles.append(
-                Line2D([], [], color=ticks_of[ball], marker="|", ms=9, mew=1.4, ls="none", label=f"{len(when)} {words}")
-            )
-    if own:
-        legend(panels[0], "lower center", own=True, handles=handles, ncols=len(handles))
+    for phase, on_stem in sorted(set(kinds), key=lambda kind: (kind[1], ORDER.index(kind[0]))):
+        share = float(lengths[[kind == (phase, on_stem) for kind in kinds]].sum()) / total
+        percent = f"{100 * share:.1f} %" if share >= 0.001 else "< 0.1 %"
+        words = f"{phase} on the stem" if on_stem else phase
+        handles.append(Patch(color=colours.shades[phase][on_stem], label=f"{words}: {percent}"))
+    for ball, color, when in ticks:
+        if count := len(when):
+            words = f"{count} impact" + "s" * (count > 1) + " of the stem" * (ball == "stem")
+            handles.append(Line2D([], [], color=color, marker="|", ms=9, mew=1.4, ls="none", label=words))
+    if is_ours():
+        legend(panels[0], "lower center", handles=handles, ncols=len(handles))
 
 
 def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.ndarray, np.ndarray]:
@@ -89,17 +84,13 @@ def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.n
     return edges, np.clip(colors / weights[:, None], 0, 1)
 
 
-def _kinds(phases: Any) -> list[tuple[str, str]]:
-    """Phase and ball of each row; in flight and on both, the ball means nothing."""
+def _kinds(phases: Any) -> list[tuple[str, bool]]:
+    """Each phase, and whether it is on the stem; in flight and on both, the ball means nothing."""
     rows = zip(flag_names(phases["phase"]), flag_names(phases["ball"]), strict=True)
-    return [(phase, ball if phase in ON_ONE else "body") for phase, ball in rows]
+    return [(phase, ball == "stem" and phase in ON_ONE) for phase, ball in rows]
 
 
 def _distinct(when: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
     """Of the times that fall on one pixel, the first."""
     pixels = np.floor((when - limits[0]) / (limits[1] - limits[0]) * 3 * CELLS)
     return when[np.unique(pixels, return_index=True)[1]]
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %" if share >= 0.001 else "< 0.1 %"

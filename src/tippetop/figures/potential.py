@@ -21,33 +21,27 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
     The potential has V along z; the turning angles have F, theta_star, and, where a level is drawn, energy, theta_min
     and theta_max. In a panel that is given the first of them is drawn.
     """
+    curves = curves[:1] if ax is not None else curves[:: FEW if compact() else 1]
+    unit = in_joules(max(abs(float(at[name])) for _, _, at in curves for name in ("F", "energy") if name in at))
+    labels = {"xlabel": "z = cos θ", "ylabel": f"V ({unit[1]})"}
     if ax is not None:
-        _well(ax, *curves[0])
-        ax.set(xlabel="z = cos θ", ylabel=f"V ({_unit(curves)[1]})")
+        _well(ax, *curves[0], unit)
+        ax.set(**labels)
         ax.legend()
         return ax
-    curves = curves[:: FEW if compact() else 1]
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
     fig = figure(1.2 + 3.8 * columns if columns > 1 else 7.5, 1.3 + (2.9 * rows if columns > 1 else 4.4))
     panels = np.atleast_1d(fig.subplots(rows, columns)).ravel()
-    for axes, (words, V, at) in zip(panels, curves, strict=False):
-        _well(axes, words, V, at, _unit(curves))
+    for i, (axes, curve) in enumerate(zip(panels, curves, strict=False)):
+        _well(axes, *curve, unit)
+        axes.set_xlabel(labels["xlabel"] if i + columns >= len(curves) else "")
+        axes.set_ylabel(labels["ylabel"] if i % columns == 0 else "")
     for axes in panels[len(curves) :]:
         axes.remove()
-    for axes in panels[: len(curves) : columns]:
-        axes.set_ylabel(f"V ({_unit(curves)[1]})")
-    for axes in panels[max(0, len(curves) - columns) : len(curves)]:
-        axes.set_xlabel("z = cos θ")
-    legend(panels[0], "lower center", own=True, ncols=5)
+    legend(panels[0], "lower center", ncols=5)
     fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left")
     return panels[0]
-
-
-def _unit(curves: list[tuple[str, Any, Any]]) -> tuple[float, str]:
-    """The unit of all panels [J] and its name."""
-    levels = [abs(float(at[name])) for _, _, at in curves for name in ("F", "energy") if name in at]
-    return in_joules(max(levels))
 
 
 def _degrees(angle: float) -> str:
@@ -55,20 +49,10 @@ def _degrees(angle: float) -> str:
     return f"{np.degrees(angle):.2f}".rstrip("0").rstrip(".") + "°"
 
 
-def _around(
-    z: np.ndarray, values: np.ndarray, inner: float, outer: float, least: float
-) -> tuple[tuple[float, float], float]:
-    """The part of z around a band, and the height to which V is drawn there: to its lower end, or this at least."""
-    margin = max(MARGIN, 0.7 * (outer - inner))
-    window = float(np.cos(min(np.pi, outer + margin))), float(np.cos(max(0.0, inner - margin)))
-    seen = values[(z >= window[0]) & (z <= window[1]) & np.isfinite(values)]
-    return window, max(float(min(seen[0], seen[-1])), least)
-
-
-def _well(axes: Axes, title: str, V: Any, at: Any, unit: tuple[float, str] | None = None) -> None:
+def _well(axes: Axes, title: str, V: Any, at: Any, unit: tuple[float, str]) -> None:
     """One potential with its level; the numbers stand above, where no curve is."""
     colours = ink()
-    size, name = unit or in_joules(float(at["F"]))
+    size, name = unit
     z, values, least = V["z"].values, V["V"].values.ravel() / size, float(at["F"]) / size
     axes.plot(z, values, color=colours.run, lw=1.4, label="V(z)")
     star = float(at["theta_star"])
@@ -83,7 +67,10 @@ def _well(axes: Axes, title: str, V: Any, at: Any, unit: tuple[float, str] | Non
         inner, outer = float(at["theta_min"]), float(at["theta_max"])
         axes.axhline(level, color=colours.upper, lw=0.6, ls=":")
         if np.isfinite(inner) and level >= least:
-            window, high = _around(z, values, inner, outer, level + 0.6 * (level - least))
+            margin = max(MARGIN, 0.7 * (outer - inner))
+            window = float(np.cos(min(np.pi, outer + margin))), float(np.cos(max(0.0, inner - margin)))
+            seen = values[(z >= window[0]) & (z <= window[1]) & np.isfinite(values)]
+            high = max(float(min(seen[0], seen[-1])), level + 0.6 * (level - least))
             axes.hlines(level, np.cos(outer), np.cos(inner), color=colours.upper, lw=1.6, label="level Ẽ")
             for angle, color, dot in ((outer, colours.upper, "θ greatest"), (inner, colours.lower, "θ least")):
                 axes.scatter([np.cos(angle)], [level], s=28, color=color, zorder=3, clip_on=False, label=dot)

@@ -19,6 +19,7 @@ CREAM, BLUE, ORANGE, WOOD, IRON = (
 )
 SECTORS = 8  # of a body around its axis, in turns light and dark: they show the spin
 SEE_THROUGH = 0.45  # how much of the hidden mass shows through the body
+FINE = 2  # rays along each side of a pixel
 BEYOND = 1e9  # the depth at which nothing is
 
 Array = np.ndarray
@@ -37,7 +38,7 @@ class Scene(NamedTuple):
     tip: Array | None = None
 
 
-def picture(scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int, fine: int = 2) -> Array:
+def picture(scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int) -> Array:
     """The scene as (height, width, 4): colours and how opaque, from 0 to 1; what is beside the body is transparent.
 
     Parameters
@@ -48,11 +49,8 @@ def picture(scene: Scene, left: float, right: float, bottom: float, top: float, 
         The part of the plane of the picture.
     pixels
         The height of the picture.
-    fine
-        Rays along each side of a pixel.
     """
-    rows = pixels * fine
-    columns = max(1, round(pixels * (right - left) / (top - bottom))) * fine
+    rows, columns = FINE * pixels, FINE * max(1, round(pixels * (right - left) / (top - bottom)))
     x = left + (right - left) * (np.arange(columns) + 0.5) / columns
     y = top - (top - bottom) * (np.arange(rows) + 0.5) / rows
     origin = x[None, :, None] * RIGHT + y[:, None, None] * UP - 50.0 * AHEAD
@@ -61,7 +59,7 @@ def picture(scene: Scene, left: float, right: float, bottom: float, top: float, 
     colour = np.where(seen[..., None], _lit(normal, paint), 0.0)
     alpha = np.where(seen, 1.0, _shadow(scene, origin))
     whole = np.concatenate([colour * alpha[..., None], alpha[..., None]], axis=-1)
-    mean = whole.reshape(rows // fine, fine, columns // fine, fine, 4).mean(axis=(1, 3))
+    mean = whole.reshape(pixels, FINE, -1, FINE, 4).mean(axis=(1, 3))
     mean[..., :3] /= np.maximum(mean[..., 3:], 1e-12)
     return np.clip(mean, 0, 1)
 
@@ -162,10 +160,9 @@ def _shadow(scene: Scene, origin: Array) -> Array:
     dark: Any = np.zeros(origin.shape[:2])
     for centre, radius in thick:
         between = centre - floor
-        off = np.linalg.norm(between - (between @ LIGHT)[..., None] * LIGHT, axis=-1) / max(radius, 1e-12)
+        off = np.linalg.norm(between - (between @ LIGHT)[..., None] * LIGHT, axis=-1) / radius
         dark = np.maximum(dark, 0.30 * np.clip((1.15 - off) / 0.5, 0, 1))
-        touch = np.linalg.norm(floor - centre * np.array([1, 1, 0]), axis=-1) / max(radius, 1e-12)
-        dark = np.maximum(
-            dark, 0.45 * np.exp(-((touch / 0.35) ** 2)) * (scene.kind != "heavy" and centre[2] - radius < 0.05)
-        )
+        if scene.kind != "heavy" and centre[2] - radius < 0.05:
+            touch = np.linalg.norm(between[..., :2], axis=-1) / radius
+            dark = np.maximum(dark, 0.45 * np.exp(-((touch / 0.35) ** 2)))
     return dark

@@ -19,22 +19,16 @@ INCLINED = 0.3  # rad: a top whose mean inclination changes by less has its colo
 
 
 class View(NamedTuple):
-    """A view on the sphere: which components of the axis go right and up, and towards us; their signs and names."""
+    """A view on the sphere: its name, the directions to the right, up and towards us, as rows, and labels of two."""
 
     words: str
-    right: int
-    up: int
-    towards: int
-    upward: int  # the sign of what goes up
-    sign: int  # of what comes towards us
+    frame: np.ndarray
     labels: tuple[str, str]
 
 
-VIEWS = {
-    "side": View("from the side", 1, 2, 0, 1, 1, ("y", "z")),
-    "above": View("from above", 0, 1, 2, 1, 1, ("x", "y")),
-    "below": View("from below", 0, 1, 2, -1, -1, ("x", "−y")),
-}
+SIDE = View("from the side", np.eye(3)[[1, 2, 0]], ("y", "z"))
+ABOVE = View("from above", np.eye(3), ("x", "y"))
+BELOW = View("from below", np.diag([1.0, -1.0, -1.0]), ("x", "−y"))
 
 
 def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
@@ -49,44 +43,47 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     views = _worth_showing(path)
     if compact():
         views = views[:1]
+    ends = {(True, True): "both", (True, False): "min", (False, True): "max"}
+    beyond = ends.get((bool(limits[0] > t[0]), bool(limits[1] < t[-1])), "neither")
+    bar: Any = {"shrink": 0.8, "label": "time t (s)", "extend": beyond}
     if ax is not None:
         lines = _view(ax, views[0], path, t, limits)
         ax.set_title(title(attrs))
-        ax.get_figure(root=True).colorbar(lines, ax=ax, shrink=0.8, label="time t (s)", extend=_extend(t, limits))  # type: ignore[union-attr]
+        ax.get_figure(root=True).colorbar(lines, ax=ax, **bar)  # type: ignore[union-attr]
         return ax
     fig = figure(max(7.0, 1.2 + 3.6 * len(views)), 4.9 if len(views) > 1 else 6.0)
     panels = np.atleast_1d(fig.subplots(1, len(views)))
     for axes, view in zip(panels, views, strict=True):
         lines = _view(axes, view, path, t, limits)
         axes.set_title(view.words)
-    fig.colorbar(lines, ax=list(panels), shrink=0.8, pad=0.01, label="time t (s)", extend=_extend(t, limits))
+    fig.colorbar(lines, ax=list(panels), pad=0.01, **bar)
     fig.suptitle(title(attrs), x=0.01, ha="left")
-    legend(panels[0], "lower center", own=True, ncols=3)
+    legend(panels[0], "lower center", ncols=3)
     return panels[0]
 
 
 def _worth_showing(path: np.ndarray) -> list[View]:
     """The views in which there is something: a path near a pole is a dot from the side."""
-    seen = [VIEWS[name] for name, sign in (("above", 1), ("below", -1)) if (sign * path[:, 2] > FLAT).any()]
+    seen = [view for view in (ABOVE, BELOW) if (path @ view.frame[2] > FLAT).any()]
     from_side = path[path[:, 0] >= 0]
     if len(from_side) > 1 and max(np.ptp(from_side[:, 1]), np.ptp(from_side[:, 2])) > SMALL:
-        return [VIEWS["side"], *seen]
-    return seen or [VIEWS["side"]]
+        return [SIDE, *seen]
+    return seen or [SIDE]
 
 
 def _view(axes: Axes, view: View, path: np.ndarray, t: np.ndarray, limits: tuple[float, float]) -> Any:
     """One view; its lines, coloured by the time."""
     colours = ink()
-    depth = path[:, view.towards] * view.sign
+    *plane, depth = view.frame @ path.T
+    plane = np.stack(plane, axis=1)
     near = (depth[1:] >= 0) & (depth[:-1] >= 0)
-    plane = path[:, (view.right, view.up)] * (1, view.upward)
     segments = np.stack([plane[:-1], plane[1:]], axis=1)[near]
     lines = LineCollection(list(segments), array=t[1:][near], cmap="viridis", lw=0.6)
     lines.set_clim(*limits)
     axes.add_patch(Circle((0, 0), 1, fill=False, color=colours.quiet, lw=0.8))
     axes.add_collection(lines)
     for angle in (np.pi / 6, np.pi / 3):  # circles of latitude, 30 and 60 degrees
-        if view.towards == 2:
+        if view is not SIDE:
             axes.add_patch(Circle((0, 0), np.cos(angle), fill=False, color=colours.grid, lw=0.6, zorder=0))
         else:
             for z in (np.sin(angle), -np.sin(angle)):
@@ -94,15 +91,13 @@ def _view(axes: Axes, view: View, path: np.ndarray, t: np.ndarray, limits: tuple
     _ends(axes, plane, depth)
     axes.grid(visible=False)
     reach = float(np.max(np.abs(plane[depth >= 0]))) if (depth >= 0).any() else 1.0
-    size = 1.08 if reach > SMALL or view.towards != 2 else 1.15 * max(reach, 1e-3)
-    ticks = (-1, 0, 1) if size > 1 else None
-    axes.set(xlim=(-size, size), ylim=(-size, size), aspect="equal")
-    if ticks:
-        axes.set(xticks=ticks, yticks=ticks)
+    size = 1.08 if reach > SMALL or view is SIDE else 1.15 * max(reach, 1e-3)
+    along, up = (f"$\\hat{{3}}$ along {label}" for label in view.labels)
+    axes.set(xlim=(-size, size), ylim=(-size, size), aspect="equal", xlabel=along, ylabel=up)
+    if size > 1:
+        axes.set(xticks=(-1, 0, 1), yticks=(-1, 0, 1))
     else:
         axes.locator_params(nbins=5)
-    axes.set_xlabel(f"$\\hat{{3}}$ along {view.labels[0]}")
-    axes.set_ylabel(f"$\\hat{{3}}$ along {view.labels[1]}")
     return lines
 
 
@@ -118,8 +113,7 @@ def _ends(axes: Axes, plane: np.ndarray, depth: np.ndarray) -> None:
     visible = np.flatnonzero(depth >= 0)
     first = visible[0] if len(visible) else 0
     size = min(0.12, 0.15 * float(np.max(np.abs(plane))) + 1e-12)
-    here = int(np.searchsorted(way, way[first] + 3 * size))
-    there = int(np.searchsorted(way, way[first] + 4 * size))
+    here, there = np.searchsorted(way, way[first] + (3 * size, 4 * size))
     if there < len(way) and here < there and (depth[here : there + 1] >= 0).all():
         axes.annotate(
             "", plane[there], plane[here], zorder=5,
@@ -144,9 +138,3 @@ def turned(way: np.ndarray) -> tuple[int, int]:
     """The rows between which most of a way is gone; `way`: how much up to each row."""
     first, last = np.searchsorted(way, (CALM * way[-1], (1 - CALM) * way[-1]))
     return int(first), int(last)
-
-
-def _extend(t: np.ndarray, limits: tuple[float, float]) -> str:
-    """Which ends of the colours stand for more than their time."""
-    before, after = limits[0] > t[0], limits[1] < t[-1]
-    return {(True, True): "both", (True, False): "min", (False, True): "max"}.get((before, after), "neither")

@@ -22,7 +22,7 @@ def states(
 ) -> Axes:
     """Branches of asymptotic states, stable ones solid, unstable ones dashed; `marks` are values of lambda that are
     named on the axis; `path` is cos(theta) of a run and its lambda."""
-    own, ink_ = ax is None, ink()
+    ink_ = ink()
     ax = panel(ax, 8.4, 5.4)
     colours = {"upright": ink_.lower, "tumbling": ink_.run, "inverted": ink_.upper}
     for kind in (name for name in NAMES if any(branch.kind == name for branch in branches)):
@@ -47,5 +47,5 @@ def states(
     ax.set_xlim(0, most)
     heading = "Asymptotic states: solid stable, dashed unstable"
     ax.set_title(f"{title}\n{heading}" if title and not compact() else heading, pad=16 if marks else 6)
-    legend(ax, "lower center" if compact() else "right center", own=own, ncols=3 if compact() else 1)
+    legend(ax, "lower center" if compact() else "right center", ncols=3 if compact() else 1)
     return ax

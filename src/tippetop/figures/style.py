@@ -58,13 +58,23 @@ DARK = Ink(
     "#c4a5ff",
 )  # fmt: skip
 RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
-_ink: ContextVar[Ink] = ContextVar("ink", default=LIGHT)
-_size: ContextVar[tuple[float, float] | None] = ContextVar("size", default=None)
+
+
+class Setting(NamedTuple):
+    """What is drawn: in which colours, how large [inches], and whether the figure is ours or a panel of the user's."""
+
+    ink: Ink = LIGHT
+    size: tuple[float, float] | None = None
+    ours: bool = True
+
+
+_setting: ContextVar[Setting] = ContextVar("setting", default=Setting())  # noqa: B039 - a tuple
 
 FONT = 10.0
 """Font size [points] of figures that are at least FONT_WIDTH [inches] wide."""
 FONT_WIDTH = 7.0
 LEAST_FONT = 6.5
+WIDTH = 95  # letters of a line of a title
 COMPACT = (5.0, 4.0)
 """Below this width or height [inches] a figure has one line of title and one panel."""
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (6, 2, 1, 2, 1, 2)))
@@ -86,11 +96,18 @@ RC: dict[str, Any] = {
     "agg.path.chunksize": 20000,
     "svg.hashsalt": "tippetop",  # the same picture has the same bytes
 }
+LINES = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
+PAPERS = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
 
 
 def ink() -> Ink:
     """The colours of the figure that is being drawn."""
-    return _ink.get()
+    return _setting.get().ink
+
+
+def is_ours() -> bool:
+    """Return whether the figure that is being drawn is ours, rather than a panel of the user's."""
+    return _setting.get().ours
 
 
 class ShownFigure(Figure):
@@ -104,7 +121,7 @@ class ShownFigure(Figure):
 
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
     """An empty figure of the size that was asked for, else this one, inches; with room managed by matplotlib."""
-    fig = ShownFigure(figsize=_size.get() or (width, height), layout="constrained", **options)
+    fig = ShownFigure(figsize=_setting.get().size or (width, height), layout="constrained", **options)
     FigureCanvasAgg(fig)
     return fig
 
@@ -142,25 +159,21 @@ def mark_ends(axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[
         axes.plot(*(part[at] for part in path), style, color=colours.mark, mfc=face, ms=size, zorder=6, label=words)
 
 
-def legend(ax: Axes, place: str, *, own: bool, **options: Any) -> None:
+def legend(ax: Axes, place: str, **options: Any) -> None:
     """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own; else in it."""
     if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
         return
-    if not own:
-        ax.legend(**{name: value for name, value in options.items() if name != "ncols"})
+    most = options.pop("ncols", 1)
+    if not is_ours():
+        ax.legend(**options)
         return
     whole: Any = ax.get_figure(root=True)
-    named = {
-        label: handle for axes in whole.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    fitted(whole, place, {"handles": [*named.values()]} | options)
-
-
-def fitted(whole: Any, place: str, options: dict[str, Any]) -> None:
-    """A legend outside of the panels that is no wider than the figure: in fewer columns, then in broken lines."""
+    pairs = [pair for axes in whole.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+    options = {"handles": [*{label: handle for handle, label in pairs}.values()]} | options
+    # no wider than the figure: in fewer columns, then in broken lines
     room = 0.98 * whole.bbox.width
-    for columns in range(options.get("ncols", 1), 0, -1):
-        key = whole.legend(loc=f"outside {place}", **(options | {"ncols": columns}))
+    for columns in range(most, 0, -1):
+        key = whole.legend(loc=f"outside {place}", ncols=columns, **options)
         if key.get_window_extent().width <= room:
             return
         if columns > 1:
@@ -179,15 +192,15 @@ def broken(words: str, letters: int) -> str:
     return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
 
-def letters(most: int) -> int:
+def letters() -> int:
     """Return the number of letters in a line of a title, for the requested size."""
-    size = _size.get()
-    return most if size is None else max(20, min(most, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
+    size = _setting.get().size
+    return WIDTH if size is None else max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
 
 
 def compact() -> bool:
     """Return whether the requested size has no room for more than the curves."""
-    size = _size.get()
+    size = _setting.get().size
     return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
 
 
@@ -196,9 +209,9 @@ def dashes(number: int) -> Any:
     return DASHES[number % len(DASHES)]
 
 
-def heading(text: str, most: int) -> str:
-    """Return a title on lines of at most `most` letters; for a compact figure its first part."""
-    return broken(text.partition(":")[0] if compact() else text, letters(most))
+def heading(text: str) -> str:
+    """Return a title on lines that fit the figure; for a compact figure its first part."""
+    return broken(text.partition(":")[0] if compact() else text, letters())
 
 
 def _letter_sizes(width: float) -> dict[str, Any]:
@@ -236,19 +249,15 @@ def styled(*, dark: bool = False, size: tuple[float, float] | None = None, ax: A
     colours = DARK if dark else LIGHT
     given = RC | _letter_sizes(size[0] if size else FONT_WIDTH) | {"grid.color": colours.grid}
     if dark:
-        lines = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
-        given |= dict.fromkeys(lines, "#d5dae0") | dict.fromkeys(
-            ("figure.facecolor", "axes.facecolor", "savefig.facecolor"), colours.paper
-        )
+        given |= dict.fromkeys(LINES, "#d5dae0") | dict.fromkeys(PAPERS, colours.paper)
     if ax is not None:
         size = tuple(ax.get_window_extent().size / ax.get_figure(root=True).dpi)
-    token, sized = _ink.set(colours), _size.set(size)
+    token = _setting.set(Setting(colours, size, ax is None))
     try:
         with mpl.rc_context(dict(mpl.rcParamsDefault) | given if ax is None else {}):  # type: ignore[arg-type]
             yield
     finally:
-        _ink.reset(token)
-        _size.reset(sized)
+        _setting.reset(token)
 
 
 def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) -> None:
@@ -256,7 +265,6 @@ def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) 
 
     Raises StoreError: the disk, or there is a file already, unless it may be overwritten.
     """
-    path = Path(path)
     with writing(path), replacing(path, overwrite=overwrite) as scratch:
         ending = path.suffix.removeprefix(".").lower()
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)

@@ -10,7 +10,6 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from .labels import WIDTH
 from .style import DASHES, heading, ink, legend, panel, ticks_of_pi
 
 
@@ -76,14 +75,13 @@ ONE_AXIS = {"inversion": "times of inversion", "normal-force": "extremes of the 
 TOUCH = 1e-9  # of m g: a top that was stopped at liftoff ends within rounding of zero force
 
 
-def draw_map(sweep_map: Any, ax: Axes | None = None) -> Axes:
+def draw_map(sweep_map: Any) -> Axes:
     """The figure of a map, as `sweeps.maps` makes it."""
-    return _over_two(sweep_map, ax) if len(sweep_map.axes) == 2 else _over_one(sweep_map, ax)
+    return (_over_two if len(sweep_map.axes) == 2 else _over_one)(sweep_map)
 
 
-def _over_two(sweep_map: Any, ax: Axes | None) -> Axes:
-    own = ax is None
-    axes = panel(ax, 9.6, 5.6)
+def _over_two(sweep_map: Any) -> Axes:
+    axes = panel(None, 9.6, 5.6)
     picture: Any = axes.get_figure(root=True)
     axes.grid(visible=False)
     x, y = sweep_map.axes
@@ -110,7 +108,7 @@ def _over_two(sweep_map: Any, ax: Axes | None) -> Axes:
         axes.set_yscale("log")
     axes.set_ylim(y.edges[0], y.edges[-1])
     if entries:
-        legend(axes, "lower center", own=own, handles=entries, ncols=2 if len(entries) < 7 else 3)
+        legend(axes, "lower center", handles=entries, ncols=2 if len(entries) < 7 else 3)
     return axes
 
 
@@ -149,9 +147,9 @@ def _borders(axes: Any, sweep_map: Any) -> list[Any]:
     return entries
 
 
-def _over_one(sweep_map: Any, ax: Axes | None) -> Axes:
-    own, inks, of_class = ax is None, ink(), colours()
-    axes = panel(ax, 9.0, 5.0)
+def _over_one(sweep_map: Any) -> Axes:
+    inks, of_class = ink(), colours()
+    axes = panel(None, 9.0, 5.0)
     (x,) = sweep_map.axes
     marker = "." if len(x.centres) < 200 else ""
     if sweep_map.kind == "class":
@@ -179,7 +177,7 @@ def _over_one(sweep_map: Any, ax: Axes | None) -> Axes:
         for i, at in enumerate(x.span[:-1][passed]):
             axes.axvline(at, color=inks.mark, lw=1.0, ls=style, label=_mathematical(label) if i == 0 else None)
     _dress(axes, sweep_map, x)
-    legend(axes, "lower center", own=own, ncols=3)
+    legend(axes, "lower center", ncols=3)
     return axes
 
 
@@ -191,7 +189,7 @@ def _dress(axes: Any, sweep_map: Any, x: Any) -> None:
     name = sweep_map.title[:1].upper() + sweep_map.title[1:]
     title = TITLES[sweep_map.kind] if len(sweep_map.axes) == 2 else ONE_AXIS.get(sweep_map.kind, TITLES[sweep_map.kind])
     lines = [f"{name}: {title}", *(["; ".join(sweep_map.notes)] if sweep_map.notes else [])]
-    axes.set_title("\n".join(heading(line, WIDTH) for line in lines))
+    axes.set_title("\n".join(heading(line) for line in lines))
 
 
 def _name(name: str) -> str:

@@ -25,7 +25,6 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     t, angle = trajectory["time"].values, trajectory["theta"].values
     low, high = _turnings(events, +1), _turnings(events, -1)
     pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), np.array(attrs.get("handed_over", ())))
-    own = ax is None
     ax, below = panels_over_time(ax, 1.2 if pieces else 0)
     colours = ink()
     inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
@@ -46,7 +45,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     for when in lifted[:1]:
         words = "liftoff" if len(lifted) == 1 else "first liftoff"
         ax.axvline(when, color=colours.alarm, lw=1.0, ls="--", label=f"{words} at {when:.4g} s")
-    legend(ax, "upper right", own=own, ncols=5, markerscale=2.5)
+    legend(ax, "upper right", ncols=5, markerscale=2.5)
     if below is not None:
         _width(below, pieces)
     (below or ax).set_xlabel("time t (s)")

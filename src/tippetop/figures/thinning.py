@@ -17,9 +17,9 @@ def thinned(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return t[pick], values[pick]
 
 
-def worst(t: np.ndarray, values: np.ndarray, bins: int = BINS) -> tuple[np.ndarray, np.ndarray]:
-    """The largest value of each of `bins` stretches of the run."""
-    edges = np.unique(np.linspace(0, len(t), min(bins, len(t)) + 1).astype(int))[:-1]
+def worst(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The largest value of each of BINS stretches of the run."""
+    edges = np.unique(np.linspace(0, len(t), min(BINS, len(t)) + 1).astype(int))[:-1]
     return t[edges], np.maximum.reduceat(values, edges)
 
 

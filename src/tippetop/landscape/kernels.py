@@ -15,8 +15,7 @@ minima = grid.minima(*PROBLEM)
 heights = grid.heights(*PROBLEM)
 gradients = grid.gradients(at_momenta, surface_gradient)
 potentials = grid.potentials(at_momenta, slopes, value)
-turnings = grid.turnings(*PROBLEM, excess, curvature)
-wells = grid.wells(at_momenta, slopes, value, excess, curvature)
+turnings = grid.turnings(at_momenta, slopes, value, excess, curvature)
 
 
 @cache

@@ -38,12 +38,8 @@ def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray, theta: np.n
     c = t.coefficients
     low, high, q, F, curvature, period = (np.empty(x.size) for _ in range(6))
     other, level = np.full((2, x.size), np.nan), np.empty(x.size, np.int8)
-    filled = (q, F, curvature, level)
-    if t.two_wells:
-        at = np.full(x.size, np.nan) if theta is None else np.tan(theta / 2) ** (2 * t.upright)
-        kernels.wells(ALLOWANCE, x, y, energy, at, c, low, high, other, *filled)
-    else:
-        kernels.turnings(t.two_wells, ALLOWANCE, x, y, energy, c, low, high, *filled)
+    at = np.full(x.size, np.nan) if theta is None else np.tan(theta / 2) ** (2 * t.upright)
+    kernels.turnings(ALLOWANCE, x, y, energy, at, c, low, high, other, q, F, curvature, level)
     turned = t.body._replace(c=abs(t.body.c))  # kernels have z = 1 at q = 0
     kernels.periods(t.system.theta_inertia)(low, high, x, y, energy, c, turned, period)
     return Swing(low, high, q, F, curvature, level, period, other)

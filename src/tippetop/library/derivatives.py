@@ -1,13 +1,12 @@
 """The calls about how a motion answers to a change of its numbers."""
 
-import inspect
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, refuse_unknown, whole
+from ..arguments import dotted_keys, takes, whole
 from ..columns import with_coordinates
 from ..errors import InputError
 from .run import Run
@@ -18,12 +17,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-RUN = ("output_step", "output_times", "output", "precision", "tolerance", "on_liftoff", "stop_when", "orientation")
-"""Further arguments of `run` that a problem is made of."""
-
-
 class Sensitivities:
-    """Derivatives of a run by some of its numbers. `tippetop.sensitivities` makes it.
+    """Derivatives of a run by some of its numbers. `tippetop.derivatives.sensitivities` makes it.
 
     Attributes
     ----------
@@ -45,6 +40,7 @@ class Sensitivities:
         return f"<Sensitivities of {self.run.attributes['system']} by {names}: {self.trajectory.sizes['time']} rows>"
 
 
+@takes(problem_of)
 def sensitivities(
     source: Any, wrt: Sequence[str], friction: Any = None, *, order: int = 1, **arguments: Any
 ) -> Sensitivities:
@@ -61,8 +57,8 @@ def sensitivities(
         As for `run`.
     order : int
         1, or 2 for second derivatives too.
-    **arguments
-        What else `run` takes: start, until, output_step, ...
+    {names}
+        As for `run`.
 
     Returns
     -------
@@ -81,7 +77,7 @@ def sensitivities(
     Examples
     --------
     >>> import tippetop as tt
-    >>> s = tt.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
+    >>> s = tt.derivatives.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
     >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
     """
     import xarray as xr
@@ -90,7 +86,6 @@ def sensitivities(
     from ..problem import refuse
     from ..runs.run import solve
 
-    refuse_unknown("sensitivities", arguments, ["order", *inspect.signature(problem_of).parameters, *RUN])
     wrt = _names(wrt)
     if whole("order", order) > 2:
         raise InputError([f"`order` must be 1 or 2, but is {order!r:.60}."])
@@ -115,6 +110,7 @@ def sensitivities(
     return Sensitivities(run, *tables)
 
 
+@takes(problem_of)
 def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any) -> "xr.Dataset":
     """How fast small errors of the start of a run grow, and from when on a double says nothing.
 
@@ -126,8 +122,8 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
         As for `run`.
     rows : int
         Times from 0 to the end of the run.
-    **arguments
-        What else `run` takes: start, until, ...
+    {names}
+        As for `run`.
 
     Returns
     -------
@@ -144,7 +140,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     Examples
     --------
     >>> import tippetop as tt
-    >>> print(tt.lyapunov("inverting").sentence)
+    >>> print(tt.derivatives.lyapunov("inverting").sentence)
     """
     import xarray as xr
 
@@ -152,7 +148,6 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     from ..problem import refuse
     from ..runs.run import solve
 
-    refuse_unknown("lyapunov", arguments, ["rows", *inspect.signature(problem_of).parameters, *RUN])
     if whole("rows", rows) < 2:
         raise InputError([f"`rows` must be at least 2, but is {rows!r:.60}."])
     problem = problem_of(source, friction, **arguments)

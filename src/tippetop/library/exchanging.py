@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..exchange import fit_text, measured
 from ..exchange.fitting import STARTS, names_of
 from ..exchange.motion import Convention
-from ..exchange.verdict import Verdict, judged
+from ..exchange.verdict import Verdict
 from ..problem import Problem
 from .sources import problem_behind
 
@@ -85,7 +85,7 @@ def compare(
         raise InputError(["`others` must name at least one file, but is empty."])
     problem = _reference(reference)
     convention = Convention(quaternion, up)
-    return Comparison(*judged(problem, [path_of("others", file) for file in files], convention))
+    return Comparison(problem, [path_of("others", file) for file in files], convention)
 
 
 class Fitted:

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, measured_values, whole
+from ..arguments import dotted_keys, measured_values, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
-from ..mechanics.system import Parameter, System
+from ..mechanics.contact.body import Top
+from ..mechanics.system import Number, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..sweeps.chunk import alone
-from .bodies import Top
 from .scenarios import problem_of
 
 
@@ -25,12 +25,12 @@ OF_ROWS = ("columns", "output", "output_step", "output_times", "keyframe_steps")
 """Arguments of `run` that say which rows are kept."""
 
 
+@takes(problem_of)
 def ensemble(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     variations: Mapping[str, Any],
     friction: Any = None,
     *,
-    until: float | str | None = None,
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
     orientation: bool = False,
@@ -41,7 +41,7 @@ def ensemble(
 
     Parameters
     ----------
-    source, friction, until
+    source, friction
         What they have in common, as for `run`.
     variations : mapping of str to array, (n,) each
         What varies, in SI units: `dict(omega3=..., mu=...)`; or texts with units, `["1000 rpm", "1200 rpm"]`. A name
@@ -56,10 +56,9 @@ def ensemble(
         [rad]. It changes no other column.
     lyapunov : bool
         Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s], that of
-        `tippetop.lyapunov` at the end. Each takes several times its run.
-    **scenario
-        Further arguments of `run` that say what the tops have in common: start, parameters, system, ...; none that
-        say which rows are kept: there are none.
+        `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
+    {names}
+        What the tops have in common, as for `run`; none that say which rows are kept: there are none.
 
     Returns
     -------
@@ -80,7 +79,7 @@ def ensemble(
     """
     if rows := [name for name in OF_ROWS if scenario.get(name) is not None]:
         raise InputError([f"`{name}` must not be given in an ensemble: it keeps no rows." for name in rows])
-    base = problem_of(source, friction, until=until, **scenario)
+    base = problem_of(source, friction, **scenario)
     if not isinstance(variations, Mapping):
         raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])
     keys = dotted_keys(variations, base.rules)
@@ -99,7 +98,7 @@ def ensemble(
     )
 
 
-def _in_si(name: str, values: Any, rule: Parameter | None) -> Any:
+def _in_si(name: str, values: Any, rule: Number | None) -> Any:
     """What varies, with texts such as "1480 rpm" as numbers. Raises InputError."""
     unit = rule.unit if rule is not None else SECOND if name == "until" else None
     return values if unit is None or np.ndim(values) == 0 else measured_values(name, values, unit)

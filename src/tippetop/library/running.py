@@ -2,64 +2,42 @@
 
 import contextlib
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ..arguments import flag, in_python, instance, measured, named_arguments, path_of
+from ..arguments import flag, in_python, instance, measured, path_of, takes
 from ..errors import InputError, Interrupted
+from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
+from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..progress import Bar
-from ..runs.cost import warning
-from ..runs.reporting import RunProgress
+from ..problem.options import documentation
+from ..runs.cost import Patience, following, warn
 from ..runs.run import solve
 from ..store import root
-from .bodies import Top
 from .extensions import of_stored
-from .laws import Friction
 from .run import Run
-from .scenarios import checked, problem_of
+from .scenarios import problem_of
 from .stored_run import StoredRun
 
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 
-@named_arguments
+@takes(problem_of, documentation)
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
-    friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
+    friction: FrictionLaw | tuple | Mapping[str, Any] | Sequence[str] | None = None,
     *,
-    start: Mapping[str, Any] | str | Path | None = None,
-    initial: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    system: str | System | None = None,
-    form: str | None = None,
-    contact: Mapping[str, Any] | None = None,
-    stem: Mapping[str, float] | None = None,
-    until: float | str | None = None,
-    output_step: float | str | None = None,
-    output_times: Sequence[float] | np.ndarray | Any | None = None,
-    output: Literal["times", "events", "steps", "keyframes"] | None = None,
-    keyframe_steps: int | None = None,
-    events: Iterable[str | Event] | str | Event | None = None,
-    columns: Iterable[str | Quantity] | str | Quantity | None = None,
-    precision: Literal["double", "longdouble", "quad"] | None = None,
-    tolerance: float | None = None,
-    on_liftoff: Literal["stop", "continue", "fly"] | None = None,
-    stop_when: Literal["until", "settled"] | None = None,
-    orientation: bool | None = None,
-    sensitivities: Sequence[str] | None = None,
     out: str | Path | None = None,
     overwrite: bool = False,
     progress: bool = False,
     stop: threading.Event | None = None,
+    **scenario: Any,
 ) -> Run:
     """Integrates one top.
 
@@ -91,38 +69,7 @@ def run(
     stem : mapping, optional
         The stem of a tippe top, `dict(r=0.004, h=0.022)`: the radius of its ball [m], and how far along 3hat its
         centre lies from that of the sphere [m].
-    until : float
-        End of the run [s]; a preset has one.
-    output_step, output_times, output
-        When rows are wanted: every so many seconds; at these times [s], (n,), ascending; or at the "events", or the
-        ends of the "steps". By default 1001 rows. With `out` also "keyframes" and no rows: `StoredRun.replay` makes
-        those of any part.
-    keyframe_steps : int, optional
-        Steps of the integrator from one keyframe to the next, by default 8192.
-    events : iterable of str or Event, optional
-        The kinds that are logged, by name, by default all; an empty list logs none. An Event is one of your own: it is
-        added to the system and logged, and only the kinds that are named with it are logged too. Its name is letters,
-        digits and _, and new. Rows of `events` then have the columns of `trajectory` too: the state at the event.
-    columns : iterable of str or Quantity, optional
-        The columns that the rows have beside the time, by name: what is left out is neither stored nor, of the turn of
-        the body, integrated; by default all. Columns of your own are Quantity records, functions of the scalars of a
-        state, under new names; they are kept beside those that are named.
-    precision : str, optional
-        double, longdouble (80 bits) or quad (113 bits).
-    tolerance : float, optional
-        Of the integrator, relative; by default the rounding unit.
-    on_liftoff : str, optional
-        Whether the run stops where the normal force falls to zero ("stop"), continues with a plane that pulls
-        ("continue"), or follows the flight and the impacts ("fly": the default with `contact`, `stem`, or a Coulomb law
-        without eps).
-    stop_when : str, optional
-        "settled" ends a run when sliding has died.
-    orientation : bool, optional
-        Whether the turn of the body about its axis is integrated too: the columns `psi` and `orientation`; by default
-        it is.
-    sensitivities : list of str, optional
-        Dotted names of numbers, such as "friction.mu", by which the derivatives of columns and events are computed too,
-        and stored: the tables `sensitivities` and `event_sensitivities` of the run.
+    {options}
     out : path, optional
         A store that is written as the run goes: for runs that exceed memory. The result is then a StoredRun.
     overwrite : bool
@@ -150,83 +97,25 @@ def run(
     --------
     >>> import tippetop as tt
     >>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
-    >>> tt.run(top, tt.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
+    >>> tt.run(top, tt.friction.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
     flag("overwrite", overwrite)
-    problem = problem_of(
-        source,
-        friction,
-        start=start,
-        initial=initial,
-        parameters=parameters,
-        system=system,
-        form=form,
-        contact=contact,
-        stem=stem,
-        events=events,
-        columns=columns,
-        until=until,
-        output_step=output_step,
-        output_times=output_times,
-        output=output,
-        keyframe_steps=keyframe_steps,
-        precision=precision,
-        tolerance=tolerance,
-        on_liftoff=on_liftoff,
-        stop_when=stop_when,
-        orientation=orientation,
-        sensitivities=sensitivities,
-    )
+    flag("progress", progress)
+    problem = problem_of(source, friction, **scenario)
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     if out is None:
-        return integrate(problem, progress=progress)
+        if problem.output == "keyframes":
+            raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
+        with following(bar=progress) as follow:
+            return Run(solve(problem, follow))
     place = path_of("out", out)
     from ..runs.recording import record
 
-    with _following(progress) as follow, in_python(), _resumable(place):
+    with following(bar=progress) as follow, in_python(), _resumable(place):
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
     return StoredRun(place, problem.system)
-
-
-def integrate(problem: Problem, *, progress: bool = False) -> Run:
-    """Integrates a checked Problem in memory.
-
-    Parameters
-    ----------
-    problem : Problem
-        As `load` gives it.
-    progress : bool
-        Whether a bar is drawn in a terminal.
-
-    Returns
-    -------
-    Run
-    """
-    instance("problem", problem, Problem, "a Problem, as `load` gives it")
-    problem = checked(problem)
-    if problem.output == "keyframes":
-        raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
-    with _following(progress) as follow:
-        return Run(solve(problem, follow))
-
-
-@contextlib.contextmanager
-def _following(progress: bool) -> Iterator[Callable[[RunProgress], None]]:
-    """What is called after every slice: it warns of a long run, and moves a bar, if one is wanted."""
-    flag("progress", progress)
-    patience = warning()
-    if not progress:
-        yield patience
-        return
-
-    def follow(present: RunProgress) -> None:
-        bar.update(present.t_end, present.problem.until)
-        patience(present)
-
-    with Bar("s", "t = {done:.4g} s") as bar:
-        yield follow
 
 
 @contextlib.contextmanager
@@ -242,6 +131,7 @@ def _resumable(place: Path) -> Iterator[None]:
 def open(
     path: str | Path,
     *,
+    gridded: bool = False,
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> Any:
@@ -251,6 +141,8 @@ def open(
     ----------
     path : path-like
         The store of a run, a sweep, a minimal surface or a potential.
+    gridded : bool
+        Whether the axes of a sweep are dimensions of its table, which is read into memory.
     events, columns : iterable of Event and of Quantity, optional
         The records of your own that a run was made with. What is stored is read without them; `problem`, `certify` and
         `replay` need them.
@@ -258,7 +150,7 @@ def open(
     Returns
     -------
     StoredRun or xarray.Dataset
-        A run as a StoredRun; a sweep as a Dataset with a row per top (`gridded` gives it the axes of the plan), a
+        A run as a StoredRun; a sweep as a Dataset with a row per top, a
         surface or potential as a Dataset over its axes.
 
     Raises
@@ -267,14 +159,16 @@ def open(
         If there is no store of tippetop.
     """
     path = path_of("path", path)
+    flag("gridded", gridded)
     attrs = root.attributes(path)
     content, own = attrs.get("content"), of_stored(attrs, events, columns)
     if content is None:
         return StoredRun(path, own)
     if content == "sweep":
-        from ..sweeps.summary import open_sweep
+        from ..sweeps import summary
 
-        return open_sweep(path)
+        table = summary.open_sweep(path)
+        return summary.gridded(table) if gridded else table
     return root.open_group(path, content)
 
 
@@ -323,21 +217,5 @@ def resume(
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):
-        continued(place, end, warning(), stop=stop, accept_other_version=accept_other_version, known=own)
+        continued(place, end, Patience(warn), stop=stop, accept_other_version=accept_other_version, known=own)
     return StoredRun(place, own)
-
-
-def datasets(run: Run) -> "dict[str, xr.Dataset]":
-    """The tables of a run by name.
-
-    Parameters
-    ----------
-    run : Run
-
-    Returns
-    -------
-    dict of xarray.Dataset
-        `trajectory` and `events`; `phases` and `impacts` where the contact may change its phase.
-    """
-    instance("run", run, Run, "a Run")
-    return run._tables

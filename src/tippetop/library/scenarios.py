@@ -2,48 +2,48 @@
 
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
-from ..arguments import measured_values, plain
+from ..arguments import measured_values, plain, takes
 from ..errors import InputError
+from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
+from ..mechanics.friction import LAWS, FrictionLaw, named
 from ..mechanics.system import Quantity, System
-from ..mechanics.systems import check
+from ..mechanics.systems import check, laws_of, load_entry_points, systems_of_laws
 from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..problem.options import run_options
 from ..runs import starting
 from ..scenario import build, reading
-from .bodies import Top
 from .extensions import extended, given_columns, given_events
-from .laws import table_of
 
 
+@takes(run_options)
 def problem_of(
     source: Any,
     friction: Any = None,
     *,
-    start: Any = None,
+    start: Mapping[str, Any] | str | Path | None = None,
     initial: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
     form: str | None = None,
     contact: Mapping[str, Any] | None = None,
-    stem: Mapping[str, Any] | None = None,
-    events: Iterable[str | Event] | str | Event | None = None,
-    columns: Iterable[str | Quantity] | str | Quantity | None = None,
-    until: Any = None,
-    **run: Any,
+    stem: Mapping[str, float] | None = None,
+    **options: Any,
 ) -> Problem:
-    """The checked Problem of what `run` takes. Raises InputError."""
+    """Return the checked Problem of what `run` takes. Raises InputError."""
     if isinstance(source, Problem):
         beside = {"friction": friction, "start": start, "initial": initial, "parameters": parameters, "system": system,
-                 "form": form, "contact": contact, "stem": stem, "events": events, "columns": columns, "until": until,
-                 **run}  # fmt: skip
+                 "form": form, "contact": contact, "stem": stem, **options}  # fmt: skip
         if surplus := [f"`{key}`" for key, value in beside.items() if value is not None]:
             words = ", ".join(surplus)
             raise InputError([f"a Problem must stand alone, but is given beside {words}: change it in `load`."])
         return checked(source)
+    events, columns = options.pop("events", None), options.pop("columns", None)
     named, own = _named(None if events is None else given_events(events), Event)
     named_columns, own_columns = _named(None if columns is None else given_columns(columns), Quantity)
     if named_columns and len(own_columns) == len(named_columns):  # they are added to all columns
@@ -56,12 +56,13 @@ def problem_of(
         elif isinstance(friction, Mapping):
             _merge_dotted(tables, plain(friction))
         elif friction is not None:
-            tables["friction"] = plain(table_of(friction, chosen.laws))
+            tables["friction"] = plain(table_of(friction))
         for name, numbers in (("parameters", parameters), ("contact", contact), ("stem", stem)):
             _merge(tables, name, numbers)
         if start is not None and initial is not None:
             raise InputError(["`start` and `initial` are the same argument: one of them must be given, but both are."])
-        for name, given in (("start", start), ("initial", initial)):
+        starts: dict[str, Any] = {"start": start, "initial": initial}
+        for name, given in starts.items():
             if isinstance(given, str | os.PathLike):
                 given = {"from": os.fspath(given)}
             if given is not None and not isinstance(given, Mapping):
@@ -72,7 +73,7 @@ def problem_of(
             tables["form"] = form
         if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
             raise InputError([_needs_law(source)])
-        _options(tables, until, {**run, "events": named, "columns": named_columns})
+        _options(tables, options | {"events": named, "columns": named_columns})
         chosen = extended(chosen, own, own_columns)
         if own_columns and named_columns is None and "columns" in tables.get("run", {}):
             tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in own_columns)]
@@ -96,8 +97,11 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
         if isinstance(each, System):
             check(each)
     if isinstance(source, Top):
-        own = source.system(gliding=friction is not None or source.gliding == "tippe-top")
-        tables: dict[str, Any] = {"system": own.name, "parameters": source.numbers()}
+        glides = friction is not None or source.gliding == "tippe-top"
+        tables: dict[str, Any] = {
+            "system": source.gliding if glides else source.resting,
+            "parameters": source._asdict(),
+        }
     elif isinstance(source, System):
         record, tables = record or source, {"system": source.name}
     elif isinstance(source, Mapping):
@@ -157,7 +161,7 @@ def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
     if given is None:
         return
     if isinstance(given, Top):
-        given = given.numbers()
+        given = given._asdict()
     if not isinstance(given, Mapping):
         raise InputError([f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}."])
     base = tables.get(name, {})
@@ -176,7 +180,7 @@ def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> 
         tables["initial"] = system.replaced(base, plain(given))
 
 
-def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
+def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     """Applies options of the run; those that are None are not given."""
     given = {key: plain(value) for key, value in run.items() if value is not None}
     if "output_times" in given:
@@ -186,14 +190,36 @@ def _options(tables: dict[str, Any], until: Any, run: dict[str, Any]) -> None:
     base = tables.get("run", {})
     if not isinstance(base, dict):  # the check of the scenario says so
         return
-    base = reading.without_output(base, given)
-    tables["run"] = {**base, **given}
-    if until is not None:
-        until = plain(until)
-        times = base.get("output_times")
-        tables["run"]["until"] = until
-        if isinstance(times, list) and isinstance(until, int | float):
-            tables["run"]["output_times"] = reading.times_until(times, until)
+    tables["run"] = {**reading.without_output(base, given), **given}
+    until, times = given.get("until"), base.get("output_times")
+    if isinstance(times, list) and isinstance(until, int | float) and "output_times" in tables["run"]:
+        tables["run"]["output_times"] = reading.times_until(times, until)
+
+
+def table_of(law: Any) -> dict[str, Any]:
+    """Return the table [friction] of the record of a law that is known. Raises InputError."""
+    if isinstance(law, FrictionLaw):
+        if named(type(law)) is None:
+            load_entry_points()
+            if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
+                kind = type(law).__name__
+                raise InputError([f"the friction law {kind} must be registered: tippetop.extending.register({kind})."])
+        return {"law": law.key, **law._asdict()}
+    such, value = "Viscous(mu=0.3)", f"{law!r:.60}"
+    if isinstance(law, str):
+        load_entry_points()
+        such = f"{LAWS[law].__name__ if law in LAWS else 'Viscous'}(...)"
+    elif isinstance(law, type):
+        such, value = f"{law.__name__}(...)", "the class itself"
+    raise InputError([f"the friction law must be a record such as {such}, but is {value}."])
+
+
+def record_of(law: Any, system: System) -> Any:
+    """Return the record of a law, checked, if a system takes it. Raises InputError."""
+    known = laws_of(system)
+    if (name := table_of(law)["law"]) not in known:
+        raise InputError([f"`{system.name}` must have a law of {', '.join(known)}, but has {name}."])
+    return law._make(law.checked(law._asdict()).values())
 
 
 def _needs_law(top: Top) -> str:

@@ -48,6 +48,8 @@ class Integral:
     start
         start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value of the same name in
         the record of angles, 0 where it has none.
+    of
+        The quantity whose integral it is, if an event has that one's extremes: it is then not integrated twice.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Integral:
     long_name: str
     rate: Any
     start: Callable | None = None
+    of: str = ""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
-"""Formulas of numbers as straight-line Python: every operation once, without calls and records in between.
+"""Formulas of numbers as straight-line Python, without calls and records between their operations.
 
-The operations and their order are those of the formula, and so are the bits of the result; it takes a quarter of the time.
+The operations and their order are those of the formula, and so are the bits of the result; it takes a fraction of the
+time.
 """
 
 import math
@@ -8,105 +9,24 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, TypeVar
 
+import numpy as np
+
+from .operand import leaves
+from .writing import Language, Program
+
 
 F = TypeVar("F", bound=Callable)
+
 PATIENCE = 16
-"""Calls before a formula is traced, which takes as long as some hundred calls."""
+"""Calls before a formula is written down, which takes as long as some hundred calls."""
 
-
-class Term:
-    """An operand that writes down the operations on it."""
-
-    __slots__ = ("name", "trace")
-    __hash__ = None  # type: ignore[assignment]
-
-    def __init__(self, trace: "Trace", name: str):
-        self.trace, self.name = trace, name
-
-    def __bool__(self) -> bool:
-        raise TypeError("a formula that branches has no trace")
-
-    __eq__ = __lt__ = __le__ = __bool__  # type: ignore[assignment]
-
-    def __neg__(self) -> "Term":
-        return self.trace.term("-{}", self)
-
-    def sqrt(self) -> "Term":
-        """Return the square root; NumPy calls this and the next."""
-        return self.trace.term("sqrt({0}) if {0} >= 0.0 else nan", self)
-
-
-def _binary(symbol: str) -> None:
-    def of(self: Term, other: Any) -> Term:
-        return self.trace.term(f"{{}} {symbol} {{}}", self, other)
-
-    def reflected(self: Term, other: Any) -> Term:
-        return self.trace.term(f"{{}} {symbol} {{}}", other, self)
-
-    name = {"+": "add", "-": "sub", "*": "mul", "/": "truediv", "**": "pow"}[symbol]
-    setattr(Term, f"__{name}__", of)
-    setattr(Term, f"__r{name}__", reflected)
-
-
-for _symbol in ("+", "-", "*", "/", "**"):
-    _binary(_symbol)
-
-
-class Trace:
-    """The operations of a formula: names by their texts, each text once."""
-
-    def __init__(self) -> None:
-        self.names: dict[str, tuple[str, tuple[str, ...]]] = {}
-        self.constants: dict[str, Any] = {"sqrt": math.sqrt, "nan": math.nan, "new": tuple.__new__}
-
-    def term(self, text: str, *operands: Any) -> Term:
-        """Return the result of an operation."""
-        of = tuple(map(self.text, operands))
-        name, _ = self.names.setdefault(text.format(*of), (f"t{len(self.names)}", of))
-        return Term(self, name)
-
-    def argument(self, value: Any, name: str) -> Any:
-        """Return an argument with terms in place of its numbers."""
-        if not isinstance(value, tuple):
-            return Term(self, name)
-        parts = [self.argument(part, self.term(f"{name}[{k}]", Term(self, name)).name) for k, part in enumerate(value)]
-        return tuple.__new__(type(value), parts)
-
-    def text(self, value: Any) -> str:
-        """Return a value as Python writes it."""
-        if isinstance(value, Term):
-            return value.name
-        if type(value) in (int, float) and math.isfinite(value):
-            return f"({value!r})" if value < 0 else repr(value)
-        if isinstance(value, tuple | list):
-            kind, parts = self.constant(type(value)), "".join(self.text(part) + ", " for part in value)
-            return f"new({kind}, ({parts}))" if isinstance(value, tuple) else f"[{parts}]"
-        return self.constant(value)
-
-    def constant(self, value: Any) -> str:
-        """Return the name of a constant."""
-        name = next((name for name, known in self.constants.items() if known is value), f"c{len(self.constants)}")
-        self.constants[name] = value
-        return name
-
-    def function(self, result: Any, arguments: int) -> Callable:
-        """Return the function of a result; operations that it does not need are left out."""
-        text, lines, needed = self.text(result), [], set()
-        needed.update(names_in(result))
-        for line, (name, operands) in reversed(self.names.items()):
-            if name in needed:
-                needed.update(operands)
-                lines.append(f"    {name} = {line}")
-        head = f"def inline({', '.join(f'a{k}' for k in range(arguments))}):"
-        exec("\n".join([head, *lines[::-1], f"    return {text}"]), self.constants)
-        return self.constants["inline"]
-
-
-def names_in(value: Any) -> list[str]:
-    """Return the names of the terms of a record of records."""
-    if isinstance(value, tuple | list):
-        return [name for part in value for name in names_in(part)]
-    return [value.name] if isinstance(value, Term) else []
+FUNCTIONS: dict[str, Callable] = {
+    "sqrt": lambda x: math.sqrt(x) if x >= 0 else math.nan,
+    "sin": lambda x: float(np.sin(x)),
+    "cos": lambda x: float(np.cos(x)),
+    "arctan2": lambda y, x: float(np.arctan2(y, x)),
+}
+PYTHON = Language("", repr, {name: name for name in FUNCTIONS}, powers=True)
 
 
 def inlined(formula: F) -> F:
@@ -115,11 +35,11 @@ def inlined(formula: F) -> F:
     Parameters
     ----------
     formula
-        Its arguments are numbers and records of numbers, and one trace serves all bodies under a law, the last argument. A
-        formula that branches stays as it is.
+        Its arguments are numbers and records of numbers, the last of them the body; it gives such a record, a list or
+        a number. One that branches stays as it is.
     """
-    known: dict[Any, Callable] = {}
-    calls: dict[Any, int] = {}
+    known: dict[type, Callable] = {}  # by the record of the friction law
+    calls: dict[type, int] = {}
 
     @wraps(formula)
     def chosen(*arguments: Any) -> Any:
@@ -136,17 +56,36 @@ def inlined(formula: F) -> F:
                 return formula(*arguments)
         calls[law] = calls.get(law, 0) + 1
         if calls[law] == PATIENCE:
-            known[law] = traced(formula, arguments)
+            known[law] = straight(formula, arguments)
         return formula(*arguments)
 
     return chosen  # type: ignore[return-value]
 
 
-def traced(formula: Callable, arguments: tuple) -> Callable:
-    """Return a formula of these arguments as straight-line Python; the formula itself, if it cannot be."""
-    trace = Trace()
+def straight(formula: Callable, arguments: tuple) -> Callable:
+    """Return the straight-line function of a formula of such arguments; the formula itself, if it cannot be written."""
+    program = Program(PYTHON)
+    names: dict[str, Any] = {**FUNCTIONS, "record": tuple.__new__}
+
+    def symbols(value: Any, text: str) -> Any:
+        if not isinstance(value, tuple):
+            return program.new(text)
+        return tuple.__new__(type(value), [symbols(part, f"{text}[{k}]") for k, part in enumerate(value)])
+
+    def written(value: Any) -> str:
+        if not isinstance(value, tuple | list):
+            return program.of(value).name
+        parts = "".join(f"{written(part)}, " for part in value)
+        if isinstance(value, list):
+            return f"[{parts}]"
+        names[name := f"kind{len(names)}"] = type(value)
+        return f"record({name}, ({parts}))"
+
     try:
-        result = formula(*(trace.argument(value, f"a{k}") for k, value in enumerate(arguments)))
-    except Exception:  # whatever a formula does that a Term cannot
+        result = formula(*(symbols(value, f"a{k}") for k, value in enumerate(arguments)))
+        lines = program.lines(leaves(tuple(result) if isinstance(result, list) else [result]))
+    except Exception:  # whatever a formula does that a symbol cannot
         return formula
-    return trace.function(result, len(arguments))
+    head = f"def function({', '.join(f'a{k}' for k in range(len(arguments)))}):"
+    exec("\n    ".join([head, *lines, f"return {written(result)}"]), names)
+    return names["function"]

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..errors import suggestion, unknown_key
 from .events import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
-from .parameter import Alternative, Parameter
+from .number import Alternative, Number
 from .readonly import freeze
 from .units import Unit
 
@@ -24,10 +24,10 @@ __all__ = [
     "Integral",
     "Landscape",
     "Momentum",
+    "Number",
     "Opening",
     "Orientation",
     "Outlook",
-    "Parameter",
     "Phase",
     "Quantity",
     "System",
@@ -100,11 +100,11 @@ class System:
 
     `replace` makes another one from it. What each field is, and must be, says docs/how-to/a-system.md.
 
-    Parameters
+    Numbers
     ----------
     name, title, source : str
         The name in TOML; what it is; where it is published.
-    parameters, initial : dict of Parameter
+    parameters, initial : dict of Number
         The numbers of the body and of the start, by name.
     body, body_units : callable
         body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units; body_units(units of the
@@ -128,7 +128,7 @@ class System:
     """
 
     name: str
-    parameters: dict[str, Parameter]
+    parameters: dict[str, Number]
     phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
     title: str = ""
     source: str = ""
@@ -177,7 +177,7 @@ class System:
     def _derive(self) -> None:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
         given: dict[str, Any] = {"title": self.title or self.name}
-        if self.body is None and _all_are(self.parameters, Parameter):
+        if self.body is None and _all_are(self.parameters, Number):
             record = namedtuple("Body", [*self.parameters, "friction"])  # type: ignore[misc]
             units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
@@ -187,12 +187,12 @@ class System:
             angles = given["angles"] = getattr(self.phase.form, "units", None)
         fields = getattr(angles, "_fields", ())
         if self.initial is None and fields:
-            given["initial"] = {name: Parameter(unit, name, default=0.0) for name, unit in angles._asdict().items()}
+            given["initial"] = {name: Number(unit, name, default=0.0) for name, unit in angles._asdict().items()}
         if self.start is None and fields:
             make = type(angles)._make
             given["start"] = lambda data, s, z, b: make(data.get(name, 0 * z) for name in fields)
         rules = given.get("initial", self.initial)
-        if not self.long_names and _all_are(rules, Parameter):
+        if not self.long_names and _all_are(rules, Number):
             given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
         for name, value in given.items():
             object.__setattr__(self, name, value)
@@ -209,7 +209,7 @@ class System:
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
 
-        Parameters
+        Numbers
         ----------
         parameters
             Numbers or arrays (n,) by name, SI.
@@ -233,7 +233,7 @@ class System:
         `number` is applied to each of them: a type, or what makes arrays of one shape.
         """
         given = {name: number(parameters[name]) for name in self.parameters}
-        return self.body(given, type(friction)(*(number(value) for value in friction)))
+        return self.body(given, friction._make(map(number, friction)))
 
     def faults(self, parameters: Mapping[str, float]) -> list[str]:
         """What is wrong with parameters by name, in sentences: one by one, then together; empty if nothing is."""
@@ -250,7 +250,7 @@ class System:
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
         """Sentences on initial data, by name, of which some say the same in two ways.
 
-        Parameters
+        Numbers
         ----------
         initial
             Names of initial data.
@@ -275,7 +275,7 @@ class System:
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
         """Initial data with some changed: a number takes the place of those that say the same in another way.
 
-        Parameters
+        Numbers
         ----------
         initial
             What stands: values by name.
@@ -334,7 +334,7 @@ class System:
     def with_requested(self, columns: Collection[str]) -> "System":
         """The system with those of its quantities on request that are named; the same record for the same names.
 
-        Parameters
+        Numbers
         ----------
         columns
             Names of columns.
@@ -373,7 +373,7 @@ def of_one_phase(
 ) -> System:
     """A system whose contact never changes; `rest` is what else a System has.
 
-    Parameters
+    Numbers
     ----------
     phase
         Its name, such as "gliding".

@@ -9,7 +9,8 @@ from .differentiable import MOST_DERIVATIVES, derivative_faults, kept_faults, re
 from .faults import key_faults, shape_faults, variation_faults
 from .kept import ORIENTATION, PSI, TURN, column_faults, column_names
 from .many import Problems
-from .one import KEYFRAME_STEPS, PRECISIONS, ROUNDING, UNTIL, Problem
+from .one import PRECISIONS, Problem
+from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
 
 
 __all__ = [

@@ -1,8 +1,8 @@
 """One run: a checked body, a start and a span, all in SI units."""
 
 import dataclasses
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal
 
 import heyoka as hy
 import numpy as np
@@ -10,10 +10,10 @@ import numpy as np
 from ..errors import unknown_key
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
-from ..mechanics.friction import Law, named
+from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
-from ..mechanics.system import Form, Parameter, System
+from ..mechanics.system import Form, Number, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
@@ -21,17 +21,17 @@ from .choice import Choice, choice
 from .faults import given_names
 from .kept import column_names
 from .many import Problems, StartedFrom
+from .options import KEYFRAME_STEPS, UNTIL, RunOptions
 
 
 PRECISIONS: dict[str, Any] = {"double": np.float64, "longdouble": np.longdouble, "quad": hy.real128}
-ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
-KEYFRAME_STEPS = 8192  # 20 to 60 ms of computing: what a replay does before its first row; 0.1 kB a step are 10 of rows
-UNTIL = Parameter(SECOND, "end of the run", above=0, most=1e16)
 
 
-@dataclass(frozen=True, repr=False)
-class Problem:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Problem(RunOptions):
     """One run: what a scenario says, checked. All numbers in SI units; `tippetop.load` makes one.
+
+    Its other fields are the options of the run, `RunOptions`, every default filled in.
 
     Parameters
     ----------
@@ -39,26 +39,8 @@ class Problem:
         The equations, and how their state is written.
     parameters, friction, initial
         Numbers of the body by name; the record of a friction law; the initial data that were given.
-    until, times
-        The end [s], and the times [s] of the rows that are asked for.
-    events
-        The kinds that are logged.
-    on_liftoff
-        What happens where the normal force vanishes: "stop", "continue" or "fly".
-    precision, tolerance
-        "double", "longdouble" or "quad"; the relative error of a step, 0 for the rounding unit of the precision.
-    output
-        Rows at `times`, at the "events", at the ends of the "steps"; or "keyframes" and no rows.
-    keyframe_steps
-        Steps from one keyframe to the next.
-    stop_when
-        "until", or "settled".
-    orientation
-        Whether the turn of the body about its axis is integrated too.
-    columns
-        What rows have beside the time; None: all that there are.
-    sensitivities
-        Dotted numbers by which derivatives of columns and events are kept.
+    times
+        The times [s] of the rows, which decide `output_step` or `output_times`.
     contact
         Where the contact may change its phase: how it opens and closes.
     origin
@@ -70,17 +52,13 @@ class Problem:
     parameters: dict[str, float]
     friction: Any
     initial: dict[str, Any]
-    until: float
     times: EvenTimes | ListedTimes
+    output_step: float | None = field(init=False, compare=False)
+    output_times: tuple[float, ...] | None = field(init=False, compare=False)
     events: tuple[str, ...]
-    on_liftoff: str = "stop"
-    precision: str = "double"
-    tolerance: float = 0.0
-    output: str = "times"
+    on_liftoff: Literal["stop", "continue", "fly"] = "stop"
     keyframe_steps: int = KEYFRAME_STEPS
-    stop_when: str = "until"
     orientation: bool = True
-    columns: tuple[str, ...] | None = None
     sensitivities: tuple[str, ...] = ()
     contact: ContactLaw | None = None
     origin: dict[str, Any] | None = None
@@ -89,10 +67,13 @@ class Problem:
     def __post_init__(self) -> None:
         if isinstance(self.times, np.ndarray):
             object.__setattr__(self, "times", ListedTimes(self.times))
+        step, listed = (getattr(self.times, name, None) for name in ("step", "times"))
+        object.__setattr__(self, "output_step", step)
+        object.__setattr__(self, "output_times", None if listed is None else tuple(listed.tolist()))
         freeze(self, "parameters", "initial", "origin")
 
     def __reduce__(self) -> Any:
-        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "form"}
+        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init and f.name != "form"}
         return _again, (self.form.name, given)
 
     def __repr__(self) -> str:
@@ -112,19 +93,12 @@ class Problem:
     @property
     def law_name(self) -> str:
         """The name of the friction law, as in `[friction] law`."""
-        return self._law[0]
+        return self.law.key
 
     @property
-    def law(self) -> Law:
+    def law(self) -> type[FrictionLaw]:
         """The friction law: its numbers and their units."""
-        return self._law[1]
-
-    @cached_property
-    def _law(self) -> tuple[str, Law]:
-        """Name and law of the friction record."""
-        known = named(type(self.friction), self.system.laws)
-        assert known is not None, self.friction
-        return known
+        return type(self.friction)
 
     @cached_property
     def tables(self) -> dict[str, dict[str, Any]]:
@@ -145,7 +119,7 @@ class Problem:
         return {"contact": contact, **({"stem": stem} if self.contact.stem else {})}
 
     @cached_property
-    def rules(self) -> dict[str, Parameter]:
+    def rules(self) -> dict[str, Number]:
         """What must hold of the numbers, by dotted key: the keys that may vary."""
         friction = self.law.parameters if self.system.frictional else {}
         tables = {"parameters": self.system.parameters, "friction": friction, "initial": self.system.initial}
@@ -156,7 +130,7 @@ class Problem:
 
     def faults(self) -> list[str]:
         """What is wrong with the numbers that are given, in sentences; empty if nothing is."""
-        faults = self.system.faults(self.parameters)
+        faults = []
         for table in ("friction", "initial", "run", *self._contact()):
             for name, value in self.tables[table].items():
                 key, rule = f"{table}.{name}", self.rules.get(f"{table}.{name}")
@@ -165,13 +139,14 @@ class Problem:
                 if rule is None and not isinstance(value, bool):
                     known = [k.partition(".")[2] for k in self.rules if k.startswith(f"{table}.")]
                     faults.append(unknown_key(key, known, self.rules))
-        return faults + self.system.clashes(given_names(self.initial)) + self._contact_faults()
+        return [*self.system.faults(self.parameters), *faults, *self.clashes()]
 
-    def _contact_faults(self) -> list[str]:
-        """What is wrong with the stem."""
-        if self.contact is None or not self.contact.stem:
-            return []
-        return stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
+    def clashes(self) -> list[str]:
+        """Return sentences on what numbers break together that are right one by one, but for those of the body."""
+        faults = self.system.clashes(given_names(self.initial))
+        if self.contact is not None and self.contact.stem:
+            faults += stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
+        return faults
 
     @property
     def choice(self) -> Choice:
@@ -190,6 +165,16 @@ class Problem:
             return Problems(self, {}, self.orientation)
         state = np.array([[sum(map(self.number, origin["state"][name]))] for name in names], dtype=self.number)
         return StartedFrom(self, {}, self.orientation, state)
+
+    def table(self) -> dict[str, Any]:
+        """Return the options as the table [run] of a scenario, without those that do not apply."""
+        table = super().table()
+        without = {"times": ["output", "keyframe_steps"], "keyframes": ["output_step", "output_times"]}
+        for name in without.get(self.output, ["output_step", "output_times", "keyframe_steps"]):
+            table.pop(name, None)
+        if not self.sensitivities:
+            del table["sensitivities"]
+        return table
 
     def body(self, number: Any = float) -> Any:
         """The record that formulas take, in SI units."""

@@ -2,8 +2,9 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..problem import Problem
 from ..sampling import ListedTimes
 from . import phases
 from .attributes import groups
-from .cost import warning
+from .cost import following
 from .run import Solution, solve
 
 
@@ -36,7 +37,7 @@ POLE_DISTANCE = 0.5
 # Largest difference in theta [rad] between a run and its repetition in the next wider precision.
 MAX_THETA_ERROR = 1e-10
 
-NEXT_PRECISION = {"double": "longdouble", "longdouble": "quad"}
+NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
 
 
@@ -94,16 +95,14 @@ def check_window(window: float | None, name: str = "`window`") -> None:
 Progress = Callable[[Any], None]
 
 
-@contextmanager
-def warned() -> Iterator[Progress]:
-    """Provide a progress callback that warns of a long run."""
-    yield warning()
+# Provides the progress callback of callers from Python.
+WITHOUT_BAR = partial(following, bar=False)
 
 
 def certificate(
     problem: Problem,
     window: float | None = None,
-    following: Callable[[], AbstractContextManager[Progress]] = warned,
+    following: Callable[[], AbstractContextManager[Progress]] = WITHOUT_BAR,
 ) -> dict[str, Any]:
     """Repeat a run in the next wider precision and compare.
 

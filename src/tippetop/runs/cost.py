@@ -3,7 +3,8 @@
 import math
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from ..engine.taylor import driver_of
 from ..mechanics.contact.body import angular_velocity
@@ -16,8 +17,9 @@ from ..mechanics.disc_friction import drilling_torque, inside
 from ..mechanics.friction import is_frictionless
 from ..mechanics.units import SECOND
 from ..problem import Problem
+from ..progress import Bar
 from .integration import Integration
-from .reporting import RunProgress
+from .reporting import RunProgress, report
 from .sinks import Memory
 
 
@@ -174,9 +176,31 @@ class Patience:
             self.say(sentence(progress.problem, min(self.inferred), advance / max(steps, 1), often))
 
 
-def warning() -> Patience:
-    """Return a progress callback for Python callers, which issues a warning."""
-    return Patience(lambda words: warnings.warn(words, stacklevel=2))
+def warn(words: str) -> None:
+    """Issue a warning to callers from Python."""
+    warnings.warn(words, stacklevel=2)
+
+
+@contextmanager
+def following(say: Callable[[str], object] = warn, *, bar: bool = True) -> Iterator[Callable[[RunProgress], None]]:
+    """Provide a run's progress callback: it warns of a long run, and draws a bar in a terminal."""
+    patience = Patience(say)
+    if not bar:
+        yield patience
+        return
+
+    def note(progress: RunProgress) -> str:
+        found = report(progress)
+        drift = max(found["drift"].values(), default=0.0)
+        turnings = found["event_counts"].get("turning", 0)
+        return f"theta {found['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
+
+    def follow(progress: RunProgress) -> None:
+        drawn.update(progress.t_end, progress.problem.until, lambda: note(progress))
+        patience(progress)
+
+    with Bar("s", "t = {done:.4g} s") as drawn:
+        yield follow
 
 
 def sentence(problem: Problem, left: float, step: float, often: bool = False) -> str:

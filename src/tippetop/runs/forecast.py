@@ -12,10 +12,10 @@ from ..mechanics.friction import is_frictionless
 from ..problem import Problem
 from ..sampling import ListedTimes
 from . import cost
+from .regularisation import regularisation
 
 
 LONG = 1e5  # seconds after which the vector form of a rolling top has changed E by 1e-12
-AFFORDABLE = 1.0  # seconds: `check` runs a Coulomb top thrice only if that is quick
 
 
 def assessment(problem: Problem) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def assessment(problem: Problem) -> dict[str, Any]:
     start, expected = at_start(problem), cost.estimate(problem)
     columns = [q for q in problem.system.quantities if q.is_column]
     quantities = {q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in columns}
-    predicted = _outlook(problem, start) | _regularisation(problem, expected) | _advice(problem)
+    predicted = _outlook(problem, start) | regularisation(problem, expected) | _advice(problem)
     form = {"auto_form": {"form": problem.choice.form.name, "because": problem.choice.because}}
     return {**form, "at_start": quantities, **predicted, "expected": expected}
 
@@ -49,7 +49,7 @@ def _in_words(quantity: Any, value: float) -> float | str:
 
 def comments(problem: Problem) -> dict[str, Any]:
     """What theory adds to the report of a finished run: the name of its motion, what eps decides."""
-    result = _regularisation(problem, cost.estimate(problem))
+    result = regularisation(problem, cost.estimate(problem))
     if problem.system.motion is not None:
         result["motion"] = problem.system.motion(problem.body(), at_start(problem))
     return result
@@ -104,50 +104,3 @@ def _advice(problem: Problem) -> dict[str, str]:
     if problem.form.name == better:
         return {"advice": "truncation changes E by some 4.6e-17 a second: tolerance = 1e-18 keeps it"}
     return {"advice": f'rounding changes E by some 1.5e-17 a second: form = "{better}" with tolerance = 1e-18 keeps it'}
-
-
-def _regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, Any]:
-    """What eps decides: the time of inversion for half, whole and twice eps, where three short runs can tell."""
-    friction = problem.friction
-    if not problem.system.inverts or "eps" not in friction._fields or is_frictionless(friction):
-        return {}
-    result: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
-    if expected["seconds"] < AFFORDABLE:
-        from .regularisation import inversion_sensitivity
-
-        sensitivity = inversion_sensitivity(problem)
-        times, unknown = sensitivity["inversion_time"], sensitivity["unknown"]
-        eps = sorted([*times, *unknown])
-        if times.keys() >= set(eps[:2]):
-            result["regularisation"] += _converged(times[eps[0]], times[eps[1]])
-        if unknown:
-            result["regularisation"] += f", but {_not_found_out(unknown)}"
-        if times:
-            result["inversion_by_eps"] = {
-                "eps": {"value": list(times), "unit": "m s-1"},
-                "first_equator": {"value": list(times.values()), "unit": "s"},
-                "lifted_at": {"value": list(sensitivity["lifted_at"].values()), "unit": "s"},
-                "exponent": {"value": sensitivity["exponent"], "unit": "1"},
-            }
-    return result
-
-
-def _not_found_out(unknown: list[float]) -> str:
-    """That the time of inversion is not known for these eps [m/s], and why."""
-    values = ", ".join(f"{1e3 * eps:g}" for eps in unknown)
-    return f"when it does for eps = {values} mm/s was not found out: the steps are too short, the equations too stiff"
-
-
-CONVERGED = 0.01  # relative change of the time of inversion when eps is halved: less, and eps decides nothing
-
-
-def _converged(half: float | None, whole: float | None) -> str:
-    """What to add about eps, from the times of inversion for half of it and for itself; nothing if it is small."""
-    if half is None and whole is None:
-        return ""
-    if half is None or whole is None:
-        return ", and this eps has not converged: half of it decides whether it inverts in time"
-    change = abs(half - whole) / whole
-    if change <= CONVERGED:
-        return ""
-    return f", and this eps has not converged: half of it changes that time by {100 * change:.2g} %"

@@ -6,18 +6,62 @@ from typing import Any
 
 import numpy as np
 
+from ..engine.driver import STEPS_PER_SLICE
 from ..engine.status import Status
+from ..mechanics.friction import is_frictionless
 from ..problem import Problem
 from ..sampling import ListedTimes
-from .reporting import RunProgress
-from .run import solve
+from .integration import Integration
+from .sinks import Memory
 
 
 MOST_STEPS = 1 << 18  # that each of three runs may make, together some two seconds; a small eps makes steps short
+AFFORDABLE = 1.0  # seconds: `check` runs a Coulomb top thrice only if that is quick
 
 
-class _EnoughError(Exception):
-    """A run has shown what it was made for, or has taken its steps."""
+def regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, Any]:
+    """Return what eps decides, as part of a report: the time of inversion for half, whole and twice eps."""
+    friction = problem.friction
+    if not problem.system.inverts or "eps" not in friction._fields or is_frictionless(friction):
+        return {}
+    result: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
+    if expected["seconds"] < AFFORDABLE:
+        sensitivity = inversion_sensitivity(problem)
+        times, unknown = sensitivity["inversion_time"], sensitivity["unknown"]
+        eps = sorted([*times, *unknown])
+        if times.keys() >= set(eps[:2]):
+            result["regularisation"] += _converged(times[eps[0]], times[eps[1]])
+        if unknown:
+            result["regularisation"] += f", but {_not_found_out(unknown)}"
+        if times:
+            result["inversion_by_eps"] = {
+                "eps": {"value": list(times), "unit": "m s-1"},
+                "first_equator": {"value": list(times.values()), "unit": "s"},
+                "lifted_at": {"value": list(sensitivity["lifted_at"].values()), "unit": "s"},
+                "exponent": {"value": sensitivity["exponent"], "unit": "1"},
+            }
+    return result
+
+
+def _not_found_out(unknown: list[float]) -> str:
+    """That the time of inversion is not known for these eps [m/s], and why."""
+    values = ", ".join(f"{1e3 * eps:g}" for eps in unknown)
+    return f"when it does for eps = {values} mm/s was not found out: the steps are too short, the equations too stiff"
+
+
+CONVERGED = 0.01  # relative change of the time of inversion when eps is halved: less, and eps decides nothing
+
+
+def _converged(half: float | None, whole: float | None) -> str:
+    """What to add about eps, from the times of inversion for half of it and for itself; nothing if it is small."""
+    if half is None and whole is None:
+        return ""
+    if half is None or whole is None:
+        return ", and this eps has not converged: half of it decides whether it inverts in time"
+    change = abs(half - whole) / whole
+    if change <= CONVERGED:
+        return ""
+    return f", and this eps has not converged: half of it changes that time by {100 * change:.2g} %"
 
 
 def inversion_sensitivity(problem: Problem, factor: float = 2.0) -> dict[str, Any]:
@@ -55,21 +99,18 @@ def inversion_sensitivity(problem: Problem, factor: float = 2.0) -> dict[str, An
 
 
 def _first_equator(problem: Problem) -> tuple[float | None, float | None]:
-    """First theta = pi/2 [s]; None if it is not within the run, nan if that was not found out; and when a liftoff ended
-    the run [s], or None."""
-    reached: list[float | None] = []
+    """Return the first theta = pi/2 [s], None if the run has none, NaN if that is not known; and its liftoff [s]."""
+    rows = ListedTimes(np.array([0.0]))
+    integration = Integration(replace(problem, times=rows, precision="double", tolerance=0.0, orientation=False))
 
-    def watch(progress: RunProgress) -> None:
-        reached[:] = [progress.events.kept().get("first_equator")]
-        if reached[0] is not None or progress.steps >= MOST_STEPS:
-            raise _EnoughError
+    def reached() -> float | None:
+        return integration.log.summary().kept().get("first_equator")
 
-    lean = replace(problem, times=ListedTimes(np.array([0.0])), precision="double", tolerance=0.0)
-    try:
-        solution = solve(lean, watch, keep=False)
-    except _EnoughError:
-        return (math.nan if reached[0] is None else reached[0]), None
-    equator = solution.report["inversion"]["first_equator"]
-    lost = equator is None and solution.status in (Status.NON_FINITE, Status.STALLED)
-    lifted = solution.report["t_end"] if solution.status is Status.LIFTOFF else None
-    return (math.nan if lost else equator), lifted
+    def more() -> bool:
+        return reached() is None and integration.monitor.steps < MOST_STEPS
+
+    integration.part(Memory(keeps_rows=False), STEPS_PER_SLICE, more)
+    time, status = reached(), integration.status
+    if time is None and status in (None, Status.NON_FINITE, Status.STALLED):
+        time = math.nan
+    return time, integration.t_end if status is Status.LIFTOFF else None

@@ -15,9 +15,9 @@ from ..engine.status import Status
 from ..engine.taylor import fingerprint
 from ..errors import InputError, StoreError
 from ..mechanics.system import System
+from ..problem.options import MOST_ROWS
 from ..sampling import EvenTimes
 from ..scenario import build
-from ..scenario.build import MOST_ROWS
 from ..store import chunks, root, skeleton, tables
 from ..store.chunks import Appender
 from . import keyframes, phases, recording, resuming

@@ -1,11 +1,9 @@
 """A scenario's tables become a checked Problem, or sentences that say all that is wrong with them."""
 
-import itertools
 import math
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from ..arguments import measured, path_of, plain
@@ -19,11 +17,7 @@ from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..mechanics.units import SECOND, Unit
 from ..problem import (
     AUTO,
-    KEYFRAME_STEPS,
-    PRECISIONS,
-    ROUNDING,
     TURN,
-    UNTIL,
     Problem,
     choice,
     column_faults,
@@ -31,19 +25,16 @@ from ..problem import (
     kept_faults,
     shape_faults,
 )
-from ..sampling import EvenTimes, ListedTimes
+from ..problem.options import KEYFRAME_STEPS, NUMBERS, RunOptions
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
 from .own_records import other_records, own_records
 from .reading import override, read, times_until
-from .schema import RunTable, scenario_model
+from .schema import scenario_model
 from .sentences import scenario_sentence
 
 
-LEAST_TOLERANCE = 1e-5  # of the rounding unit: 2.2e-21 in double. Over 200 s of rolling in vector form, 1e-20 and
-# 1e-21 change E no less than 0 does (1.4e-14, 1.7e-14; 1.5e-14), and compile in 46 s where 1e-18 takes 32 s
 NEAREST_POLE = 1e-3  # [rad] where z = cos(theta) is integrated: its rounding changes theta by 2.2e-15/theta in 4 s,
 # measured against the vector form from 1.9e-5 to 0.3 rad. As sqrt(t), that is the promise, 1e-10 rad, after 1e4 s
-MOST_ROWS = 10**12  # more is a slip of the pen: 200 TB
 
 
 # --- checking -------------------------------------------------------------------------------------------------------
@@ -68,41 +59,43 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         raise InputError(sentences) from None
     parameters = scenario.parameters.model_dump()
     initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
-    run = scenario.run
+    asked: dict[str, Any] = {
+        key: tuple(v) if isinstance(v, list) else v for key, v in scenario.run.model_dump().items()
+    }
+    run = RunOptions(**asked)
     system = system.with_requested(run.columns or ())
-    events = tuple(run.events) if run.events is not None else tuple(e.name for e in system.events)
     law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
     form = choice(system).form if scenario.form == AUTO else system.forms[scenario.form]
     known_columns = column_names(system, form, run.orientation is not False, run.precision)
-    asked = TURN if run.columns is None else run.columns
     values = scenario.friction.model_dump() if system.frictional else {}
-    rules = rules_of(scenario, system)
+    rules, kinds = rules_of(scenario, system), tuple(event.name for event in system.events)
+    turns = any(name in TURN for name in (TURN if run.columns is None else run.columns))
+    del asked["output_step"], asked["output_times"]
+    asked |= {
+        "events": kinds if run.events is None else run.events,
+        "on_liftoff": run.on_liftoff or ("stop" if system.contact is None else "fly"),
+        "keyframe_steps": run.keyframe_steps or KEYFRAME_STEPS,
+        "columns": _columns(run.columns, known_columns, known),
+        "orientation": turns if run.orientation is None else run.orientation,
+        "sensitivities": run.sensitivities or (),
+    }
     built = Problem(
         system=system,
         form=form,
         parameters=parameters,
-        friction=law.record(**{name: values[name] for name in law.parameters}),
+        friction=law._make(values[name] for name in law.parameters),
         initial=on_stem(initial, parameters.get("R", 0.0), rules),
-        until=run.until,
-        times=_times(run),
-        events=events,
-        on_liftoff=run.on_liftoff or ("stop" if system.contact is None else "fly"),
-        precision=run.precision,
-        tolerance=run.tolerance,
-        output=run.output,
-        keyframe_steps=run.keyframe_steps or KEYFRAME_STEPS,
-        stop_when=run.stop_when,
-        columns=_columns(run.columns, known_columns, known),
-        orientation=run.orientation if run.orientation is not None else any(name in TURN for name in asked),
-        sensitivities=tuple(run.sensitivities or ()),
+        times=run.rows(),
         contact=rules,
         origin=origin,
+        **asked,
     )
     faults = [
-        *built.faults(),
+        *system.checks(parameters),
+        *built.clashes(),
         *contact_faults(built),
         *_pole_faults(built),
-        *_run_faults(system, run),
+        *run.option_faults(kinds),
         *column_faults(run.columns or [], known_columns, run.orientation),
         *kept_faults(built),
     ] or built.start_faults()
@@ -123,7 +116,9 @@ def checked(given: Problem) -> Problem:
     return problem(plain(resolved(given)), known, given.origin)
 
 
-def _columns(asked: list[str] | None, all_columns: tuple[str, ...], known: System | None) -> tuple[str, ...] | None:
+def _columns(
+    asked: tuple[str, ...] | None, all_columns: tuple[str, ...], known: System | None
+) -> tuple[str, ...] | None:
     """The columns that rows have, None for all; by name where the system is not the registered one, so that its store
     says which columns it has."""
     if asked is None and (known is None or known is find(known.name)):
@@ -142,9 +137,9 @@ def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit
         "initial": system.initial,
         "stem": STEM,
         "contact": CONTACT,
-        "run": {"until": UNTIL, "output_step": UNTIL},
     }
-    return {table: {name: rule.unit for name, rule in its.items()} for table, its in rules.items()}
+    units = {table: {name: rule.unit for name, rule in its.items()} for table, its in rules.items()}
+    return units | {"run": NUMBERS}
 
 
 def system_of(tables: dict[str, Any]) -> System:
@@ -227,30 +222,8 @@ def resolved(problem: Problem) -> dict[str, Any]:
         **({"friction": {"law": problem.law_name, **problem.friction._asdict()}} if problem.system.frictional else {}),
         **contact_tables(problem),
         "initial": dict(problem.initial),
-        "run": {
-            "until": problem.until,
-            **_output(problem),
-            "events": list(problem.events),
-            "on_liftoff": problem.on_liftoff,
-            "precision": problem.precision,
-            "tolerance": problem.tolerance,
-            "stop_when": problem.stop_when,
-            "orientation": problem.orientation,
-            **({} if problem.columns is None else {"columns": list(problem.columns)}),
-            **({"sensitivities": list(problem.sensitivities)} if problem.sensitivities else {}),
-        },
+        "run": problem.table(),
     }
-
-
-def _output(problem: Problem) -> dict[str, Any]:
-    """The keys of [run] that say when rows are wanted."""
-    if problem.output == "keyframes":
-        return {"output": problem.output, "keyframe_steps": problem.keyframe_steps}
-    if problem.output != "times":
-        return {"output": problem.output}
-    if isinstance(problem.times, EvenTimes):
-        return {"output_step": problem.times.step}
-    return {"output_times": problem.times.times.tolist()}
 
 
 def _pole_faults(problem: Problem) -> list[str]:
@@ -265,63 +238,3 @@ def _pole_faults(problem: Problem) -> list[str]:
     if theta not in (0.0, math.pi):
         return []
     return [f'`initial.theta` must not be 0 or pi where form = "{name}" is singular; form = "vector" can.']
-
-
-def _run_faults(system: System, run: RunTable) -> list[str]:
-    faults = []
-    known = [event.name for event in system.events]
-    faults += [
-        f"`run.events` must be of {', '.join(known)}, but has {e!r}.{suggestion(e, known)}"
-        for e in run.events or []
-        if e not in known
-    ]
-    if run.output_step is not None and run.output_times is not None:
-        faults.append(
-            "`run.output_step` must stand alone, but `run.output_times` is given too: remove one "
-            "(--set run.output_step=)."
-        )
-    if run.output_step is not None and not run.until / run.output_step <= MOST_ROWS:
-        faults.append(
-            f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {run.output_step:g} gives "
-            f"{run.until / run.output_step:.3g}."
-        )
-    faults += tolerance_faults(run.precision, run.tolerance)
-    if run.output != "times" and (run.output_step is not None or run.output_times is not None):
-        given = "output_step" if run.output_step is not None else "output_times"
-        faults.append(
-            f'`run.output` must be "times" where `run.{given}` is given, but is "{run.output}": remove one '
-            f"(--set run.{given}=)."
-        )
-    if run.output != "keyframes" and run.keyframe_steps is not None:
-        faults.append(
-            f'`run.output` must be "keyframes" where `run.keyframe_steps` is given, but is "{run.output}": remove one '
-            "(--set run.keyframe_steps=)."
-        )
-    times = run.output_times or []
-    if any(b <= a for a, b in itertools.pairwise(times)):
-        faults.append("`run.output_times` must ascend strictly, but do not.")
-    if times and times[-1] > run.until:
-        faults.append(f"`run.output_times` must not exceed run.until = {run.until:g}, but reach {times[-1]:g}.")
-    return faults
-
-
-def tolerance_faults(precision: str, tolerance: float) -> list[str]:
-    """A tolerance far below the rounding unit costs order after order, and nothing comes of it."""
-    least = LEAST_TOLERANCE * ROUNDING[precision]
-    if tolerance == 0 or tolerance >= least:
-        return []
-    return [
-        f"`run.tolerance` must be 0 (the rounding unit) or at least {least:.1g} in {precision} precision, but is "
-        f"{tolerance:g}: rounding hides what lies below, and each power of ten takes longer to compile."
-    ]
-
-
-def _times(run: RunTable) -> EvenTimes | ListedTimes:
-    """Times of the rows [s]; a grid always ends with `until` itself."""
-    if run.output_times is not None:
-        return ListedTimes(np.array(run.output_times, dtype=float))
-    step = run.output_step or run.until / 1000 or run.until  # a thousandth may underflow
-    return EvenTimes(step, run.until)
-
-
-assert set(PRECISIONS) == set(get_args(RunTable.model_fields["precision"].annotation))

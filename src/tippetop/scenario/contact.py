@@ -96,8 +96,9 @@ def contact_faults(problem: Problem) -> list[str]:
     faults = []
     if problem.stop_when == "settled" and has_parts(problem.friction):
         faults.append('`run.stop_when` must be "until" with `friction.mu_r` or `friction.mu_d`, but is "settled".')
-    if problem.precision == "quad" and problem.law.regions:
-        faults.append(f'`run.precision` must be "double" or "longdouble" under `{problem.law_name}`, but is "quad".')
+    if problem.precision == "quad" and problem.law.torque:
+        of = f"under `{problem.law_name}`" if problem.law.regions else "with `friction.mu_r` or `friction.mu_d`"
+        faults.append(f'`run.precision` must be "double" or "longdouble" {of}, but is "quad".')
     if problem.on_liftoff == "continue":
         faults.append('`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.')
     body, gap = problem.body(), float(problem.initial.get("gap", 0.0))

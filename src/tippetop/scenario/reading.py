@@ -4,6 +4,8 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping
+from copy import deepcopy
+from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
@@ -38,9 +40,19 @@ def presets() -> dict[str, str]:
     >>> sorted(tt.presets())
     >>> print(tt.presets()["inverting"])
     """
+    return dict(_presets())
+
+
+@lru_cache(maxsize=1)
+def _presets() -> dict[str, str]:
     folder = files("tippetop") / "scenario" / "presets"
     named = {p.name.removesuffix(".toml"): p for p in folder.iterdir() if p.name.endswith(".toml")}
     return {name: named[name].read_text(encoding="utf-8") for name in sorted(named)}
+
+
+@lru_cache(maxsize=64)
+def _preset(name: str) -> dict[str, Any]:
+    return tomllib.loads(_presets()[name])
 
 
 def read(source: str) -> dict[str, Any]:
@@ -48,7 +60,7 @@ def read(source: str) -> dict[str, Any]:
     path = Path(source)
     try:
         if path.suffix != ".toml" and not path.is_file():
-            known = presets()
+            known = _presets()
             if source not in known:
                 raise InputError(
                     [
@@ -56,7 +68,7 @@ def read(source: str) -> dict[str, Any]:
                         f"The presets are {', '.join(known)}."
                     ]
                 )
-            return tomllib.loads(known[source])
+            return deepcopy(_preset(source))
         return _parsed(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):

@@ -1,15 +1,18 @@
 """The shape of a scenario: tables, keys and types, made from a system's own record."""
 
+import types
+from dataclasses import MISSING
 from functools import lru_cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.contact.struck import RESTITUTIONS
-from ..mechanics.system import Parameter, System
-from ..problem import AUTO, UNTIL
+from ..mechanics.system import Number, System
+from ..problem import AUTO
+from ..problem.options import HINTS, OPTIONS
 
 
 # --- the shape of a scenario ----------------------------------------------------------------------------------------
@@ -21,7 +24,7 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-def _number(parameter: Parameter) -> Any:
+def _number(parameter: Number) -> Any:
     """The type of a number: a float in the parameter's interval."""
 
     def within(value: float) -> float:
@@ -32,51 +35,32 @@ def _number(parameter: Parameter) -> Any:
     return Annotated[float, AfterValidator(within)]
 
 
-class RunTable(Table):
-    """How long, how accurately, and what is kept; the descriptions are those of the key reference."""
+def _run_table() -> type[BaseModel]:
+    """Return the model of [run], from the options of a run."""
+    fields: dict[str, Any] = {}
+    for name, option in OPTIONS.items():
+        about = option.metadata
+        limits: dict[str, Any] = {BOUNDS[bound]: limit for bound, limit in about["interval"].items()}
+        kind = _number(about["rule"]) if about["rule"] else _kind(HINTS[name], limits)
+        default = ... if option.default is MISSING else option.default
+        fields[name] = Annotated[kind, Field(description=about["words"])], default
+    return create_model("RunTable", __base__=Table, **fields)
 
-    until: Annotated[_number(UNTIL), Field(description="how long")]  # type: ignore[valid-type]
-    output_step: Annotated[
-        Annotated[float, Field(gt=0)] | None,
-        Field(description="time between two rows [s]; one of output_step, output_times where output is times"),
-    ] = None
-    output_times: Annotated[
-        list[Annotated[float, Field(ge=0)]] | None, Field(description="the times of the rows [s], instead")
-    ] = None
-    output: Annotated[
-        Literal["times", "events", "steps", "keyframes"],
-        Field(
-            description="rows at times, at events, at the integrator's own steps, or none: its exact state now and then"
-        ),
-    ] = "times"
-    keyframe_steps: Annotated[
-        Annotated[int, Field(ge=1)] | None, Field(description="steps between two keyframes; 8192")
-    ] = None
-    stop_when: Annotated[
-        Literal["until", "settled"], Field(description="end at `until`, or once the axis is at rest")
-    ] = "until"
-    events: Annotated[list[str] | None, Field(description="the kinds of events that are logged; all of the system")] = (
-        None
-    )
-    on_liftoff: Annotated[
-        Literal["stop", "continue", "fly"] | None,  # "fly" where the contact may change its phase
-        Field(description="where the normal force vanishes: end the run, continue as if the contact pulled, or fly"),
-    ] = None
-    precision: Annotated[
-        Literal["double", "longdouble", "quad"], Field(description="of all numbers: 53, 64 or 113 bits")
-    ] = "double"
-    tolerance: Annotated[
-        Annotated[float, Field(ge=0, lt=1)], Field(description="error of a step, relative; 0: the precision's rounding")
-    ] = 0.0
-    columns: Annotated[list[str] | None, Field(description="the columns that rows have beside the time; all")] = None
-    sensitivities: Annotated[
-        list[str] | None,
-        Field(description="numbers, such as friction.mu, by which columns and events are differentiated too; none"),
-    ] = None
-    orientation: Annotated[
-        bool | None,
-        Field(description="whether the turn of the body about its axis is integrated; where a column needs it"),
-    ] = None
+
+BOUNDS = {"above": "gt", "least": "ge", "below": "lt"}
+"""pydantic's words for the bounds of a number."""
+
+
+def _kind(hint: Any, limits: dict[str, Any]) -> Any:
+    """Return the type that TOML gives for the type of an option: lists for tuples, numbers within limits."""
+    if get_origin(hint) in (types.UnionType, Union):
+        return Union[tuple(_kind(part, limits) for part in get_args(hint))]  # noqa: UP007
+    if get_origin(hint) is tuple:
+        return list[_kind(get_args(hint)[0], limits)]  # type: ignore[misc]
+    return Annotated[hint, Field(**limits)] if limits and hint in (float, int) else hint
+
+
+RunTable: Any = _run_table()
 
 
 class ContactTable(Table):
@@ -84,7 +68,7 @@ class ContactTable(Table):
     e_n: _number(CONTACT["e_n"]) = 0.0  # type: ignore[valid-type]
 
 
-def table_model(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
+def table_model(name: str, parameters: dict[str, Number], *, required: bool, **extra: Any) -> type[BaseModel]:
     fields: dict[str, Any] = {
         n: (_number(p), ... if p.default is None else p.default) if required else (_number(p) | None, None)
         for n, p in parameters.items()

@@ -6,10 +6,11 @@ from typing import Any
 
 from ..errors import InputError, suggestion
 from ..mechanics.contact.restitution import CONTACT, STEM
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, laws_of
-from ..problem import AUTO, KEYFRAME_STEPS, UNTIL
+from ..problem import AUTO
+from ..problem.options import OPTIONS, UNITS, UNTIL
 from . import reading
 from .build import system_of
 from .contact import system_with_contact
@@ -74,24 +75,18 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
         lines += _table(name, given, known, {}) if given else []
     if system.opening and not system.contact:
         lines += ["", "# [contact] lets it lift off, fly and land, [stem] land on its stem: tippetop help scenario."]
-    examples = {
-        **{name: field.default for name, field in RunTable.model_fields.items()},
-        "output_times": [0.0, 1.0],
-        "keyframe_steps": KEYFRAME_STEPS,
-        "events": [event.name for event in system.events],
-        "on_liftoff": "stop",
-        "columns": ["theta"],
-        "sensitivities": [],
-        "orientation": True,
-    }
+    examples: dict[str, Any] = {"events": [event.name for event in system.events]}
+    for name, option in OPTIONS.items():
+        example = option.metadata["example"]
+        examples.setdefault(name, option.default if example is None else example)
     run = {
         key: f"{text}{f' [{unit}]' if unit else ''}; {must}"
-        for key, unit, must, text in keys_of(RunTable, {"until": UNTIL})
+        for key, unit, must, text in keys_of(RunTable, {"until": UNTIL}, UNITS)
     }
     return [*lines, *_table("run", tables["run"], run, examples), ""]
 
 
-def _rules(parameters: Mapping[str, Parameter]) -> dict[str, str]:
+def _rules(parameters: Mapping[str, Number]) -> dict[str, str]:
     return {
         name: f"{p.long_name} [{p.unit.symbol}]; {p.must().removeprefix('must be ')}" for name, p in parameters.items()
     }

@@ -144,5 +144,9 @@ def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
     tops = ensemble.vary(plan.base, plan.columns(some))
     _, faults = tops.check()
     if plan.base.system.is_hybrid:  # whose contact is asked of each top by itself
-        faults += [(i, fault) for i in np.flatnonzero(tops.valid).tolist() for fault in singly.faults_of(tops, i)[:1]]
+        faults += [
+            (i, fault)
+            for i in np.flatnonzero(tops.valid).tolist()
+            for fault in singly.faults_of(singly.problem_of(tops, i))[:1]
+        ]
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

@@ -10,7 +10,7 @@ from ..mechanics.contact.body import Touch, angular_velocity, tip_inertia
 from ..mechanics.contact.gliding.catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.vector import axis, sliding_velocity
 from ..mechanics.contact.rolling.reaction import kinematics, reaction
-from ..mechanics.friction import Law, slip_coefficient
+from ..mechanics.friction import FrictionLaw, slip_coefficient
 from ..mechanics.operand import Vector, atan2, cross, leaves, refill, sqrt, times
 from ..mechanics.system import Form, System
 from ..mechanics.systems.heavy_top import momentum_about_centre, tip_axis_rate
@@ -37,7 +37,7 @@ def potential(system: System, b: Touch) -> str:
     )
 
 
-def motions(system: System, form: Form, laws: dict[str, Law]) -> str:
+def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> str:
     """The module `formulas.js` of a page that integrates: all that it needs of a system in a form, for each friction
     law by name; as `formulas.d.ts` says."""
     variables = Variables(form)
@@ -60,26 +60,26 @@ def initial_names(system: System) -> list[str]:
     return [name for name in system.initial if name not in others]
 
 
-def _of_law(system: System, variables: Variables, law: Law) -> str:
+def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str:
     """The functions of one friction law, as an object."""
     form, names = variables.form, [*system.parameters, *law.parameters]
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), law.record(*(1.0 for _ in law.parameters)))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), law._make(1.0 for _ in law.parameters))
     given, n = initial_names(system), len(variables.names)
     heavy = "R" not in system.parameters
     numbers = [f"b[{i}]" for i in range(len(leaves(template)))]
     state = [*(f"y[{i}]" for i in range(n)), *numbers]
     well = ("z", "first", "second")
 
-    def made(symbols: Sequence[Any]) -> Any:
+    def fill(symbols: Sequence[Any]) -> Any:
         return refill(template, iter(symbols))
 
     def body(symbols: Sequence[Any]) -> list:
         by_name = dict(zip(names, symbols, strict=True))
-        return leaves(system.body_of(by_name, law.record(*(by_name[name] for name in law.parameters))))
+        return leaves(system.body_of(by_name, law._make(by_name[name] for name in law.parameters)))
 
     def of(symbols: Sequence[Any]) -> tuple[Any, Any, Any]:
         q, carried = symbols[: variables.moving], symbols[variables.moving : n]
-        return type(form.units)(*q), variables.carried(*carried), made(symbols[n:])
+        return type(form.units)(*q), variables.carried(*carried), fill(symbols[n:])
 
     def rates(symbols: Sequence[Any]) -> list:
         q, carried, b = of(symbols)
@@ -87,12 +87,12 @@ def _of_law(system: System, variables: Variables, law: Law) -> str:
 
     def start(symbols: Sequence[Any]) -> list:
         s, z, *rest = symbols
-        data, b = dict(zip(given, rest, strict=False)), made(rest[len(given) :])
+        data, b = dict(zip(given, rest, strict=False)), fill(rest[len(given) :])
         q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
         return [*q, *carried]
 
     def weights(symbols: Sequence[Any]) -> list:
-        b = made(symbols)
+        b = fill(symbols)
         mass, length = system.scales(b)
         return [_power(unit, mass, length, sqrt(length / b.g)) for unit in variables.units.values()]
 
@@ -103,10 +103,10 @@ def _of_law(system: System, variables: Variables, law: Law) -> str:
         "start": _function(("sine", "z", "d", "b"), ["sine", "z", *data, *numbers], start),
         "weights": _function(("b",), numbers, weights),
         "seen": _function(("y", "b", "out"), state, lambda symbols: seen(system, form, *of(symbols)), fills=True),
-        "sizes": _function(("b",), numbers, lambda symbols: sizes(made(symbols), heavy=heavy)),
+        "sizes": _function(("b",), numbers, lambda symbols: sizes(fill(symbols), heavy=heavy)),
         "thresholds": _thresholds(system, template, numbers),
         "potential": _function(
-            (*well, "b"), [*well, *numbers], lambda symbols: _potential(system, symbols, made(symbols[3:]))
+            (*well, "b"), [*well, *numbers], lambda symbols: _potential(system, symbols, fill(symbols[3:]))
         )
         if system.potential
         else "null",

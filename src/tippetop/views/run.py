@@ -142,8 +142,7 @@ def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     """The events within a part of a run, turnings only where they are significant."""
     events = groups["events"]
     names = events["kind"].attrs["flag_meanings"].split()
-    time = events["time"].values
-    keep = (time >= begin) & (time <= end)
+    keep = (events["time"].values >= begin) & (events["time"].values <= end)
     keep &= ~flagged(events["kind"], "turning") | events["significant"].values.astype(bool)
     rows = np.flatnonzero(keep)
     rows = rows[:: max(1, -(-len(rows) // MOST_EVENTS))]

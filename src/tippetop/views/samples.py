@@ -16,15 +16,16 @@ from ..runs.shape import body_of, is_fixed, is_planar
 
 Columns = Mapping[str, np.ndarray]
 STRIDE = 23  # numbers of a sample, as motion.js reads them
-ORIENTATION, OMEGA, WELL = slice(0, 4), slice(4, 7), slice(20, 23)
-PLACES = ("x", "y", "z")
+ORIENTATION, OMEGA = slice(0, 4), slice(4, 7)
+NEEDED = (
+    *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
+    *("x", "y", "z", "normal_force", "phase", "ball"),
+)
 
 
 def needed(attrs: dict[str, Any]) -> list[str]:
     """The columns of a trajectory that samples may be made of."""
-    well = well_columns(attrs)
-    names = ["time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y", *PLACES]
-    return [*names, "normal_force", "phase", "ball", *well]
+    return [*NEEDED, *well_columns(attrs)]
 
 
 def without(attrs: dict[str, Any]) -> list[str]:
@@ -32,13 +33,13 @@ def without(attrs: dict[str, Any]) -> list[str]:
     kept = attrs["run"].get("columns")
     if kept is None:
         return []
-    system, places = plain(attrs), ("phase", "ball") if "contact" in attrs else ()
-    own = {*system.angles._fields, *system.vectors, *(quantity.name for quantity in system.quantities)}
-    spared = {"time", "normal_force", *well_columns(attrs)[-1:]}
-    spared |= {"theta_dot"} if system.vectors else set()
-    spared |= set() if "nu_x" in own else {"phi"}
-    all_columns = {*own, "orientation", *places}
-    return [name for name in needed(attrs) if name in all_columns - spared - set(kept)]
+    system = plain(attrs)
+    own = {*system.angles._fields, *system.vectors, *(quantity.name for quantity in system.quantities), "orientation"}
+    own |= {"phase", "ball"} if "contact" in attrs else set()
+    own -= {"normal_force", *well_columns(attrs)[-1:], *kept}
+    own -= {"theta_dot"} if system.vectors else set()
+    own -= set() if "nu_x" in system.angles._fields else {"phi"}
+    return [name for name in needed(attrs) if name in own]
 
 
 def well_columns(attrs: dict[str, Any]) -> list[str]:

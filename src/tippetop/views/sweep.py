@@ -116,13 +116,10 @@ def _values(path: Path, table: Any, name: str) -> np.ndarray:
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
     """A column as the page takes it."""
-    flags = list(maps.SHOWN) if name == "class" else attrs.get("flag_meanings", "").split()
-    words = "class" if name == "class" else greek(attrs["long_name"]).partition(";")[0]
-    unit = "" if attrs["units"] == "1" else units_text(attrs["units"])
-    return {
-        "name": name,
-        "words": words,
-        "unit": unit,
-        **({"names": flags} if flags else {}),
-        "values": encoded(values, "<f4"),
-    }
+    about: dict[str, Any] = {"name": name, "words": greek(attrs["long_name"]).partition(";")[0]}
+    about["unit"] = "" if attrs["units"] == "1" else units_text(attrs["units"])
+    if name == "class":
+        about |= {"words": "class", "names": list(maps.SHOWN)}
+    elif "flag_meanings" in attrs:
+        about["names"] = attrs["flag_meanings"].split()
+    return about | {"values": encoded(values, "<f4")}

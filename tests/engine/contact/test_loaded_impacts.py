@@ -13,7 +13,7 @@ from tippetop.mechanics.contact.body import Touch, angular_velocity, arm, centre
 from tippetop.mechanics.contact.state import Moving
 from tippetop.mechanics.contact.struck import RESTITUTIONS
 from tippetop.mechanics.disc_friction import drag
-from tippetop.mechanics.friction import LAWS, with_parts
+from tippetop.mechanics.friction import LAWS
 from tippetop.mechanics.operand import Vector
 
 
@@ -50,7 +50,7 @@ def law_of(law: str, parts: Any = (MU_R, MU_D), **numbers: float) -> Any:
     """The record of a law, with parts or, None, without."""
     known = LAWS[law].given(NUMBERS[law])
     more = {} if parts is None else dict(zip(("mu_r", "mu_d"), parts, strict=True))
-    return (known if parts is None else with_parts(known)).record(**NUMBERS[law] | numbers | more)
+    return (known if parts is None else known.with_parts)(**NUMBERS[law] | numbers | more)
 
 
 def impacts(friction: Any, restitution: str) -> Impacts:
@@ -199,3 +199,20 @@ def test_a_disc_that_rests_gives_way_where_the_direction_of_rolling_turns() -> N
     assert impact.mode == "slip"
     expected = newton_euler(u, L, v, b, still_disc, 0.0, "newton", (0.03, 0.0), "Radau", 1e-9)
     np.testing.assert_allclose(found(impact, after), expected, rtol=0, atol=1e-6)
+
+
+def test_a_disc_without_friction_is_stopped_by_torques_alone() -> None:
+    """That of drilling stops its turning, and nothing holds it."""
+    start = Vector(0.0, 0.0, 1.0), Vector(0.0, 0.0, 1e-3), Vector(0.0, 0.0, -1.0)
+    _, _, impact, after = hit(*start, law_of("contensou", mu=0.0), 0.5)
+    assert (impact.mode, after.p.x, after.p.y) == ("slip", 0, 0)
+    assert after.twist.z == pytest.approx(-1e-3, rel=1e-6)
+    assert after.p.z == pytest.approx(1.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "viscous", "contensou"])
+def test_small_torques_change_an_impact_in_proportion(law: str) -> None:
+    """Without torques an impact is followed by other formulas, in closed form under Coulomb's law."""
+    for body in bodies(10, 1.0):
+        none, some = (np.array([*hit(*body, law_of(law, (s, s)), 0.5)[3].L]) for s in (0.0, 1e-9))
+        np.testing.assert_allclose(some, none, rtol=0, atol=4e-9)

@@ -1,7 +1,7 @@
 """Derivatives of every column, and of the times and angles of events, along a run."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ...mechanics.rotation import Quaternion, after
 from ...mechanics.units import ONE, RADIAN, SECOND, Unit
 from ...problem import Problem
 from ..expressions import component
+from ..orientation import quaternion
 from ..tangent import Tangents
 from .numbers import Numbers
 
@@ -61,22 +62,6 @@ def _columns_of(problem: Problem) -> dict[str, _Read]:
     return read if kept is None else {name: each for name, each in read.items() if name in kept}
 
 
-class Passed(Protocol):
-    """The events of a run."""
-
-    @property
-    def time(self) -> np.ndarray:
-        """Their times [s], (n,)."""
-
-    @property
-    def kind(self) -> np.ndarray:
-        """Their kinds, by number, (n,)."""
-
-    @property
-    def kinds(self) -> tuple[str, ...]:
-        """The names of the kinds."""
-
-
 def empty(problem: Problem, wrt: Sequence[str], kinds: tuple[str, ...]) -> Derivatives:
     """The first derivatives of a run, of no rows."""
     n = len(wrt)
@@ -88,9 +73,7 @@ def empty(problem: Problem, wrt: Sequence[str], kinds: tuple[str, ...]) -> Deriv
     return Derivatives(_timed(np.zeros(0), rows), _event_columns(np.zeros(0, np.int8), kinds, none, none), {})
 
 
-def differentiate(
-    problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Passed, order: int = 1
-) -> Derivatives:
+def differentiate(problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Any, order: int = 1) -> Derivatives:
     """The derivatives of the columns and events of a run by some of its numbers.
 
     Parameters
@@ -102,7 +85,7 @@ def differentiate(
     times
         Of the rows [s], (n,), ascending, up to the end of the run.
     events
-        Those that the run has.
+        Those of the run: arrays `time` [s] and `kind`, (n,), and the names `kinds`.
     order
         1, or 2 for second derivatives of the columns too.
 
@@ -125,7 +108,7 @@ class _Along:
     """Tangents along a direction for each parameter, and for sums of two where second derivatives are wanted."""
 
     def __init__(
-        self, problem: Problem, numbers: Numbers, wrt: tuple[str, ...], order: int, times: np.ndarray, events: Passed
+        self, problem: Problem, numbers: Numbers, wrt: tuple[str, ...], order: int, times: np.ndarray, events: Any
     ):
         self.problem, self.numbers, self.wrt, self.times, self.events = problem, numbers, wrt, times, events
         self.order, self.second = order, float(problem.scales.of(SECOND))
@@ -218,47 +201,30 @@ def _event_columns(
 
 def _quaternions(axes: np.ndarray) -> list[np.ndarray]:
     """Unit quaternions with their derivatives along directions, four parts (derivatives, rows, lanes) each, of axes 1
-    and 3 of the body, (6, derivatives, rows, lanes)."""
-    from ..orientation import quaternion
+    and 3 of the body, (6, derivatives, rows, lanes).
 
+    q' = (0, w) q/2 and q'' = ((0, w') q + (0, w) q')/2, where w is the rotation vector of the change.
+    """
     orders, shape = axes.shape[1], axes.shape[2:]
-    flat = axes.reshape(6, orders, -1)
-    matrices = [_matrix(flat[:, 0])]
-    q = quaternion(flat[:3, 0], flat[3:, 0]).T
-    first, third = flat[:3], flat[3:]
-    jets = [q]
+    first, third = axes.reshape(2, 3, orders, -1).swapaxes(1, 2)  # (derivative, xyz, k)
+    matrix, *changes = (
+        np.stack([first[order], _across(first, third, order), third[order]], axis=1) for order in range(orders)
+    )
+    turns = [np.cross(matrix, change, axis=0).sum(axis=1) / 2 for change in changes]  # axis' = w x axis
+    jets = [quaternion(first[0], third[0]).T]
     if orders > 1:
-        turned = np.stack([first[:, 1], _cross_rate(first, third, 1), third[:, 1]], axis=1)
-        jets.append(_half_turn(matrices[0], turned, q))
-    if orders > 2:  # q'' = (w' q + w q')/2, w the rotation vector of the change
-        turned2 = np.stack([first[:, 2], _cross_rate(first, third, 2), third[:, 2]], axis=1)
-        w = _rotation(matrices[0], turned)
-        rate = np.stack([first[:, 1], _cross_rate(first, third, 1), third[:, 1]], axis=1)
-        w_rate = (np.cross(matrices[0], turned2, axis=0) + np.cross(rate, turned, axis=0)).sum(axis=1) / 2
-        jets.append(0.5 * (_product(w_rate, q) + _product(w, jets[1])))
-    whole = np.array(jets)  # (orders, 4, rows x lanes)
-    return [whole[:, c].reshape(orders, *shape) for c in range(4)]
+        jets.append(0.5 * _product(turns[0], jets[0]))
+    if orders > 2:
+        jets.append(0.5 * (_product(turns[1], jets[0]) + _product(turns[0], jets[1])))
+    return [part.reshape(orders, *shape) for part in np.array(jets).swapaxes(0, 1)]
 
 
-def _matrix(axes: np.ndarray) -> np.ndarray:
-    """The axes of the body as columns, (3, axes, k)."""
-    first, third = axes[:3], axes[3:]
-    return np.stack([first, np.cross(third, first, axis=0), third], axis=1)
-
-
-def _cross_rate(first: np.ndarray, third: np.ndarray, order: int) -> np.ndarray:
-    """The first or second derivative of axis 2 = axis 3 x axis 1."""
-    ends = np.cross(third[:, order], first[:, 0], axis=0) + np.cross(third[:, 0], first[:, order], axis=0)
-    return ends if order == 1 else ends + 2 * np.cross(third[:, 1], first[:, 1], axis=0)
-
-
-def _rotation(matrix: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """The rotation vector w with axis' = w x axis, (3, k): half the sum of axis x axis'."""
-    return np.cross(matrix, rate, axis=0).sum(axis=1) / 2
-
-
-def _half_turn(matrix: np.ndarray, rate: np.ndarray, q: np.ndarray) -> np.ndarray:
-    return 0.5 * _product(_rotation(matrix, rate), q)
+def _across(first: np.ndarray, third: np.ndarray, order: int) -> np.ndarray:
+    """Return a derivative of axis 2 = axis 3 x axis 1."""
+    if order == 0:
+        return np.cross(third[0], first[0], axis=0)
+    ends = np.cross(third[order], first[0], axis=0) + np.cross(third[0], first[order], axis=0)
+    return ends if order == 1 else ends + 2 * np.cross(third[1], first[1], axis=0)
 
 
 def _product(w: np.ndarray, q: np.ndarray) -> np.ndarray:

@@ -20,4 +20,4 @@ NAMED = {
 def integral(name: str, rate: Callable) -> Integral:
     """The integral of this name with rate(q, carried, b)."""
     unit, long_name = NAMED[name]
-    return Integral(name, unit, long_name, formula(rate))
+    return Integral(name, unit, long_name, formula(rate), of="normal_force" if name == "impulse" else "")

@@ -1,0 +1,239 @@
+"""The options of a run, [run] in a scenario: each is declared once, and everything else is derived from its field."""
+
+import inspect
+import itertools
+import types
+from collections.abc import Sequence
+from dataclasses import MISSING, Field, dataclass, field, fields
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from ..errors import suggestion
+from ..mechanics.number import Number
+from ..mechanics.units import SECOND, Unit
+from ..sampling import EvenTimes, ListedTimes
+
+
+ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
+
+# 20 to 60 ms of computing: what a replay does before its first row. 0.1 kB a step are 10 of rows.
+KEYFRAME_STEPS = 8192
+
+# More rows are a mistake: 200 TB.
+MOST_ROWS = 10**12
+
+# Smallest tolerance in rounding units, 2.2e-21 in double. Over 200 s of rolling in vector form, 1e-20 and 1e-21
+# change E no less than 0 does (1.4e-14, 1.7e-14; 1.5e-14), and compile in 46 s where 1e-18 takes 32 s.
+LEAST_TOLERANCE = 1e-5
+
+UNTIL = Number(SECOND, "end of the run", above=0, most=1e16)
+
+
+def option(
+    words: str,
+    unit: Unit | None = None,
+    *,
+    default: Any = MISSING,
+    note: str = "",
+    given: str = "",
+    example: Any = None,
+    rule: Number | None = None,
+    **interval: float,
+) -> Any:
+    """Declare an option of a run.
+
+    Parameters
+    ----------
+    words
+        Its meaning, for `tippetop help` and templates.
+    unit
+        The unit of a number, for which a text such as "2 min" may be given.
+    default
+        Where it is left out; without, it must be given.
+    note
+        What callers from Python should know beyond `words`.
+    given
+        The type that callers may pass, where it is wider than that of the field.
+    example
+        A value for templates, where the default is none.
+    rule
+        The record of a number that may vary.
+    interval
+        `above`, `least`, `below` of a number, or of each in a list.
+    """
+    metadata = {"words": words, "unit": unit, "note": note, "given": given, "example": example, "rule": rule}
+    return field(default=default, metadata=metadata | {"interval": interval})
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """How long, how accurately, and what is kept."""
+
+    until: float = option("how long", SECOND, rule=UNTIL, note="a preset has an end")
+    output_step: float | None = option(
+        "time between two rows, or output_times instead",
+        SECOND,
+        default=None,
+        above=0,
+        note="by default a thousandth of the run",
+    )
+    output_times: tuple[float, ...] | None = option(
+        "the times of the rows, instead of output_step",
+        SECOND,
+        default=None,
+        least=0,
+        note="(n,), ascending",
+        given="Sequence[float] | np.ndarray | Any",
+        example=(0.0, 1.0),
+    )
+    output: Literal["times", "events", "steps", "keyframes"] = option(
+        "rows at times, at events, at the integrator's own steps, or none: its exact state now and then",
+        default="times",
+        note='"keyframes" needs `out`: `StoredRun.replay` makes the rows of any part',
+    )
+    keyframe_steps: int | None = option(
+        "steps between two keyframes; 8192", default=None, least=1, example=KEYFRAME_STEPS
+    )
+    stop_when: Literal["until", "settled"] = option("end at `until`, or once the axis is at rest", default="until")
+    events: tuple[str, ...] | None = option(
+        "the kinds of events that are logged; all of the system",
+        default=None,
+        note="an empty list logs none. An Event is added to the system and logged, and of the other kinds only those "
+        "named with it; its name is letters, digits and _, and new. Rows of `events` then have the columns of "
+        "`trajectory` too: the state at the event",
+        given="Iterable[str | Event] | str | Event",
+    )
+    on_liftoff: Literal["stop", "continue", "fly"] | None = option(
+        "where the normal force vanishes: end the run, continue as if the contact pulled, or fly",
+        default=None,
+        note='by default "stop"; "fly" with `contact`, `stem`, or a Coulomb law without eps',
+        example="stop",
+    )
+    precision: Literal["double", "longdouble", "quad"] = option("of all numbers: 53, 64 or 113 bits", default="double")
+    tolerance: float = option("error of a step, relative; 0: the precision's rounding", default=0.0, least=0, below=1)
+    columns: tuple[str, ...] | None = option(
+        "the columns that rows have beside the time; all",
+        default=None,
+        note="columns that are left out are not stored, and the turn of the body is only integrated for them. "
+        "User-defined columns are Quantity records, functions of the scalars of a state, under new names; they are "
+        "kept in addition to those that are named",
+        given="Iterable[str | Quantity] | str | Quantity",
+        example=("theta",),
+    )
+    sensitivities: tuple[str, ...] | None = option(
+        "numbers, such as friction.mu, by which columns and events are differentiated too; none",
+        default=None,
+        note="the tables `sensitivities` and `event_sensitivities` of the run contain the derivatives",
+        given="Sequence[str]",
+        example=(),
+    )
+    orientation: bool | None = option(
+        "whether the turn of the body about its axis is integrated; where a column needs it",
+        default=None,
+        note="the columns `psi` and `orientation`; by default it is",
+        example=True,
+    )
+
+    def table(self) -> dict[str, Any]:
+        """Return the options as the table [run] of a scenario."""
+        given = {f.name: getattr(self, f.name) for f in fields(RunOptions)}
+        return {
+            name: [*value] if isinstance(value, tuple) else value for name, value in given.items() if value is not None
+        }
+
+    def rows(self) -> EvenTimes | ListedTimes:
+        """Return the times of the rows; a grid always ends with `until` itself."""
+        if self.output_times is not None:
+            return ListedTimes(np.array(self.output_times, dtype=float))
+        step = self.output_step or self.until / 1000 or self.until  # a thousandth may underflow
+        return EvenTimes(step, self.until)
+
+    def option_faults(self, events: Sequence[str]) -> list[str]:
+        """Return a sentence for each fault of the options together, in a system with these events."""
+        faults = [
+            f"`run.events` must be of {', '.join(events)}, but has {name!r}.{suggestion(name, events)}"
+            for name in self.events or ()
+            if name not in events
+        ]
+        step, times = self.output_step, self.output_times
+        if step is not None and times is not None:
+            faults.append(
+                "`run.output_step` must stand alone, but `run.output_times` is given too: remove one "
+                "(--set run.output_step=)."
+            )
+        if step is not None and not self.until / step <= MOST_ROWS:
+            faults.append(
+                f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {step:g} gives {self.until / step:.3g}."
+            )
+        faults += tolerance_faults(self.precision, self.tolerance)
+        rows = "output_times" if step is None else "output_step"
+        for name, output in ((rows, "times"), ("keyframe_steps", "keyframes")):
+            if self.output != output and getattr(self, name) is not None:
+                faults.append(
+                    f'`run.output` must be "{output}" where `run.{name}` is given, but is "{self.output}": remove one '
+                    f"(--set run.{name}=)."
+                )
+        times = times or ()
+        if any(b <= a for a, b in itertools.pairwise(times)):
+            faults.append("`run.output_times` must ascend strictly, but do not.")
+        if times and times[-1] > self.until:
+            faults.append(f"`run.output_times` must not exceed run.until = {self.until:g}, but reach {times[-1]:g}.")
+        return faults
+
+
+def tolerance_faults(precision: str, tolerance: float) -> list[str]:
+    """Return a sentence on a tolerance far below the rounding unit, which costs order after order for nothing."""
+    least = LEAST_TOLERANCE * ROUNDING[precision]
+    if tolerance == 0 or tolerance >= least:
+        return []
+    return [
+        f"`run.tolerance` must be 0 (the rounding unit) or at least {least:.1g} in {precision} precision, but is "
+        f"{tolerance:g}: rounding hides what lies below, and each power of ten takes longer to compile."
+    ]
+
+
+OPTIONS: dict[str, Field[Any]] = {f.name: f for f in fields(RunOptions)}
+HINTS = get_type_hints(RunOptions)
+UNITS: dict[str, Unit] = {name: f.metadata["unit"] for name, f in OPTIONS.items() if f.metadata["unit"]}
+NUMBERS = {name: unit for name, unit in UNITS.items() if float in (HINTS[name], *get_args(HINTS[name]))}
+"""Options that are a number with a unit: a text may be given instead."""
+
+
+def given_type(name: str) -> str:
+    """Return the type that callers may pass for an option: with a unit also a text; None where it is not given."""
+    about, hint = OPTIONS[name].metadata, HINTS[name]
+    union = get_origin(hint) in (types.UnionType, Union)
+    parts = [part for part in (get_args(hint) if union else (hint,)) if part is not type(None)]
+    words = [about["given"]] if about["given"] else [_written(part) for part in parts]
+    texts = ["str"] if about["unit"] and not about["given"] else []
+    return " | ".join([*words, *texts, "None"])
+
+
+def _written(kind: Any) -> str:
+    """Return a type as it is written."""
+    if get_origin(kind) is Literal:
+        return f"Literal[{', '.join(map(repr, get_args(kind)))}]"
+    return kind.__name__
+
+
+def run_options(**options: Any) -> dict[str, Any]:
+    """Return the options that are given, as the table [run] of a scenario. Its signature has each option."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+run_options.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+    [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=given_type(n)) for n in OPTIONS]
+)
+
+
+def documentation() -> str:
+    """Return the options as a numpydoc section of parameters."""
+    lines = []
+    for name, each in OPTIONS.items():
+        about = each.metadata
+        unit = f" [{about['unit'].symbol}]" if about["unit"] else ""
+        note = f". {about['note'][0].upper()}{about['note'][1:]}" if about["note"] else ""
+        text = f"{about['words'][0].upper()}{about['words'][1:]}{unit}{note}."
+        lines += [f"    {name} : {given_type(name).replace(' | None', ', optional')}", f"        {text}"]
+    return "\n".join(lines)

@@ -1,0 +1,71 @@
+"""Editors and type checkers know every option of a run: at run time, from the stub, and through mypy and jedi."""
+
+import ast
+import inspect
+import runpy
+from pathlib import Path
+
+import jedi
+import pytest
+from mypy import api
+
+import tippetop as tt
+from tippetop.cli import outcome
+from tippetop.problem.options import OPTIONS
+
+
+STUBS = {name: Path(tt.__file__).with_name(f"{name}.pyi") for name in ("__init__", "derivatives")}
+CALLS = """import tippetop as tt
+
+run: tt.Run = tt.run("inverting", until="8 s", output="steps", columns=["theta"], events=[])
+tt.derivatives.sensitivities("inverting", ["friction.mu"], output_step="1 ms", precision="double")
+tt.run("inverting", outputs="steps")
+tt.run("inverting", output="row")
+tt.derivatives.lyapunov("inverting", until=[1])
+"""
+"""Two right calls and three wrong ones."""
+
+
+def test_the_stub_is_what_its_generator_writes() -> None:
+    generator = runpy.run_path(str(Path(__file__).parents[2] / ".ci" / "stub.py"))
+    for name, module in generator["MODULES"].items():
+        assert STUBS[name].read_text() == generator["stub"](module), "write it again: python .ci/stub.py"
+
+
+def test_signatures_and_help_have_every_option() -> None:
+    trees = (ast.parse(stub.read_text()) for stub in STUBS.values())
+    stub = {node.name: node for tree in trees for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for function in (tt.run, tt.ensemble, tt.derivatives.sensitivities, tt.derivatives.lyapunov):
+        typed = stub[function.__name__].args
+        assert [*inspect.signature(function).parameters] == [a.arg for a in (*typed.args, *typed.kwonlyargs)]
+        assert set(OPTIONS) <= {*inspect.signature(function).parameters}
+    text = inspect.getdoc(tt.run) or ""
+    assert all(f"\n{name} : " in text for name in OPTIONS)
+
+
+@pytest.mark.slow
+def test_mypy_knows_options_and_their_values(tmp_path: Path) -> None:
+    (tmp_path / "calls.py").write_text(CALLS)
+    found, *_ = api.run([str(tmp_path / "calls.py"), "--ignore-missing-imports", "--follow-imports=silent"])
+    assert [line.split(":")[1] for line in found.splitlines() if ": error:" in line] == ["5", "6", "7"]
+    assert 'did you mean "output"' in found
+    assert "Literal['times', 'events', 'steps', 'keyframes']" in found
+
+
+@pytest.mark.parametrize(
+    ("typed", "known"), [("tt.run('x', output_", "output_step="), ("tt.run('x').traj", "trajectory")]
+)
+def test_jedi_completes(typed: str, known: str) -> None:
+    """As Jupyter does while nothing has been run yet."""
+    script = jedi.Script(f"import tippetop as tt\n{typed}")
+    assert known in [completion.name for completion in script.complete(2, len(typed))]
+
+
+def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(["new", "inverting"]) == outcome(["help", "scenario"]) == 0
+    printed = capsys.readouterr().out
+    for name in OPTIONS:
+        assert printed.count(f"\n{name} ") + printed.count(f"\n# {name} ") == 2
+        if name not in ("until", "columns"):  # options of `tippetop run` themselves
+            assert outcome(["run", "inverting", f"--{name.replace('_', '-')}", "1"]) == 2
+            assert f"write --set run.{name}=1." in capsys.readouterr().err
