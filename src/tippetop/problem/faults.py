@@ -139,8 +139,8 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     body = problems.body_of_pars(pars[:, which].astype(plain))
     moment = problems.moment(start[:, which].astype(plain), body)
     quantities = [(q.formula, q.formula(moment, body)) for q in base.system.quantities]
-    numbers = np.concatenate([pars, start, np.array(problems.weights, dtype=float)])
-    finite = np.isfinite(numbers).all(axis=0)
+    weights = np.array(problems.weights, dtype=float)
+    finite = np.logical_and.reduce([np.isfinite(numbers).all(axis=0) for numbers in (pars, start, weights)])
     own = [] if base.contact is not None else _of_law(problems)
     own += _of_ones_own(quantities, finite)
     own += _of_ones_own([(e.formula, e.formula(moment, body)) for e in base.system.events if _owner(e.formula)], finite)

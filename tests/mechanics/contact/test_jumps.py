@@ -9,7 +9,7 @@ import pytest
 from tippetop.engine.impacts import Impacts
 from tippetop.mechanics.consistency import inconsistencies
 from tippetop.mechanics.contact import exits
-from tippetop.mechanics.contact.body import Ball, Body, Touch, jellett_of, touch
+from tippetop.mechanics.contact.body import Touch, jellett_of, seen_from_balls
 from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.contact.state import ROW, Moving, energy, row
 from tippetop.mechanics.form import CLOCK
@@ -19,7 +19,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.variables import Variables
 
 
-BODY = Body(1.0, 0.37, 0.35, 1.0, None, (Ball(0.2, 1.0, 0.0), Ball(0.2 + 13 / 15, 1 / 3, 13 / 15)))
+BODY, STEM = Touch(1.0, 1.0, 0.2, 0.37, 0.35, 1.0, None), (1 / 3, 13 / 15)
 COSINE = -10 / 13  # where both balls touch
 LAWS_OF = {
     "tippe-top": (Viscous(1.3), SetValued(0.3), Contensou(0.3, 0.03, 1e-3)),
@@ -37,8 +37,7 @@ class World(SimpleNamespace):
     def __init__(self, name: str, friction: Any, balls: int, e_n: float = 0.4):
         law = named(type(friction))
         self.system, self.left = opened(SYSTEMS[name], law, balls), np.inf
-        whole = BODY._replace(friction=friction, balls=BODY.balls[:balls])
-        self.body = tuple(touch(whole, ball) for ball in range(balls))
+        self.body = seen_from_balls(BODY._replace(friction=friction), STEM if balls > 1 else ())
         self.phases, self.rules = self.system.phases, SimpleNamespace(e_n=e_n, restitution="energetic")
         problem: Any = SimpleNamespace(contact=self.rules, system=SYSTEMS[name], precision="double")
         self.struck = Impacts(problem, friction).struck

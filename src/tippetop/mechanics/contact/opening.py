@@ -16,7 +16,7 @@ from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
 from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
-from .body import Ball, Body, Touch, touch
+from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
@@ -220,13 +220,21 @@ def open_contact(system: System, law: Any, balls: int) -> System:
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
     def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
+        """Return the body seen from each of its balls and the phases; internal(value, unit) of SI values."""
+        stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
+
+        def bodies(b: Touch) -> tuple[Touch, ...]:
+            seen = seen_from_balls(b, stem)
+            if not isinstance(0 * b.I1, float):
+                return seen
+            return tuple(refill(one, map(float, leaves(one))) for one in seen)  # faster than numbers of NumPy
+
         of_disc = bool(law.regions) and not is_frictionless(b.friction)
         if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
-            return seen_from_balls(b, rules, internal), phases
+            return bodies(b), phases
         none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
         free = none._make(getattr(b.friction, name) for name in none.parameters)
-        bodies = seen_from_balls(b._replace(friction=free), rules, internal)
-        return bodies, opened(system, none, balls).phases
+        return bodies(b._replace(friction=free)), opened(system, none, balls).phases
 
     return replace(
         system,
@@ -252,27 +260,3 @@ def open_contact(system: System, law: Any, balls: int) -> System:
         long_form="",
         contact=(law, balls),
     )
-
-
-def seen_from_balls(b: Touch, rules: Any, internal: Callable) -> tuple[Touch, ...]:
-    """Return a body seen from each of its balls, internal units.
-
-    Parameters
-    ----------
-    b
-        The body seen from its sphere.
-    rules
-        Of the contact: radius r and distance h of a stem, SI.
-    internal
-        internal(value, unit) -> an SI value in internal units.
-    """
-    one = 0 * b.I1 + 1
-    balls = [Ball(b.c, one * b.R, 0 * one)]
-    if rules.stem:
-        r, h = internal(rules.r, METRE), internal(rules.h, METRE)
-        balls.append(Ball(b.c + h, r, h))
-    whole = Body(b.m, b.I1, b.I3, b.g, b.friction, tuple(balls))
-    bodies = [touch(whole, i) for i in range(len(balls))]
-    if isinstance(one, float):  # formulas take floats faster than numbers of NumPy
-        bodies = [refill(body, map(float, leaves(body))) for body in bodies]
-    return tuple(bodies)
