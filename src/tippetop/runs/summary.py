@@ -33,13 +33,14 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(("theta", _of_peg(info["inversion"], info["theta_end"])))
     elif can_invert and (any(info["inversion"].values()) or (system is not None and system.inverts)):
         result.append(("inversion", _inversion(info)))
-    else:
+    elif info["theta_end"] is not None:
         result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
     if info.get("contact_phases", {}).get("last"):
         result.append(("phases", contact(info["contact_phases"])))
     if info.get("outcome") in WORDS:
         result.append(("outcome", WORDS[info["outcome"]]))
-    result.append(("turning angles", _turnings(info)))
+    if info["theta_end"] is not None:
+        result.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
         result.append(
