@@ -146,13 +146,13 @@ def test_a_figure_says_for_which_systems_it_is(stores: Path, capsys: pytest.Capt
 
 
 def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    from tippetop.landscape import along_run
     from tippetop.sweeps.maps import NEEDED
 
     text = help_of(capsys, "plot")
-    for name, kind in catalogue.FIGURES.items():
-        assert f"{name}: " in text
-        assert callable(drawing._function(kind.draw))
-        assert kind.prepare is None or callable(drawing._function(kind.prepare))
+    assert all(f"{name}: {figure.shows}" in text for name, figure in catalogue.FIGURES.items())
+    assert set(drawing._drawings()) == set(catalogue.FIGURES)
+    assert all(callable(getattr(along_run, name)) for name, kind in catalogue.FIGURES.items() if kind.in_landscape)
     assert set(catalogue.SWEEP_KINDS) == set(NEEDED)
     assert all(f"{name}: {shows}" in text for name, shows in catalogue.SWEEP_KINDS.items())
 

@@ -11,8 +11,9 @@ import pytest
 
 import tippetop_kernels
 from tippetop.cli import outcome
-from tippetop.engine.loop import Loop, _Loop, library, new_motion, structure
-from tippetop.engine.stepper import load
+from tippetop.engine.loop import Loop, Motion, _Loop, library, new_motion, structure
+from tippetop.engine.status import Status
+from tippetop.engine.stepper import Called, load
 from tippetop.engine.tallies import StopRules, event_rows, new_log, new_samples, new_tallies
 
 
@@ -53,6 +54,27 @@ def test_a_loop_that_is_no_library_is_one_message_of_the_command_line(
 
 def test_structures_have_the_size_that_they_have_in_c() -> None:
     assert library().loop_structure_size() == ctypes.sizeof(structure(_Loop))
+
+
+class Broken(Called):
+    """Steps that are interrupted."""
+
+    def __init__(self) -> None:
+        pass
+
+    def step(self, motion: Motion) -> None:
+        raise KeyboardInterrupt
+
+
+def test_an_error_in_a_called_step_reaches_the_caller() -> None:
+    """It cannot pass through C, which must end the run."""
+    nothing, motion = event_rows([], [], []), new_motion(1, 0, 1, 1)
+    motion.end[0] = 1.0
+    tallies, rules = new_tallies(nothing, 1), StopRules(-1, 0, np.inf, 1 << 62, 8, 0)
+    loop = Loop(motion, nothing, tallies, new_log(0, 1), new_samples(0, 0), rules, Broken())
+    with pytest.raises(KeyboardInterrupt):
+        loop.drive(100)
+    assert tallies.lane["status"] == Status.NON_FINITE.code
 
 
 WHERE = """

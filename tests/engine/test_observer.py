@@ -226,6 +226,16 @@ def test_steps_that_lead_nowhere_are_a_stall() -> None:
     assert followed(rows, times, tcs, signs, few).lane["steps"].tolist() == [5] * LANES
 
 
+def test_steps_that_move_no_double_are_a_stall() -> None:
+    """A run would else go on for ever."""
+    rows, signs = rows_of((event("passage"), 0, 0.0)), np.ones((1, LANES))
+    tcs = np.zeros((PATIENCE + 1, 4, ORDER + 1, LANES))
+    tcs[:, [0, 3], 0] = 1.0
+    found = followed(rows, np.zeros((PATIENCE + 2, LANES)), tcs, signs).lane
+    assert found["status"].tolist() == [Status.STALLED.code] * LANES
+    assert found["steps"].tolist() == [0] * LANES
+
+
 # --- the zeros themselves ---------------------------------------------------------------------------------------------
 
 SIX = np.array([0.0, 0.4, 0.5, 1.1, 1.25, 2.0])

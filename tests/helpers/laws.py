@@ -46,7 +46,6 @@ class Motion(NamedTuple):
     v: np.ndarray  # velocity of the contact point
 
 
-@cache
 def vertical_inertia(z: Any, b: Any) -> Any:
     """Half of I1 + m c^2 sin(theta)^2: the factor of theta'^2 where the reaction is vertical. [section 3.3]"""
     return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
@@ -58,6 +57,7 @@ def vertical_potential(z: Any, Lz: Any, L3: Any, b: Any) -> Any:
     return b.m * b.g * (b.R - b.c * z) + rotation
 
 
+@cache
 def joint(names: tuple[str, ...]) -> Any:
     """A record of the state and the integrals."""
     return namedtuple("Joint", names)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics.form import Exit
+from tippetop.mechanics.form import Exit, Next
 from tippetop.mechanics.systems import SYSTEMS
 
 
@@ -34,12 +34,12 @@ def times(run: Any, kind: str) -> np.ndarray:
     return run.events.time.values[run.events.kind.values == kinds.index(kind)]
 
 
-def bounces(**run: Any) -> Any:
+def bounces(until: float = 3.0, **run: Any) -> Any:
     tables = {"system": "bouncing-point", "parameters": {"m": 2.0, "g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
-    return tt.run(tables, until=3.0, **run)
+    return tt.run(tables, until=until, **run)
 
 
-@pytest.mark.parametrize(("precision", "bound"), [("double", 1e-13), ("longdouble", 1e-15)])
+@pytest.mark.parametrize(("precision", "bound"), [("double", 1e-13), ("longdouble", 1e-15), ("quad", 1e-15)])
 def test_a_point_bounces_when_it_must(page: dict, precision: str, bound: float) -> None:
     found = times(bounces(precision=precision), "bounce")
     hops = 2 * np.sqrt(2 / 9.81) * 0.5 ** np.arange(1, len(found))
@@ -53,6 +53,42 @@ def test_rows_of_all_phases_are_states(page: dict) -> None:
     height, rest = run.trajectory.h.values, times(run, "rests")[0]
     assert height.min() >= -1e-15
     assert (height[run.trajectory.time.values > rest] == 0).all()
+
+
+def test_no_balance_is_reported_where_jumps_may_take_energy(page: dict) -> None:
+    assert bounces().summary.drift == {}
+
+
+def test_an_exit_at_the_very_end_of_a_run_is_not_logged_by_itself(page: dict) -> None:
+    strike = times(bounces(), "bounce")[0]
+    for end in (np.nextafter(strike, 0), strike, np.nextafter(strike, 9)):
+        assert set(bounces(until=end).summary.event_counts) <= {"bounce"}
+
+
+def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
+    point, state = page["point"], page["State"]
+    body = page["NamedTuple"]("B", [("m", Any), ("a", Any), ("e", Any), ("friction", Any)])
+    falling = page["form"](lambda q, b: state(q.v, -b.a))
+    fall = dataclasses.replace(point.phases["fall"], forms={"plain": falling}, quantities=(
+        dataclasses.replace(page["energy"], formula=lambda s, b: b.m * (s.v**2 / 2 + b.a * s.h)),
+    ))  # fmt: skip
+    other = dataclasses.replace(
+        point,
+        name="constant-point",
+        parameters={"e": point.parameters["e"]},
+        body=lambda p, friction: body(1.0, 2.0, p["e"], friction),
+        body_units=lambda friction: body(*point.body_units(friction)),
+        phases={**point.phases, "fall": fall},
+    )
+    tt.register(other)
+    run = tt.run({"system": other.name, "parameters": {"e": 0.5}, "initial": {"h": 1}}, until=2.5)
+    np.testing.assert_allclose(times(run, "bounce"), [1.0, 2.0, 2.5], atol=1e-15)
+
+
+def test_each_step_of_each_phase_has_a_row(page: dict) -> None:
+    run = bounces(output="steps")
+    np.testing.assert_array_equal(np.isin(times(run, "bounce"), run.trajectory.time.values), True)
+    assert run.trajectory.sizes["time"] == run.summary.steps + 1
 
 
 def test_a_replay_continues_in_its_phase(page: dict, tmp_path: Path) -> None:
@@ -92,8 +128,86 @@ def test_an_exit_that_cannot_be_is_refused(page: dict, way: Exit, words: str) ->
         tt.register(dataclasses.replace(point, name="broken-point", phases=phases))
 
 
+def test_an_event_with_an_exit_ends_its_phase_by_that(page: dict) -> None:
+    fall, ground = page["point"].phases["fall"], dataclasses.replace(page["ground"], ends=None)
+    run = broken(page, events=(ground, *fall.events[1:]), exits=(Exit("ground", ("fall", "rest"), page["bounce"]),))
+    assert run.summary.event_counts["bounce"] == 10
+
+
+def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
+    """Run the point with another jump, or with other fields of its phase `fall`."""
+    point = page["point"]
+    fall = point.phases["fall"]
+    if jump is not None:
+        changes["exits"] = (Exit("ground", ("fall",), jump),)
+    phases = {**point.phases, "fall": dataclasses.replace(fall, **changes)}
+    tt.register(dataclasses.replace(point, name="broken-point", phases=phases))
+    return tt.run({"system": "broken-point", "parameters": {"m": 1, "g": 9.81, "e": 0.5}, "initial": {"h": 1}}, until=2)
+
+
+@pytest.mark.parametrize(
+    ("returned", "words"),
+    [
+        (None, "return a Next, but returns None"),
+        (("rest",), "lead to fall, as its Exit declares, but leads to 'rest'"),
+        (("fall", (0.0, 1.0)), "return a state as it takes"),
+        (("fall", {"v": "fast"}), "fails: TypeError"),
+        (("fall", {}, {"logged": ("bonce",)}), "`logged`, but has 'bonce'"),
+        (("fall", {}, {"zeros": {"groud": 1}}), "`zeros`, but has 'groud'"),
+        (("fall", {}, {"zeros": {"ground": -1}}), "at least 1"),
+        (("fall", {}, {"zeros": {"ground": 2}}), "no root of multiplicity 2"),
+        (("fall", {"h": 0.1}, {"zeros": {"ground": 1}}), "no root of multiplicity 1"),
+    ],
+)
+def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(page: dict, returned: Any, words: str) -> None:
+    def jump(x: Any, world: Any) -> Any:
+        if returned is None:
+            return None
+        phase, changed, more = (*returned, {}, {})[:3]
+        return Next(phase, changed if isinstance(changed, tuple) else x._replace(**changed), **more)
+
+    place = "the jump by `ground` from phase `fall` of `broken-point`"
+    with pytest.raises(tt.InputError, match=f"{place}.*{re.escape(words)}"):
+        broken(page, jump)
+
+
+@pytest.mark.parametrize(
+    ("jump", "status", "words"),
+    [
+        (lambda x, world: 1 / 0, "stalled", "fails: ZeroDivisionError: division by zero"),
+        (lambda x, world: Next("fall", x._replace(v=np.nan)), "non-finite", "must lead to a finite state"),
+        (lambda x, world: Next("fall", x), "stalled", "at last from `fall` to `fall` by `ground`"),
+        (lambda x, world: Next("fall", x, ends="broken"), "ended", "by `ground` from phase `fall`"),
+    ],
+)
+def test_a_run_ends_with_the_place_of_a_jump_without_an_end(page: dict, jump: Any, status: str, words: str) -> None:
+    summary = broken(page, jump).summary
+    assert summary.status == status
+    assert words in summary.reason
+
+
+def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
+    fall, rest = page["point"].phases["fall"], page["point"].phases["rest"]
+    other = dataclasses.replace(page["ground"], formula=lambda s, b: s.v)
+    phases = {
+        "both `enter` and `leave`": {"rest": dataclasses.replace(rest, enter=lambda x, b: x)},
+        "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
+        "an event with a formula": {"fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))},
+        "the same Event `ground`": {"rest": dataclasses.replace(rest, events=(other,))},
+        "no jump can log it": {"fall": dataclasses.replace(fall, exits=())},
+    }
+    for words, changed in phases.items():
+        with pytest.raises(tt.InputError, match=words):
+            tt.register(dataclasses.replace(page["point"], name="broken", phases=page["point"].phases | changed))
+
+
+def scalar(q: Any, b: Any) -> Any:
+    """Return a state, of numbers alone."""
+    return q._replace(v=float(q.v))
+
+
 def test_a_phase_that_changes_the_common_state_is_refused(page: dict) -> None:
     point, state = page["point"], page["State"]
-    spoilt = dataclasses.replace(point.phases["rest"], leave=lambda q, b: state(q.h + 1, q.v))
+    spoilt = dataclasses.replace(point.phases["rest"], enter=lambda x, b: x, leave=lambda q, b: state(q.h + 1, q.v))
     with pytest.raises(tt.InputError, match="must keep the common state"):
         tt.register(dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt}))

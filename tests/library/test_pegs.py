@@ -25,6 +25,11 @@ MOTIONS: dict[str, dict[str, Any]] = {
     "slip": {"system": "tippe-top", "friction": {"law": "viscous", "mu": 0.3}, "initial": {**START, "nu_x": 0.1}},
     "roll": {"system": "rolling-tippe-top", "initial": START},
     "stick": {"system": "tippe-top", "friction": {"law": "coulomb", "mu": 0.3}, "initial": {**START, "nu_y": 0.01}},
+    "resist": {
+        "system": "tippe-top",
+        "friction": {"law": "coulomb", "mu": 0.3, "mu_r": 1e-4, "mu_d": 1e-4},
+        "initial": {**START, "nu_x": 0.1},
+    },
     "bounce": {**BOUNCE, "contact": {"e_n": 0.5}},
     "drill": {
         "system": "tippe-top",

@@ -5,7 +5,7 @@ Jumps are functions of the common state, which every phase can be read as; the d
 
 import math
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from itertools import compress
 from types import SimpleNamespace
@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from ..mechanics.events import ON_ZERO as BELOW
 from ..mechanics.events import Event
-from ..mechanics.form import CLOCK, Next, Phase
+from ..mechanics.form import CLOCK, Exit, Next, Phase
 from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
@@ -34,6 +35,9 @@ from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bou
 MOST_CHANGES = 10_000  # of phase in a run
 PER_SLICE = 256  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
+ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
+"""Least value of an event function, of order one, that is no root; least rate of one that has a multiple root; and the
+time over which the rate is taken."""
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
 
@@ -79,7 +83,7 @@ class Track:
         self.name, self.phase = name, run.phases[name]
         phase = self.phase
         self.b = phase.parameters(run.body)
-        self.exits = {exit.event: exit.jump for exit in phase.exits}
+        self.exits = {exit.event: exit for exit in phase.exits}
         self.formulas = formulas_of_phase(problem.system, phase, self.b.__class__, self.b.friction.__class__)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -88,6 +92,7 @@ class Track:
         self.rates = {integral.name: integral.rate for integral in variables.integrals}
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
+        self.ways = {run.numbers[event.name]: event.name for event in self.events if event.name in self.exits}
         rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
         self.driver: Driver = kind_of_driver(problem)(
             code,
@@ -115,9 +120,13 @@ class Track:
             records[flag] = 0
         records["leader"] = -1
         for number, event, record in zip(self.numbers, self.events, mine, strict=True):
-            kept = (0, 0) if event.name in self.exits else records[number][["first", "last"]]  # jumps log their events
+            kept = records[number][["first", "last"]].item()
+            if event.name in self.exits:  # jumps log their events
+                kept = 0, 0
             records[number] = record
             records[number]["first"], records[number]["last"] = kept
+            if event.name in self.exits:
+                records[number]["ends"] = record["ends"] or Status.ENDED.code
             records[number]["watched"] = not event.sense or event.name in run.problem.events
             leader = record["leader"]
             records[number]["leader"] = self.numbers[leader] if leader >= 0 else -1
@@ -176,6 +185,7 @@ class HybridDriver:
 
     ended: Status | None = None
     sentence = ""
+    way = "start", ""  # the event and the phase of the present jump
     track: Track
 
     @QUIET
@@ -202,6 +212,7 @@ class HybridDriver:
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[str] = set()
+        self.rooted: set[tuple] = set()  # roots that jumps have named rightly: the exit, the next phase, the event
         self.spans: list[tuple] = []  # the phases of a slice: each, the integrals, and what its track had found before
         self.world = SimpleNamespace(
             body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
@@ -254,15 +265,17 @@ class HybridDriver:
 
     def _enter(self, n: Next, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        track = self.track = self.track_of(n.phase)
-        self.world.phase = track.phase
+        track = self.track_of(n.phase)
+        q = self._called(track.phase.enter, n.x, track.b)
+        if before and not math.isfinite(self._called(sum, q)):
+            raise ArithmeticError(f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}")
+        self.track, self.world.phase = track, track.phase
         if n.cause != "":
             self.tables.begin(track.phase, float(now + n.logged_after), n.cause or "")
         self.tables.add(float(now), n.rows)
         time = min(now + self.number(n.delay), self.end)
         if hasattr(n.x, "carried"):
             self.whole = [self.number(value) * INTEGRAL_SCALE for value in n.x.carried]
-        q = track.phase.enter(n.x, track.b)
         track.driver.put(track.state(q, self.whole), (time, 0 * time))
         self.waits = n.delay > 0 and n.series is None
         found = track.found
@@ -293,6 +306,8 @@ class HybridDriver:
             if name in track.exits:
                 sign = n.sides.get(name, -event.direction or sign)
                 zero = -n.zeros.get(name, 0)
+                if zero and (self.way, track.name, name) not in self.rooted:
+                    self._check_root(name, values, -zero, q)
             elif name in self.live:
                 known = signs[number]
                 if abs(value) < BELOW:
@@ -307,6 +322,21 @@ class HybridDriver:
                 live.add(name)
             signs[number], zeros[number] = sign, zero
         self.live = live
+
+    def _check_root(self, name: str, values: list, count: int, q: Any) -> None:
+        """Raise InputError where an event function has no root of this multiplicity in a state of the present phase:
+        its value, and its slope if there is more than one root, are zero. Once for an exit."""
+        track = self.track
+        self.rooted.add((self.way, track.name, name))
+        k = [event.name for event in track.events].index(name)
+        missed = not abs(values[k]) < ROOT
+        if count > 1 and not missed:
+            near = (one + NEAR * rate for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True))
+            ahead = track.formulas.functions(track.record(*near), self._integrals(), track.b)[k]
+            missed = not abs(ahead - values[k]) < SLOPE * NEAR
+        if missed:
+            there = f"in `zeros`, but {name!r} has no root of multiplicity {count} where phase `{track.name}` begins"
+            raise InputError([f"{self._where()} must give multiplicities of roots {there}."])
 
     def _integrals(self) -> Any:
         """Return the integrals of the run as they are now, whole again."""
@@ -364,20 +394,18 @@ class HybridDriver:
         return str(first[0])
 
     def _ending(self, status: Status | None) -> str | None:
-        """Return the exit by which the present phase ends; None if it does not, or ends the run."""
-        if status is Status.FINISHED:
-            return CLOCK if self.clocked else None
+        """Return the exit by which the present phase ends, at the end of the run too; None if it does not, or ends the
+        run."""
         log = self.track.driver.log
-        if status is None or not log.filled[0]:
-            return None
-        number = int(log.event[log.filled[0] - 1])
-        event = self.track.events[self.track.numbers.index(number)]
-        ends = self.track.driver.rows.events[number]["ends"]
-        return event.name if ends and event.name in self.track.exits else None
+        if status is not None and log.filled[0]:
+            way = self.track.ways.get(int(log.event[log.filled[0] - 1]))
+            if way is not None:
+                return way
+        return CLOCK if status is Status.FINISHED and self.clocked else None
 
     def _jump(self, ending: str, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state. Return how it ends the run, or None."""
-        self.changes += 1
+        self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
         self.world.left = self.end - now
@@ -386,26 +414,50 @@ class HybridDriver:
         if hasattr(x, "carried"):
             x = x._replace(carried=self._integrals())
         try:
-            n = track.exits[ending](x, self.world)
+            n = self._called(track.exits[ending].jump, x, self.world)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
+        if fault := fault_of(n, track.exits[ending], x, self.numbers):
+            raise InputError([f"{self._where()} must {fault}."])
         for name in n.logged:
             self._note(name, now + n.logged_after, track, state, 1)
         if n.ends:
-            self.sentence = n.message
+            self.sentence = n.message or f"{self._where()} ends the run"
             self.tables.add(float(when), n.rows)
-            return Status(n.ends)
+            return Status.of_event(n.ends)
         if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
             return Status.LIFTOFF
         if self.short > 2:
-            self.sentence = f"the contact changes its phase more often than every {CHATTER * self.tables.second:.1g} s"
+            often = f"more often than every {CHATTER * self.tables.second:.1g} s"
+            self.sentence = f"phases change {often}, at last from `{track.name}` to `{n.phase}` by `{ending}`"
         elif self.changes > MOST_CHANGES:
-            self.sentence = f"the contact has changed its phase {MOST_CHANGES} times"
+            self.sentence = f"phases have changed {MOST_CHANGES} times, at last to `{n.phase}` by `{ending}`"
         if self.sentence:
             return Status.STALLED
-        self._enter(n, now, track)
+        if self.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of whole steps
+            self.take(np.array([when]), state[None])
+        try:
+            self._enter(n, now, track)
+        except ArithmeticError as error:
+            self.sentence = str(error)
+            return Status.NON_FINITE
         return None
+
+    def _where(self) -> str:
+        """Return the words for the present jump."""
+        return "the jump by `{}` from phase `{}` of `{}`".format(*self.way, self.problem.system.name)
+
+    def _called(self, function: Callable, *given: Any) -> Any:
+        """Call a function of a system. Raise ArithmeticError for numbers that it cannot take, InputError for another
+        failure."""
+        try:
+            return function(*given)
+        except Exception as error:
+            if type(error) is ArithmeticError:  # it has a message for the user
+                raise
+            failure = f"{self._where()} fails: {type(error).__name__}: {error}"
+            raise ArithmeticError(failure) if isinstance(error, ArithmeticError) else InputError([failure]) from error
 
     # --- rows -----------------------------------------------------------------------------------------------------
 
@@ -590,6 +642,23 @@ def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
         return problem.number(problem.exact(value) * (problem.exact(1) / problem.exact(problem.scales.of(unit))))
 
     return system.assembled(problem.internal_body, problem.contact, internal)
+
+
+def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
+    """Return what the result of a jump must be and is not; empty if it can follow the state `x`."""
+    if not isinstance(n, Next):
+        return f"return a Next, but returns {n!r:.60}"
+    if n.phase not in exit.to and not n.ends:
+        return f"lead to {' or '.join(exit.to)}, as its Exit declares, but leads to {n.phase!r}"
+    if type(n.x) is not type(x):
+        return f"return a state as it takes ({type(x).__name__}), but returns {n.x!r:.60}"
+    for what, names in (("logged", n.logged), ("zeros", n.zeros), ("sides", n.sides)):
+        for name in names:
+            if name not in events:
+                return f"have events of the system in `{what}`, but has {name!r}"
+    if n.zeros and min(n.zeros.values()) < 1:
+        return f"have multiplicities of roots in `zeros`, at least 1, but has {dict(n.zeros)}"
+    return ""
 
 
 def zero_of(function: Any, sign: float, end: Any) -> Any:

@@ -28,7 +28,8 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
         name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(taken(name), 0.0)
         for name in problem.system.integrals
     }
-    integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
+    if "work" in values or not problem.system.is_hybrid:  # jumps may take energy that is not counted
+        integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
         axis = problem.system.vectors["axis"]
         x, y, z = (values.get(integrated(name), values[component(name)]) for name in axis)

@@ -33,6 +33,10 @@ class Observables:
         self._pars = np.array(leaves(self.body), dtype=float)[:, None]
         self._last: tuple[bytes, dict[str, np.ndarray]] = b"", {}  # the row that was read last, and what it says
 
+    def __reduce__(self) -> tuple:
+        """Pickle the problem alone: formulas of a form have no names."""
+        return Observables, (self.problem,)
+
     def state(self, rows: np.ndarray) -> tuple[Any, Any]:
         """The state record of the rows and the record of their integrals, in internal units."""
         return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
@@ -201,11 +205,15 @@ BLOCK = 128  # states that are evaluated at a time: from some 300 on, heyoka sha
 
 def _outputs(function: Any, states: np.ndarray, pars: np.ndarray) -> np.ndarray:
     """Return the outputs of a compiled function, (outputs, n), of states (variables, n) of bodies (leaves, n or 1)."""
-    numbers, outputs = np.broadcast_to(pars[: function.nparams], (function.nparams, states.shape[1])), []
+    outputs, numbers = [], pars[: function.nparams]
     for first in range(0, states.shape[1] or 1, BLOCK):
-        block = states[:, first : first + BLOCK], numbers[:, first : first + BLOCK]
-        inputs, of_bodies = (_whole_batches(columns, function.batch_size) for columns in block)
-        outputs.append(function(inputs, pars=of_bodies)[:, : block[0].shape[1]])
+        block = states[:, first : first + BLOCK]
+        inputs = _whole_batches(block, function.batch_size)
+        if pars.shape[1] == 1:
+            bodies = np.repeat(numbers, inputs.shape[1], axis=1)
+        else:
+            bodies = _whole_batches(numbers[:, first : first + BLOCK], function.batch_size)
+        outputs.append(function(inputs, pars=bodies)[:, : block.shape[1]])
     return np.concatenate(outputs, axis=1)
 
 

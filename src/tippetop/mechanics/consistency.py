@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from .events import Event
-from .form import CLOCK
+from .form import CLOCK, unchanged
 from .parameter import rules_faults
 from .system import Exit, Form, Landscape, Phase, Quantity, System
 from .units import Unit
@@ -24,8 +24,16 @@ def inconsistencies(system: System) -> list[str]:
     """What a system contradicts itself in: one sentence each; none of a sound one."""
     if faults := _shapeless(system):
         return faults
+    known: dict[str, Event] = {}
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
+        faults += [
+            f"{where} must have the same Event `{event.name}` as the phases before, but has another one."
+            for event in phase.events
+            if known.setdefault(event.name, event) != event
+        ]
+        if (phase.enter is unchanged) != (phase.leave is unchanged):
+            faults.append(f"{where} must have both `enter` and `leave`, or neither, but has one.")
         if not phase.forms:
             faults.append(f"{where} must have a form, but has none.")
         faults += [
@@ -40,6 +48,9 @@ def inconsistencies(system: System) -> list[str]:
             variables = [*form.units._fields, *(integral.name for integral in (*form.integrals, *turning))]
             faults += _twice(f"{where}, form `{form.name}`: variable", variables)
         events = [event.name for event in phase.events]
+        found = [CLOCK, *(event.name for event in phase.events if event.formula)]
+        lost = [] if system.is_hybrid else [event.name for event in phase.events if not event.formula]
+        faults += [f"the event `{event}` of {where} must have a formula: no jump can log it." for event in lost]
         faults += _twice(f"{where}: event", events)
         faults += rivals(phase.events)
         faults += _twice(f"{where}: quantity", [quantity.name for quantity in phase.quantities])
@@ -47,6 +58,8 @@ def inconsistencies(system: System) -> list[str]:
         for way in phase.exits:
             if way.event not in (*events, CLOCK):
                 faults.append(f"{where} must end in an event of its own, but has an exit by {way.event!r}.")
+            elif way.event not in found:
+                faults.append(f"{where} must end by an event with a formula, but `{way.event}` has none.")
             if not way.to:
                 faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")
             faults += [

@@ -92,18 +92,20 @@ class Problems:
 
     @cached_property
     def _body(self) -> Any:
-        return self.body(self._wide)
+        body = self.body(self._wide)
+        return refill(body, map(self._wide, leaves(body)))  # some may be constants
 
     @cached_property
     def scales(self) -> Scales:
         """Internal units, (n,): the system's mass and length, and the power of two seconds that is nearest
-        sqrt(length/g).
+        sqrt(length/g), or to a second without `g`.
 
         A power of two, so that times convert without rounding: output and event times are exact.
         """
-        mass, length = self.base.system.scales(self._body)
+        mass, length = map(self._wide, self.base.system.scales(self._body))
         length = length * self._wide(self.base.form.length_unit)
-        ratio = np.sqrt(length.astype(float) / self._body.g.astype(float))
+        gravity = getattr(self._body, "g", length)  # without gravity the unit is a second
+        ratio = np.sqrt(length.astype(float) / gravity.astype(float))
         return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
 
     def unit(self, unit: Unit) -> np.ndarray:

@@ -202,7 +202,10 @@ def _lost(progress: RunProgress) -> str:
     t, is_infinite = progress.t_end, progress.status is Status.NON_FINITE
     domains = progress.view.domains(progress.last)
     meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
-    stiff = "the coordinates are regular there, so the friction law is singular or too stiff (large mu, small eps)"
+    law = "the friction law is singular or too stiff (large mu, small eps)"
+    if not progress.problem.system.frictional:
+        law = "the equations of the system are singular or too stiff"
+    stiff = f"the coordinates are regular there, so {law}"
     if any(is_users(event.formula) for event in progress.problem.system.events):
         stiff += ", or the formula of an event of yours is singular"
     if t == 0 and is_infinite:

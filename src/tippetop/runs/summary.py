@@ -53,8 +53,8 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(
             ("normal force", f"{low:.5g} to {high:.5g} N, that is {low / weight:.4f} to {high / weight:.4f} m g")
         )
-    drift = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items())
-    result.append(("drift", f"{drift} (relative, worst of the run)"))
+    if drift := ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items()):
+        result.append(("drift", f"{drift} (relative, worst of the run)"))
     if by := info.get("run", {}).get("sensitivities"):
         result.append(("sensitivities", f"derivatives of columns and events by {', '.join(by)}"))
     if "motion" in info:

@@ -180,8 +180,8 @@ def _pressing(problem: Problem, mu_r: float) -> list[str]:
     z = np.cos(np.linspace(0, np.pi, 2001)[1:-1])
     bounds = []
     for R, c in [(body.R, body.c), *([(rules.r, body.c + rules.h)] if rules.stem else [])]:
-        lever = c * s
-        bounds.append(float(((body.I1 / body.m + lever * (lever - mu * (R - c * z))) / lever).min()))
+        lever = np.abs(c * s)
+        bounds.append(float(((body.I1 / body.m + lever * (lever - mu * np.abs(R - c * z))) / lever).min()))
     if mu_r < min(bounds):
         return []
     return [

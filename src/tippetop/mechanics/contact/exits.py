@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..form import CLOCK, Next
+from ..form import Next
 from ..friction import Law, named
 from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
@@ -484,7 +484,7 @@ def on_disc(n: Next, world: Any) -> Next:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
-    staying = [exit.event for exit in phase.exits if exit.to == (n.phase,) and exit.event != CLOCK]
+    staying = [way.event for way in phase.exits if getattr(way.jump, "keywords", {}).get("to") == n.phase]
     for event in phase.events:
         if event.name in (*staying, RESTS.name) and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
@@ -537,7 +537,7 @@ JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
     "liftoff": (lift_off, ("flight",)),
     "stick": (stick, ("roll", "slip", "flight")),
     "slip": (begin_slip, ("slip",)),
-    "gives": (give_way, ("slip",)),
+    "gives": (give_way, ("slip", "rest")),
     "touch": (change_ball, ()),
     "sphere-leaves": (partial(stay_on, ball=1), ()),
     "stem-leaves": (partial(stay_on, ball=0), ()),

@@ -149,6 +149,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
     near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
+    on_disc = tuple(other for other, label in near.items() if label in ("slip", "rest"))
     ways = {}
     for at, region in enumerate(regions):
         for border in law.regions[region].borders:
@@ -163,11 +164,10 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
         if phase.label == "flight":
             return Exit(event, tuple(bare), land)
         if event == RESTS.name:
-            rest = next(other for other, label in near.items() if label == "rest")
-            return Exit(event, (name, rest), partial(come_to_rest, slides=name))
+            return Exit(event, on_disc, partial(come_to_rest, slides=name))
         if event in ways:
             to, passed, side = ways[event]
-            return Exit(event, (to,), partial(go_on, to=to, passed=passed, side=side))
+            return Exit(event, (to, *on_disc), partial(go_on, to=to, passed=passed, side=side))
         jump, labels = JUMPS[event]
         following = tuple(other for other, label in near.items() if label in labels)
         return Exit(event, following or tuple(bare), jump)

@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from .. import friction
 from ..operand import leaves
 from ..parameter import Parameter
@@ -85,11 +87,19 @@ def _of_phases(system: System, body: Any) -> list[str]:
             states.append(phase.leave(type(units)(*(0.5 + k / 64 for k in range(len(units)))), b))
             states.append(phase.leave(phase.enter(states[0], b), b))
 
+        def leave_rows(phase: Phase = phase) -> None:
+            units = phase.form.units
+            phase.leave(type(units)(*(np.full(2, 0.5 + k / 64) for k in range(len(units)))), phase.parameters(body))
+
         must = f"`enter` and `leave` of phase `{name}` of `{system.name}` must keep the common state, but"
         if fault := _failure(enter_and_leave):
             faults.append(f"{must} fail: {fault}.")
         elif not all(math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, states), strict=True)):
             faults.append(f"{must} {states[0]!r:.60} becomes {states[1]!r:.60}.")
+        elif fault := _failure(leave_rows):
+            faults.append(
+                f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but fails: {fault}."
+            )
     return faults
 
 
