@@ -27,7 +27,7 @@ from ..problem import Problem
 from .driver import RUNNING, STATUSES, Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
 from .expressions import Formulas
 from .phase_tables import PhaseTables
-from .sampled import Sampler
+from .sampled import Sampler, zero_of
 from .status import Status
 from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
 
@@ -50,7 +50,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
     own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
     events = (*own, *common)
-    template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
+    template = body(*(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -89,7 +89,6 @@ class Track:
         variables = Variables(phase.form, problem.orientation)
         self.moving, self.record, self.width = variables.moving, type(phase.form.units), len(variables.names)
         self.integrals = [run.carried._fields.index(integral.name) for integral in variables.integrals]
-        self.rates = {integral.name: integral.rate for integral in variables.integrals}
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
         self.ways = {run.numbers[event.name]: event.name for event in self.events if event.name in self.exits}
@@ -120,9 +119,7 @@ class Track:
             records[flag] = 0
         records["leader"] = -1
         for number, event, record in zip(self.numbers, self.events, mine, strict=True):
-            kept = records[number][["first", "last"]].item()
-            if event.name in self.exits:  # jumps log their events
-                kept = 0, 0
+            kept = records[number][["first", "last"]].item() if event.name not in self.exits else (0, 0)  # jumps log
             records[number] = record
             records[number]["first"], records[number]["last"] = kept
             if event.name in self.exits:
@@ -358,14 +355,14 @@ class HybridDriver:
                 self.waits = False
                 self._fill(self.began, lambda times: np.repeat(self.state[None], len(times), axis=0))
             track, sampled, driver = self.track, self._sample(), self.track.driver
-            before = int(driver.steps[0])
+            before, logged = int(driver.steps[0]), int(driver.log.filled[0])
             driver.drive(self, 1 if track.sampler else most - steps)
             steps += int(driver.steps[0]) - before
             when, last = driver.reached()
             self.last = last[: track.width].copy()
             code = int(driver.status[0])
             status = None if code == RUNNING else STATUSES[code]
-            ending = sampled if sampled and status is Status.FINISHED else self._ending(status)
+            ending = sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
             if ending not in (None, CLOCK, sampled):  # the jump logs it
                 driver.drop()
             if ending is not None:
@@ -393,11 +390,11 @@ class HybridDriver:
         driver.end_at(first[1])
         return str(first[0])
 
-    def _ending(self, status: Status | None) -> str | None:
+    def _ending(self, status: Status | None, logged: int) -> str | None:
         """Return the exit by which the present phase ends, at the end of the run too; None if it does not, or ends the
-        run."""
+        run. Before its last steps the log had this length."""
         log = self.track.driver.log
-        if status is not None and log.filled[0]:
+        if status is not None and log.filled[0] > logged:
             way = self.track.ways.get(int(log.event[log.filled[0] - 1]))
             if way is not None:
                 return way
@@ -513,7 +510,7 @@ class HybridDriver:
             q = track.record(*(value[0] if np.ndim(value) else value for value in q))
             return float(track.formulas.functions(q, carried, track.b)[k])
 
-        t = zero_of(function, known, n.delay)
+        t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
         self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
     def _rows(self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]) -> np.ndarray:
@@ -659,11 +656,3 @@ def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
     if n.zeros and min(n.zeros.values()) < 1:
         return f"have multiplicities of roots in `zeros`, at least 1, but has {dict(n.zeros)}"
     return ""
-
-
-def zero_of(function: Any, sign: float, end: Any) -> Any:
-    """Return where a function that begins with a sign has its zero, in [0, end]."""
-    low, high = 0 * end, end
-    while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if function(middle) * sign > 0 else (low, middle)
-    return high

@@ -46,13 +46,16 @@ class Sampler:
         low = 0 * h
         for high in (h / 2, h):
             if not self._value(event, high) > 0:
-                break
+                return zero_of(lambda t: self._value(event, t), low, high)
             low = high
-        else:
-            return None
-        while low < (middle := (low + high) / 2) < high:
-            low, high = (middle, high) if self._value(event, middle) > 0 else (low, middle)
-        return high
+        return None
 
     def _value(self, event: Event, t: Any) -> float:
         return float(self.function(self.integrator.update_d_output(t), event))
+
+
+def zero_of(function: Callable, low: Any, high: Any) -> Any:
+    """Return where a function that is positive at first has its zero, between two times."""
+    while low < (middle := (low + high) / 2) < high:
+        low, high = (middle, high) if function(middle) > 0 else (low, middle)
+    return high

@@ -46,6 +46,14 @@ def random_start(seed):
     return start, {"law": "coulomb", "mu": rng.uniform(0.05, 0.6)}
 
 
+def test_a_phase_in_which_nothing_happens_lasts_to_the_end_of_the_run() -> None:
+    """It follows a liftoff from the same phase, which is the last passage that this has logged."""
+    start = {"theta": 0.5, "theta_dot": 60.0, "phi_dot": 5.0, "omega3": 30.0, "nu_x": 0.1, "nu_y": -0.2}
+    done = run(initial=start, contact={"e_n": 0.0})
+    assert done.report["event_counts"]["liftoff"] > 0
+    assert done.status is Status.FINISHED, done.reason
+
+
 @pytest.mark.parametrize("seeds", [range(10), pytest.param(range(10, 40), marks=pytest.mark.slow)], ids=str)
 def test_energy_and_jelletts_integral_hold_through_every_phase(seeds):
     kinds = set()

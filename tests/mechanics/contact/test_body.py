@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from tippetop.mechanics.contact.body import Ball, Body, height, touch
+from tippetop.mechanics.contact.body import Touch, height, seen_from_balls
 
 
 def test_both_views_of_a_body_agree_on_the_gap_of_the_other_ball(rng: np.random.Generator) -> None:
     """No number is a difference of rounded sums."""
     for c, R, r, h in rng.uniform((-1, 0.5, 0.1, 0.2), (1, 1, 0.5, 2), (20, 4)):
-        body = Body(1.0, 1.0, 1.0, 1.0, None, (Ball(c, R, 0.0), Ball(c + h, r, h)))
-        one, two = touch(body, 0), touch(body, 1)
+        one, two = seen_from_balls(Touch(1.0, R, c, 1.0, 1.0, 1.0, None), (r, h))
         assert (one.clearance, one.lever) == (R - r, h)
         assert (two.clearance, two.lever) == (r - R, -h)
         for z in rng.uniform(-1, 1, 5):
@@ -20,6 +19,6 @@ def test_both_views_of_a_body_agree_on_the_gap_of_the_other_ball(rng: np.random.
 
 
 def test_no_other_ball_of_a_sphere_touches() -> None:
-    b = touch(Body(1.0, 1.0, 1.0, 1.0, None, (Ball(0.3, 1.0, 0.0),)), 0)
+    (b,) = seen_from_balls(Touch(1.0, 1.0, 0.3, 1.0, 1.0, 1.0, None))
     assert (b.R, b.c) == (1.0, 0.3)
     assert min(b.clearance + b.lever * z for z in (-1.0, 0.0, 1.0)) > 0

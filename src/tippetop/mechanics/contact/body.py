@@ -4,31 +4,14 @@ Vectors are those of space: regular everywhere.
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
-from ..friction import slip_coefficient
+from ...errors import InputError
+from ..friction import Frictionless, slip_coefficient
 from ..inlining import inlined
+from ..number import Record
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
-
-
-class Ball(NamedTuple):
-    """A sphere fixed in the body, centred on its axis: what can touch the plane."""
-
-    offset: Operand  # from the centre of mass to its centre, along 3hat; any sign [m]
-    radius: Operand  # [m]
-    beyond: Operand  # of its centre from that of the first ball: offsets are rounded
-
-
-class Body(NamedTuple):
-    """A body of one or two balls; I1 and I3 are about the centre of mass."""
-
-    m: Operand
-    I1: Operand
-    I3: Operand
-    g: Operand
-    friction: Any
-    balls: tuple[Ball, ...]
 
 
 class Touch(NamedTuple):
@@ -45,14 +28,41 @@ class Touch(NamedTuple):
     lever: Operand = ()
 
 
-def touch(body: Body, i: int) -> Touch:
-    """Return a body of one or two balls seen from the i-th of them."""
-    m, I1, I3, g, friction, balls = body
-    this, *others = balls if i == 0 else balls[::-1]
-    within = this._replace(radius=this.radius - 1)  # which never touches
-    other = others[0] if others else within
-    clearance, lever = this.radius - other.radius, other.beyond - this.beyond
-    return Touch(m, this.radius, this.offset, I1, I3, g, friction, clearance, lever)
+def seen_from_balls(b: Touch, stem: tuple = ()) -> tuple[Touch, ...]:
+    """Return a body seen from its sphere and from the ball of its stem, if it has one: radius, and distance from the
+    centre of the sphere, from which offsets would be rounded."""
+    if not stem:
+        return (b._replace(clearance=0 * b.c + 1, lever=0 * b.c),)  # which no other ball ever takes up
+    r, h = stem
+    return b._replace(clearance=b.R - r, lever=h), b._replace(R=r, c=b.c + h, clearance=r - b.R, lever=-h)
+
+
+def seen_from_other(b: Touch) -> Touch:
+    """Return a body seen from its other ball."""
+    return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
+
+
+class Top(Record, abstract=True):
+    """A body, by the numbers that the user gives; `gliding` and `resting` name its systems, with and without a law."""
+
+    table = "parameters"
+    gliding: ClassVar[str]
+    resting: ClassVar[str]
+
+    def seen(self, friction: Any) -> Touch:
+        """Return the body that formulas take, with the record of a friction law."""
+        raise NotImplementedError
+
+    def body(self, law: Any = None) -> Touch:
+        """Return the body that formulas take; `law`: the record of a friction law. Raises InputError."""
+        if law is not None and not hasattr(law, "_fields"):
+            raise InputError([f"`law` must be the record of a friction law, but is {law!r:.60}."])
+        return self.seen(Frictionless() if law is None else law)
+
+    @classmethod
+    def body_of(cls, parameters: Mapping[str, Any], friction: Any) -> Touch:
+        """Return the body of parameters by name, unchecked, with the record of a friction law."""
+        return cls._make(parameters[name] for name in cls._fields).seen(friction)
 
 
 def body_units(friction: Any) -> Touch:

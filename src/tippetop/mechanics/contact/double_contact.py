@@ -16,7 +16,7 @@ from ..events import Event
 from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
-from .body import Touch, angular_velocity, arm, arm_velocity, height
+from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other
 from .gliding.vector import axis, axis_rate, momentum
 from .single_contact import (
     Speeds,
@@ -106,8 +106,7 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
 
     def sides(x, b):
         omega, none, sides = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
-        stem = b._replace(R=b.R - b.clearance, c=b.c + b.lever)
-        for k, ball in enumerate((b, stem)):
+        for k, ball in enumerate((b, seen_from_other(b))):
             turned, a = arm_velocity(x.u, x.L, ball), arm(x.u, ball)
             v = Vector(x.velocity.x + turned.x, x.velocity.y + turned.y, none)
             if regions:

@@ -119,7 +119,7 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
 def row_within(phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool) -> tuple[Any, contact.Touch]:
     """Return the row of a state of a phase and the body seen from its first ball, of a body seen from the ball of the
     phase; the reference of Jellett's integral is not known there."""
-    other = b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
+    other = contact.seen_from_other(b)
     bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
     known = SimpleNamespace(**{REFERENCE[0]: math.nan, **carried._asdict()})
     return row(phase, q, known, bodies), bodies[0]

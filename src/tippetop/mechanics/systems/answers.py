@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from .. import friction
+from ..number import Number
 from ..operand import leaves
-from ..parameter import Parameter
 from ..system import Phase, System
 
 
-def allowed(rule: Parameter) -> float:
+def allowed(rule: Number) -> float:
     """A number that a parameter may be."""
     if rule.default is not None:
         return rule.default
@@ -33,9 +33,7 @@ def wrong_answers(system: System) -> list[str]:
     results: dict[str, Any] = {}
 
     def bodies() -> None:
-        results["body"] = system.body_of(
-            numbers, law.record(**{n: allowed(rule) for n, rule in law.parameters.items()})
-        )
+        results["body"] = system.body_of(numbers, law._make(map(allowed, law.parameters.values())))
         results["units"] = system.body_units(law.units())
         results["scales"] = system.scales(results["body"])
 
