@@ -1,4 +1,4 @@
-"""Write `src/tippetop/__init__.pyi`: what type checkers and editors read about the public names.
+"""Write the stubs of `tippetop` and `tippetop.derivatives`: what type checkers and editors read about the public names.
 
 Usage: ``python .ci/stub.py``. Functions that take the options of a run get their full signature, the rest is imported.
 """
@@ -13,18 +13,20 @@ from typing import Any
 import tippetop
 
 
-STUB = Path(__file__).parents[1] / "src" / "tippetop" / "__init__.pyi"
+MODULES = {"__init__": tippetop, "derivatives": tippetop.derivatives}
 HEAD = """from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 
+from .mechanics.events import Event
+from .mechanics.system import Quantity
 """
 NAMED = re.compile(r"\b((?:[a-z_]\w*\.)+)([A-Z]\w*)")
 
 
-def written(annotation: Any, imports: set[str]) -> str:
+def written(annotation: Any, imports: set[str], home: Any) -> str:
     """Return an annotation as source; what it names is added to the imports."""
     text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
 
@@ -32,9 +34,9 @@ def written(annotation: Any, imports: set[str]) -> str:
         module, name = found[1].removesuffix("."), found[2]
         if module in ("np", "xr"):
             return found[0]
-        if name in tippetop.__all__:
-            if getattr(tippetop, name) is getattr(import_module(module), name):
-                return name
+        if name in home.__all__ and getattr(home, name) is getattr(import_module(module), name):
+            return name
+        if module == "threading":  # `Event` is another
             imports.add(f"import {module}")
             return found[0]
         imports.add(f"from {module.removeprefix('tippetop')} import {name}")
@@ -43,7 +45,7 @@ def written(annotation: Any, imports: set[str]) -> str:
     return NAMED.sub(short, text).replace("NoneType", "None")
 
 
-def signature(function: Any, imports: set[str]) -> str:
+def signature(function: Any, imports: set[str], home: Any) -> str:
     """Return a function as a stub has it."""
     lines: list[str] = []
     found = inspect.signature(function)
@@ -51,28 +53,32 @@ def signature(function: Any, imports: set[str]) -> str:
         if parameter.kind is parameter.KEYWORD_ONLY and "*" not in lines:
             lines.append("*")
         default = "" if parameter.default is parameter.empty else " = ..."
-        lines.append(f"{parameter.name}: {written(parameter.annotation, imports)}{default}")
+        lines.append(f"{parameter.name}: {written(parameter.annotation, imports, home)}{default}")
     arguments = "".join(f"    {line},\n" for line in lines)
-    return f"def {function.__name__}(\n{arguments}) -> {written(found.return_annotation, imports)}: ..."
+    return f"def {function.__name__}(\n{arguments}) -> {written(found.return_annotation, imports, home)}: ..."
 
 
-def stub() -> str:
-    """Return the text of the stub."""
+def stub(home: Any) -> str:
+    """Return the text of the stub of a module."""
     imports: set[str] = set()
     functions = []
-    for name, place in tippetop._PLACES.items():
-        public = getattr(tippetop, name)
+    for name in home.__all__:
+        public = getattr(home, name)
         if inspect.isfunction(public) and hasattr(public, "__signature__"):
-            functions.append(signature(public, imports))
-        else:
-            imports.add(f"from .{place} import {name} as {name}")
-    text = "\n\n".join([HEAD + "\n".join(sorted(imports)), "__version__: str", *functions]) + "\n"
-    command = ["ruff", "format", "--stdin-filename", str(STUB), "-"]
-    ordered = ["ruff", "check", "--select", "I", "--fix", "--quiet", "--stdin-filename", str(STUB), "-"]
+            functions.append(signature(public, imports, home))
+        elif inspect.ismodule(public):
+            imports.add(f"from . import {name} as {name}")
+        elif name != "__version__":
+            imports.add(f"from {public.__module__.removeprefix('tippetop')} import {name} as {name}")
+    version = ["__version__: str"] if "__version__" in home.__all__ else []
+    text = "\n\n".join([HEAD + "\n".join(sorted(imports)), *version, *functions]) + "\n"
+    command = ["ruff", "format", "--stdin-filename", "stub.pyi", "-"]
+    ordered = ["ruff", "check", "--select", "I", "--fix", "--quiet", "--stdin-filename", "stub.pyi", "-"]
     for line in (ordered, command):
         text = subprocess.run(line, input=text, capture_output=True, text=True, check=True).stdout
     return text
 
 
 if __name__ == "__main__":
-    STUB.write_text(stub(), encoding="utf-8")
+    for name, module in MODULES.items():
+        Path(tippetop.__file__).with_name(f"{name}.pyi").write_text(stub(module), encoding="utf-8")

@@ -34,7 +34,7 @@ def of_run(*arguments: Any, **options: Any) -> dict[str, str]:
     """Return the digests of the tables of a run and of its report."""
     run = tt.run(*arguments, **options)
     report = {key: run.attributes[key] for key in ("status", "final_state", "report")}
-    tables = {name: digest(table) for name, table in tt.datasets(run).items()}
+    tables = {name: digest(table) for name, table in run.datasets().items()}
     return tables | {"report": hashlib.sha256(json.dumps(report, sort_keys=True).encode()).hexdigest()}
 
 
@@ -47,7 +47,7 @@ def of_ensemble(**options: Any) -> dict[str, str]:
 
 def of_surface(*arguments: Any, **options: Any) -> dict[str, str]:
     """Return the digest of a minimal surface."""
-    return {"surface": digest(tt.minimal_surface(*arguments, **options))}
+    return {"surface": digest(tt.landscapes.minimal_surface(*arguments, **options))}
 
 
 def cases() -> Iterator[tuple[str, Callable[[], dict[str, str]]]]:

@@ -18,6 +18,7 @@ import numpy as np
 
 import tippetop as tt
 from tippetop.exchange.simulators import start_of, text_of
+from tippetop.library.exchanging import Comparison
 
 
 STEPS = (1e-3, 5e-4, 2.5e-4)
@@ -113,7 +114,7 @@ def _mujoco(problem: Any, text: str, step: float, integrator: str, until: float)
     return np.array(rows)
 
 
-def answers(case: Case, folder: Path, engine: str) -> dict[str, tt.Comparison]:
+def answers(case: Case, folder: Path, engine: str) -> dict[str, Comparison]:
     """What an engine makes of a case, by integrator."""
     problem = tt.load(_file(case, folder))
     to, integrators = ENGINES[engine]
@@ -146,7 +147,7 @@ def _toml(value: Any) -> str:
     return f'"{value}"' if isinstance(value, str) else repr(float(value))
 
 
-def table(made: dict[str, dict[str, tt.Comparison]]) -> str:
+def table(made: dict[str, dict[str, Comparison]]) -> str:
     """A Markdown table of all answers."""
     lines = [
         "| case | integrator | step [s] | attitude, largest error [rad] | leaves 1e-3, 1e-2, 1e-1 rad at [s] | "

@@ -152,7 +152,7 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
 
 
 def solved(orientation: bool, minimal: Minimal) -> Callable[[float], Solver]:
-    """`tippetop.integrate` with the rows of the preset; with the orientation, all that a user waits for in memory."""
+    """`tippetop.run` with the rows of the preset; with the orientation, all that a user waits for in memory."""
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance, orientation)

@@ -8,8 +8,8 @@ from pydantic import ValidationError
 
 from tippetop.engine.observables import Observables, values_of
 from tippetop.errors import InputError
+from tippetop.mechanics.number import Number
 from tippetop.mechanics.operand import leaves
-from tippetop.mechanics.system import Parameter
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import KILOGRAM, METRE, ONE, SECOND
 from tippetop.problem import UNTIL, Problem, Problems
@@ -181,17 +181,17 @@ def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
 @pytest.mark.parametrize(
     ("parameter", "inside", "outside", "words"),
     [
-        (Parameter(ONE, "any"), [-1e300, 0, 1e300], [np.nan, np.inf, -np.inf], "finite"),
+        (Number(ONE, "any"), [-1e300, 0, 1e300], [np.nan, np.inf, -np.inf], "finite"),
         (
-            Parameter(ONE, "open", above=0, below=1),
+            Number(ONE, "open", above=0, below=1),
             [1e-300, 0.5],
             [0, 1, -1, np.nan],
             "finite, greater than 0, less than 1",
         ),
-        (Parameter(ONE, "closed", least=0, most=1), [0, 1], [-1e-300, 1.5, np.inf], "finite, at least 0, at most 1"),
+        (Number(ONE, "closed", least=0, most=1), [0, 1], [-1e-300, 1.5, np.inf], "finite, at least 0, at most 1"),
     ],
 )
-def test_a_parameter_knows_its_interval(parameter: Parameter, inside: list, outside: list, words: str) -> None:
+def test_a_parameter_knows_its_interval(parameter: Number, inside: list, outside: list, words: str) -> None:
     values = np.array(inside + outside, float)
     assert parameter.broken(values).tolist() == [False] * len(inside) + [True] * len(outside)
     assert [bool(parameter.broken(v)) for v in values] == parameter.broken(values).tolist()

@@ -103,7 +103,7 @@ ERRATA = (
         "misprint",
         r"\dot L_A=-l\,\hat3\times(-mg\hat z)",
         r"\dot L_A=+l\,\hat3\times(-mg\hat z)\qquad\text{as in (2.24)}",
-        '`tt.SYSTEMS["heavy-top"].forms["vector"]`',
+        '`tt.extending.SYSTEMS["heavy-top"].forms["vector"]`',
         torque_of_weight,
         "fixed heavy top",
         "with either sign the torque has no part along $\\hat3$ nor along $\\hat z$, so $L_{\\hat3}$ and $L_{\\hat z}$ "

@@ -194,14 +194,14 @@ ERRATA = (
         r"\gamma=I_3/I_1",
         r"\gamma=I_1/I_3,\qquad\lambda=\frac R\gamma\sqrt{\frac{R\alpha mgI_1\gamma}{\alpha+(\gamma-1)\hat3_{\hat z}}}"
         r"\,\big[(\alpha-\hat3_{\hat z})^2+\gamma(1-\hat3_{\hat z}^2)\big]",
-        "`tt.asymptotic_states`", jellett_of_tumbling, "tumbling tippe top",
+        "`tt.theory.asymptotic_states`", jellett_of_tumbling, "tumbling tippe top",
     ),
     Erratum(
         12, "(3.43)", S,
         r"E-E_\lambda(\hat3_{\hat z})=E_\perp(\hat3,L_\perp,\dot r)",
         r"E-E_\lambda(\hat3_{\hat z})=\tfrac12m|\dot s|^2+\tfrac12(\omega-\omega_\lambda)\cdot\mathbf I(\omega-"
         r"\omega_\lambda),\qquad\omega_\lambda=-\frac{\lambda\,a}{a\cdot\mathbf Ia}",
-        "`tt.least_energy`", remainder_of_energy, TOP,
+        "`tt.theory.least_energy`", remainder_of_energy, TOP,
         "the remainder is not negative and vanishes at the solutions of Proposition 3.3.1 alone, so Theorem 3.3.1 and "
         "the use made of $E_\\lambda$ stand. It has one more part, of the component of $L$ in the plane of $\\hat3$ "
         "and $\\hat z$ across $a$: as printed the second state below would have the same remainder as the first.",
@@ -210,14 +210,14 @@ ERRATA = (
         13, "(3.44)", M,
         r"G=R^2(1-\hat3_{\hat z}^2)+\gamma(\alpha-\hat3_{\hat z})^2",
         r"G=R^2\big[(1-\hat3_{\hat z}^2)+(\alpha-\hat3_{\hat z})^2/\gamma\big]",
-        "`tt.least_energy`", energy_of_tumbling, "tumbling tippe top",
+        "`tt.theory.least_energy`", energy_of_tumbling, "tumbling tippe top",
     ),
     Erratum(
         14, "Theorem 3.3.2, third item", "misprint or bracket",
         r"0<\hat3_{\hat z}<1,\qquad\tfrac13\big(\gamma(1-\alpha^2)\,\gamma\big)<\big((1-\gamma)\hat3_{\hat z}-\alpha"
         r"\big)^2",
         r"-1<\hat3_{\hat z}<1,\qquad\tfrac13\,\gamma(1-\alpha^2-\gamma)<\big((1-\gamma)\hat3_{\hat z}-\alpha\big)^2",
-        "`tt.asymptotic_states`, `tt.regime`", stability_of_tumbling,
+        "`tt.theory.asymptotic_states`, `tt.theory.regime`", stability_of_tumbling,
     ),
     Erratum(
         15, "(3.64)", M,
@@ -230,20 +230,20 @@ ERRATA = (
         r"\lambda=\sqrt{\frac{mR^3\alpha g}{I_3(\alpha-\cos\theta)+I_1\cos\theta}}\,\big((I_1-I_3)\cos^2\theta-2\alpha "
         r"I_3\cos\theta+I_1-I_3\alpha^2\big)",
         r"\lambda=\sqrt{\dots}\,\big((I_3-I_1)\cos^2\theta-2\alpha I_3\cos\theta+I_1+I_3\alpha^2\big)",
-        "`tt.asymptotic_states`", jellett_by_3_66, "tumbling tippe top",
+        "`tt.theory.asymptotic_states`", jellett_by_3_66, "tumbling tippe top",
     ),
     Erratum(
         17, "section 3.3.3, figure 3.3", S,
         r"1-\alpha<\gamma<1+\alpha\ \Rightarrow\ \text{every tumbling state is stable}",
         r"\gamma\ge\gamma_+=\tfrac18(1-\alpha)\big(7+\alpha+\sqrt{1+14\alpha+\alpha^2}\big)\ \Leftrightarrow\ "
         r"\text{every tumbling state is stable}",
-        "`tt.thresholds` (`gamma_plus`), `tt.asymptotic_states`", tumbling_always_stable,
+        "`tt.theory.thresholds` (`gamma_plus`), `tt.theory.asymptotic_states`", tumbling_always_stable,
     ),
     Erratum(
         18, "chapter 1, section 3.3.3, section 4.2", S,
         r"\lambda>\lambda_s\ \Rightarrow\ \text{only the inverted spin is stable}",
         r"\begin{gathered}\lambda>\max(\lambda_s,\lambda_u)\ \Rightarrow\ \text{only the inverted spin is stable}\\"
         r"\lambda_u<\lambda_s\iff\gamma>\gamma_c=\frac{(1-\alpha^2)(1+3\alpha^2)}{1+6\alpha^2+\alpha^4}\end{gathered}",
-        "`tt.regime`, `tt.thresholds` (`gamma_c`, `lambda_u`, `lambda_s`)", only_the_inverted_state,
+        "`tt.theory.regime`, `tt.theory.thresholds` (`gamma_c`, `lambda_u`, `lambda_s`)", only_the_inverted_state,
     ),
 )  # fmt: skip

@@ -107,7 +107,7 @@ ERRATA = (
         19, "(4.13)", S,
         r"F(D,\lambda)=\min_{z\in(-1,1)}V(z,D,\lambda)",
         r"F(D,\lambda)=\inf_{z\in(-1,1)}V(z,D,\lambda)",
-        "`tt.minimal_surface` (its `status`), `tippetop surface`", surface_is_an_infimum, "",
+        "`tt.landscapes.minimal_surface` (its `status`), `tippetop surface`", surface_is_an_infimum, "",
         "the surface is the same; on the line $\\theta=0$, and on $\\theta=\\pi$ for $|\\lambda|\\ge\\lambda_\\pi$, "
         "the least value is approached at the pole and is the energy of the spinning state.",
     ),
@@ -116,7 +116,7 @@ ERRATA = (
         r"V(\cos\theta,D,\lambda)\ \text{is convex for}\ \theta\in(0,\pi)",
         r"V\ \text{has one minimum in}\ (0,\pi)\ \text{for}\ 1-\alpha<\gamma<1+\alpha;\ "
         r"\text{it is not convex in general}",
-        "`tt.potential` (`V`, `V_z`, `V_zz`), `tippetop check` (`gamma_star`)", potential_is_convex, "",
+        "`tt.landscapes.potential` (`V`, `V_z`, `V_zz`), `tippetop check` (`gamma_star`)", potential_is_convex, "",
         "what is used of convexity, two turning angles and one band of nutation, needs one minimum only.",
     ),
     Erratum(
@@ -124,7 +124,7 @@ ERRATA = (
         r"\text{the line}\ \theta=\pi\ \text{lies on the surface; }I_1=\tfrac{235}{625}mR^2",
         r"\text{it does iff}\ |\lambda|\ge\lambda_\pi=\frac{2R(1+\alpha)\sqrt{mgR\alpha I_3}\sqrt{\gamma+\sigma(1+"
         r"\alpha)^2}}{1+\sigma(1+\alpha)};\quad\text{later papers: }I_1=\tfrac{131}{350}mR^2",
-        "`tt.marked_lines`, `tippetop surface --figure`", line_on_the_surface,
+        "`tt.landscapes.marked_lines`, `tippetop surface --figure`", line_on_the_surface,
     ),
     Erratum(
         22, "(4.19)", M,
@@ -145,6 +145,6 @@ ERRATA = (
         24, "(4.29) and the text before it", "bracket and misprint",
         r"\lambda_{de}=\sqrt{mgR^3I_3(1-\alpha^2)},\qquad\lambda=L_0(1-\alpha)",
         r"\lambda_{de}=\sqrt{mgR^3I_3}\,(1-\alpha^2),\qquad\lambda=RL_0(1-\alpha)",
-        "`tt.thresholds` (`lambda_de`)", energy_threshold, TOP,
+        "`tt.theory.thresholds` (`lambda_de`)", energy_threshold, TOP,
     ),
 )  # fmt: skip

@@ -81,7 +81,7 @@ def limit_of_energy(m, l, g, I3, b, omega3):
 
 
 def upright_gliding_heavy_top():
-    b = heavy_top.body({"m": 0.02, "l": 0.04, "I1": 8e-6, "I3": 3.2e-6, "g": 9.82}, Viscous(0.3))
+    b = heavy_top.HeavyTop.body_of({"m": 0.02, "l": 0.04, "I1": 8e-6, "I3": 3.2e-6, "g": 9.82}, Viscous(0.3))
     rows = []
     for factor in (1.1, 3.0, 10.0):
         grows = bool(linear_modes(factor * sleeping_spin(b), b)[0].real > 0)
@@ -187,7 +187,7 @@ ERRATA = (
         r"L_{\hat3}^2>4mglI_1^*\ \Rightarrow\ \text{the upright spinning gliding top is asymptotically stable}",
         r"\begin{gathered}(I_1p^2-iL_{\hat3}p-mgl)(p+\mu g)+\mu mgl^2p^2=0\\\text{has a root with}\ \mathrm{Re}\,p>0\ "
         r"\text{for every}\ \mu>0,\ L_{\hat3}\end{gathered}",
-        '`tt.linear_modes`, `tippetop check` of a `gliding-heavy-top`', upright_gliding_heavy_top,
+        '`tt.theory.linear_modes`, `tippetop check` of a `gliding-heavy-top`', upright_gliding_heavy_top,
     ),
     Erratum(
         35, "(5.72)", M,

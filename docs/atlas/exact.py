@@ -127,7 +127,7 @@ def tippe_body(draw: _Drawn) -> SimpleNamespace:
     letters = {"m": draw(0.5, 2), "R": draw(0.5, 2), "alpha": alpha, "I1": I3 * (1 + alpha * draw(-0.9, 0.9)), "I3": I3}
     x = SimpleNamespace(**letters, g=draw(5, 12), mu=draw(0.05, 0.2))
     x.gamma, x.sigma = x.I1 / x.I3, x.m * x.R**2 / x.I3
-    x.b = tippe_top.body(vars(x), Viscous(x.mu))
+    x.b = tippe_top.TippeTop.body_of(vars(x), Viscous(x.mu))
     return x
 
 
@@ -136,7 +136,7 @@ def heavy_body(draw: _Drawn) -> SimpleNamespace:
     x = SimpleNamespace(m=draw(0.5, 2), l=draw(0.5, 2), I1=draw(0.5, 2), I3=draw(0.4, 1.5), g=draw(5, 12))
     x.mu, x.R = draw(0.05, 0.2), mp.mpf(0)
     x.J1 = x.I1 + x.m * x.l**2  # I1*
-    x.b = heavy_top.body(vars(x), Viscous(x.mu))
+    x.b = heavy_top.HeavyTop.body_of(vars(x), Viscous(x.mu))
     return x
 
 
@@ -245,7 +245,7 @@ def gliding_cylinder(seed: int) -> SimpleNamespace:
     x = SimpleNamespace(m=draw(0.5, 2), R=draw(0.5, 2), alpha=draw(0.1, 0.6), I=draw(0.3, 2), g=draw(5, 12))
     x.mu = draw(0.05, 0.2)
     theta, theta_dot, nu_x = Jet(draw(-3, 3)), Jet(draw(-3, 3)), Jet(draw(-2, 2))
-    x.b = cylinder.body(vars(x), Viscous(x.mu))
+    x.b = cylinder.Cylinder.body_of(vars(x), Viscous(x.mu))
     still = cylinder.State(theta.sin(), theta.cos(), theta_dot, nu_x)
     x.q = moving(still, cylinder.rates(still, x.b))
     x.s, x.c, x.theta_dot, x.nu_x = x.q

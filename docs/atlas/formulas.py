@@ -67,20 +67,21 @@ def exists(name: str) -> bool:
         module, _, attribute = f"tippetop.{name}".rpartition(".")
         return hasattr(import_module(module), attribute)
     if name.startswith("tt."):
-        return name[3:] in dir(tt)
+        *face, public = name[3:].split(".")
+        return public in dir(getattr(tt, face[0], None) if face else tt)
     kind, _, rest = name.partition(" ")
     if kind == "tippetop":
         from tippetop.cli.overview import COMMANDS
 
         return rest in COMMANDS
     if kind == "column":
-        return any(rest in columns(system) for system in tt.SYSTEMS.values())
+        return any(rest in columns(system) for system in tt.extending.SYSTEMS.values())
     if kind == "docs":
         return (HERE.parent / f"{rest}.md").is_file()
     if kind in ("erratum", "claim"):
         return any(f"({kind}-{rest})=" in page.read_text(encoding="utf-8") for page in HERE.glob("*.md"))
     system, _, form = name.partition(" form ")
-    return system in tt.SYSTEMS and form in tt.SYSTEMS[system].forms
+    return system in tt.extending.SYSTEMS and form in tt.extending.SYSTEMS[system].forms
 
 
 def columns(system: Any) -> set[str]:

@@ -14,7 +14,7 @@ import tippetop as tt
 
 REFERENCE = Path(__file__).parents[2] / "tests" / "reference"
 CANONICAL = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
-VISCOUS, COULOMB = tt.Viscous(mu=0.3), tt.Coulomb(mu=0.3)
+VISCOUS, COULOMB = tt.friction.Viscous(mu=0.3), tt.friction.Coulomb(mu=0.3)
 SPIN = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
 SLENDER = tt.HeavyTop(m=0.02, l=0.03, I1=2e-5, I3=1e-5, g=9.82)
 SLENDER_SPIN = {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0}
@@ -88,7 +88,7 @@ def weights(end: str) -> float:
 @cache
 def modes() -> np.ndarray:
     """Rates near the upright spin of 155 rad/s."""
-    return tt.linear_modes(CANONICAL, VISCOUS, omega3=155.0)
+    return tt.theory.linear_modes(CANONICAL, VISCOUS, omega3=155.0)
 
 
 @cache
@@ -112,7 +112,7 @@ def exudyn() -> tt.Run:
 @cache
 def swing(name: str) -> tuple[float, float]:
     """Period and other turning angle of a nutation: the times and angles of its turnings in a run."""
-    none = tt.Frictionless()
+    none = tt.friction.Frictionless()
     given: dict[str, tuple[Any, Any, dict, dict]] = {
         "rolling": (CANONICAL, None, SPIN, {"system": "rolling-tippe-top"}),
         "frictionless": (CANONICAL, none, SPIN, {}),
@@ -153,7 +153,12 @@ def dry(name: str) -> tt.Run:
     given: dict[str, tuple[Any, Any, dict, float]] = {
         "C1": (CANONICAL, COULOMB, rest | {"omega3": 155.0}, 0.1),
         "C3": (CANONICAL, COULOMB, THROWN, 0.1),
-        "C6": (tt.Cylinder(m=0.02, R=0.02, alpha=0.3, I=CANONICAL.I1, g=9.82), tt.Coulomb(mu=0.1), SLIDING, 0.5),
+        "C6": (
+            tt.Cylinder(m=0.02, R=0.02, alpha=0.3, I=CANONICAL.I1, g=9.82),
+            tt.friction.Coulomb(mu=0.1),
+            SLIDING,
+            0.5,
+        ),
         "cohen": (COHEN, COULOMB, rest | {"omega3": 100.0}, 0.1),
         "leine-glocker": (LEINE_GLOCKER, COULOMB, rest | {"omega3": 180.0}, 0.1),
     }
@@ -190,7 +195,7 @@ TRAJECTORIES = {
 def gap(name: str) -> tuple[float, int, int]:
     """Largest difference of theta from a reference trajectory at its times, and turnings of both."""
     case, system = stored(name), TRAJECTORIES[name][0]
-    record = tt.SYSTEMS[system]
+    record = tt.extending.SYSTEMS[system]
     numbers = {k: float(Fraction(v)) for k, v in case["parameters_exact"].items()}
     numbers["I"] = numbers["I1"]
     names = {"thetadot": "theta_dot", "phidot": "phi_dot"}
@@ -219,7 +224,7 @@ def _mode(i: int, part: str) -> Callable[[], float]:
 
 
 def _limit(name: str) -> Callable[[], float]:
-    return lambda: tt.thresholds(CANONICAL)[name].value
+    return lambda: tt.theory.thresholds(CANONICAL)[name].value
 
 
 def _theta(t: float) -> Callable[[], float]:

@@ -2,7 +2,7 @@
 
 >>> import tippetop as tt
 >>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
->>> run = tt.run(top, tt.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
+>>> run = tt.run(top, tt.friction.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
 >>> print(run)
 >>> run.trajectory.theta.plot()
 """
@@ -11,34 +11,23 @@ from typing import Any
 
 
 _NAMES = {
-    "errors": "InputError StoreError Interrupted Unfinished",
-    "engine.status": "Status",
+    "errors": "InputError StoreError Interrupted",
     "problem": "Problem",
-    "mechanics.friction": "Law",
-    "mechanics.events": "Event Kept",
-    "mechanics.system": "Parameter Quantity System",
-    "mechanics.units": "Unit",
-    "library.asymptotics": "accelerations asymptotic_states least_energy",
-    "library.bodies": "Cylinder HeavyTop TippeTop",
-    "library.laws": "Contensou Coulomb Frictionless Latitude Mixed Modified Stribeck Viscous",
-    "library.derivatives": "Sensitivities lyapunov sensitivities",
-    "library.exchanging": "Comparison Fitted compare fit",
-    "library.landscapes": "band marked_lines minimal_surface potential turning_angles",
+    "mechanics.systems.cylinder": "Cylinder",
+    "mechanics.systems.heavy_top": "HeavyTop",
+    "mechanics.systems.tippe_top": "TippeTop",
+    "library.exchanging": "compare fit",
     "library.many": "ensemble",
-    "library.registering": "LAWS SYSTEMS register",
     "library.run": "Run",
     "library.stored_run": "StoredRun",
-    "library.running": "datasets integrate open resume run",
-    "library.theory": "linear_modes nutation reconstruct regime thresholds",
-    "runs.results": "Summary",
+    "library.running": "open resume run",
     "runs.starting": "load",
     "scenario.reading": "presets",
-    "store.root": "open_group",
-    "sweeps.summary": "gridded",
     "sweeps.sweep": "sweep",
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names.split()}
-__all__ = sorted([*_PLACES, "__version__"])
+_MODULES = ("derivatives", "errors", "extending", "friction", "landscapes", "theory")
+__all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
@@ -51,6 +40,10 @@ def __getattr__(name: str) -> Any:
         from importlib import import_module
 
         public = getattr(import_module(f".{_PLACES[name]}", __name__), name)
+    elif name in _MODULES:
+        from importlib import import_module
+
+        public = import_module(f".{name}", __name__)
     else:
         raise AttributeError(f"module 'tippetop' has no attribute {name!r}")
     globals()[name] = public

@@ -6,11 +6,11 @@ import inspect
 import math
 import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .errors import InputError, StoreError, suggestion
+from .errors import InputError, StoreError, refuse_unknown
 
 
 if TYPE_CHECKING:
@@ -164,13 +164,6 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
         return called  # type: ignore[return-value]
 
     return decorated
-
-
-def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
-    """Raises TypeError for a keyword that a function has not."""
-    for name in named:
-        if name not in known:
-            raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
 
 
 @contextlib.contextmanager

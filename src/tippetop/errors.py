@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
 
+__all__ = ["InputError", "Interrupted", "StoreError", "Unfinished"]
 NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and psi have 0.67
 
 
@@ -21,6 +22,19 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     """`` Did you mean `x`?`` to be appended to a sentence, or nothing where no known word is near."""
     match = nearest(word, known)
     return f" Did you mean `{match}`?" if match else ""
+
+
+def sentence(key: str, must: str, given: Any) -> str:
+    """Return the sentence on a value that is wrong: what must hold of it, and what is given."""
+    words = "a table" if isinstance(given, dict) else repr(given)
+    return f"`{key}` {must}, but is {words if len(words) <= 60 else words[:57] + '...'}."
+
+
+def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
+    """Raise TypeError for a keyword that a function does not have."""
+    for name in named:
+        if name not in known:
+            raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
 
 
 def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = (), belongs: str = "") -> str:

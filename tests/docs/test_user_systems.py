@@ -71,7 +71,7 @@ def frictionless(height: Callable, inertia: np.ndarray, m: float, start: np.ndar
 
 def test_the_egg_moves_by_its_lagrangian_without_friction(egg: dict[str, Any]) -> None:
     run = tt.run(
-        egg["EGG"], tt.Viscous(mu=0), parameters={"m": 0.06, "a": 0.03, "b": 0.02, "g": 9.81},
+        egg["EGG"], tt.friction.Viscous(mu=0), parameters={"m": 0.06, "a": 0.03, "b": 0.02, "g": 9.81},
         start={"theta": 1.0, "theta_dot": 1.0, "phi_dot": 40.0, "omega3": 20.0}, until=0.5, output_step=0.05,
     )  # fmt: skip
     s, z = np.sin(1.0), np.cos(1.0)
@@ -97,7 +97,7 @@ def test_a_fast_egg_rises_and_keeps_its_balance(egg: dict[str, Any]) -> None:
 def toy(page: dict[str, Any], mu: float, spin: float, until: float, **changed: float) -> Any:
     """A run of the rattleback of the page."""
     start = {"theta": 0.01, "roll": 0.005, "spin": spin}
-    return tt.run(page["RATTLEBACK"], tt.Viscous(mu=mu), parameters={**page["TOY"], **changed}, start=start,
+    return tt.run(page["RATTLEBACK"], tt.friction.Viscous(mu=mu), parameters={**page["TOY"], **changed}, start=start,
                   until=until, output_step=until / 20)  # fmt: skip
 
 
@@ -122,7 +122,7 @@ def test_the_rattleback_reverses_one_spin_sooner_and_has_a_mirror_image(rattleba
     assert on.trajectory.spin.values.min() > 4.5
     start = {"theta": 0.01, "roll": -0.005, "spin": 5.0}
     body = {**rattleback["TOY"], "delta": -0.15}
-    mirrored = tt.run(rattleback["RATTLEBACK"], tt.Viscous(mu=30.0), parameters=body, start=start, until=2.0,
+    mirrored = tt.run(rattleback["RATTLEBACK"], tt.friction.Viscous(mu=30.0), parameters=body, start=start, until=2.0,
                       output_step=0.1)  # fmt: skip
     np.testing.assert_allclose(mirrored.trajectory.spin.values, -back.trajectory.spin.values, rtol=1e-8)
     assert max(back.drift.energy_balance, on.drift.energy_balance) < 1e-13

@@ -25,7 +25,7 @@ def test_each_top_has_the_exponent_of_its_run() -> None:
     assert np.isnan(rows.lyapunov[1])
     for top in (0, 2):
         end = float(rows.t_end[top])
-        alone = tt.lyapunov("inverting", {"mu": 0.3}, start={"omega3": SPINS[top]}, until=end, rows=2)
+        alone = tt.derivatives.lyapunov("inverting", {"mu": 0.3}, start={"omega3": SPINS[top]}, until=end, rows=2)
         assert rows.lyapunov[top] == float(alone.exponent[-1])
     assert "lyapunov" not in tt.ensemble("inverting", numbers, until=0.01)
 

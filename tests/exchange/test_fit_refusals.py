@@ -12,7 +12,7 @@ from tippetop.exchange import measured
 from tippetop.exchange.fit_text import lines
 from tippetop.exchange.fitting import Estimate, Fit, _within
 from tippetop.exchange.scales import scale_of
-from tippetop.mechanics.parameter import Parameter
+from tippetop.mechanics.number import Number
 from tippetop.mechanics.units import ONE
 
 
@@ -134,7 +134,7 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
 
 
 def test_an_interval_ends_where_that_of_its_number_does() -> None:
-    scale = scale_of(Parameter(ONE, "", above=0, below=1), 0.25)
+    scale = scale_of(Number(ONE, "", above=0, below=1), 0.25)
     assert [scale.outside(_within(scale, u)) for u in (-3.0, 2.0, 9.0)] == [0.0, 0.5, 1.0]
 
 

@@ -18,6 +18,7 @@ from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.scales import Space, scale_of
 from tippetop.exchange.search import Minimum, merge
+from tippetop.library.exchanging import Fitted
 
 
 TRUE = {"friction.mu": 0.3, "initial.omega3": 155.0, "initial.theta": 0.5}
@@ -41,11 +42,11 @@ SCENARIO = ["friction.mu=0.33", "initial.omega3=160.0", "initial.theta=0.48"]
 
 
 @pytest.fixture(scope="module")
-def fit(film: Path) -> tt.Fitted:
+def fit(film: Path) -> Fitted:
     return tt.fit(film, tt.load("inverting", SCENARIO), list(TRUE))
 
 
-def test_numbers_are_recovered_within_their_errors(fit: tt.Fitted) -> None:
+def test_numbers_are_recovered_within_their_errors(fit: Fitted) -> None:
     assert fit.reason == "the numbers fit: what is left is noise."
     assert fit.converged
     assert fit.trustworthy
@@ -58,7 +59,7 @@ def test_numbers_are_recovered_within_their_errors(fit: tt.Fitted) -> None:
     np.testing.assert_allclose(np.diag(fit.correlations), 1)
 
 
-def test_one_search_does_not_establish_a_minimum(film: Path, fit: tt.Fitted) -> None:
+def test_one_search_does_not_establish_a_minimum(film: Path, fit: Fitted) -> None:
     found = tt.fit(film, tt.load("inverting", SCENARIO), list(TRUE), starts=1)
     assert (found.converged, found.trustworthy) == (False, False)
     assert "the minimum is not trustworthy: 1 of 1 independent searches ended there (3 are needed)" in found.reason
@@ -74,7 +75,7 @@ def test_residuals_larger_than_the_stated_noise_are_reported(film: Path) -> None
     assert ["larger than the stated noise" in reason for reason in told] == [False, True]
 
 
-def test_outliers_hardly_move_a_fit_with_another_loss(film: Path, fit: tt.Fitted, tmp_path: Path) -> None:
+def test_outliers_hardly_move_a_fit_with_another_loss(film: Path, fit: Fitted, tmp_path: Path) -> None:
     rows = np.loadtxt(film, delimiter=",", skiprows=1)
     rows[5::9, 1:] = [0.0, 0.6, 0.8]
     path = tmp_path / "outliers.csv"
@@ -170,7 +171,7 @@ def test_only_integrators_at_the_rounding_unit_add_up_in_two_numbers(
     assert asked == [careful]
 
 
-def test_a_fit_is_a_scenario_that_runs(fit: tt.Fitted, tmp_path: Path) -> None:
+def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
     path = tmp_path / "fit.toml"
     path.write_text(fit.to_toml(), encoding="utf-8")
     assert tomllib.loads(fit.to_toml())["friction"]["mu"] == fit.estimates["friction.mu"].value
@@ -259,7 +260,7 @@ def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
 
 
 @pytest.mark.slow
-def test_starts_far_off_lead_to_the_same_numbers(film: Path, fit: tt.Fitted) -> None:
+def test_starts_far_off_lead_to_the_same_numbers(film: Path, fit: Fitted) -> None:
     far = ["friction.mu=0.21", "initial.omega3=201.5", "initial.theta=0.35"]
     found = tt.fit(film, tt.load("inverting", far), list(TRUE))
     assert found.trustworthy

@@ -33,7 +33,7 @@ def problem(
     """A problem without validation."""
     used = SYSTEMS[system]
     law = used.laws.get(friction[0])
-    record = law.record(**friction[1]) if law else Frictionless()
+    record = law._make(friction[1][name] for name in law._fields) if law else Frictionless()
     form = used.forms[options.pop("form", next(iter(used.forms)))]
     options = {"times": np.linspace(0, until, 101), "events": tuple(e.name for e in used.events), **options}
     given = {"parameters": parameters, "friction": record, "initial": initial, "until": until}

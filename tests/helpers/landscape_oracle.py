@@ -15,7 +15,7 @@ FIGURE = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 235 / 625 * 8e-6, "I3": 2 / 
 
 def body(parameters):
     """The body in 60 digits: alpha*R is not rounded."""
-    return tippe_top.body({name: mp.mpf(x) for name, x in parameters.items()}, Frictionless())
+    return tippe_top.TippeTop.body_of({name: mp.mpf(x) for name, x in parameters.items()}, Frictionless())
 
 
 def parameters(alpha, gamma, sigma):

@@ -577,8 +577,8 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
     parameters = {name: rng.uniform(0.6, 1.5, n) for name in system.parameters}
     if "alpha" in parameters:
         parameters["alpha"] = rng.uniform(0.1, 0.9, n)
-    if "mu" in (record := system.laws[law].record._fields if system.frictional else ()):
-        friction = system.laws[law].record(*(rng.uniform(0.02, 0.2, n) for _ in record))
+    if "mu" in (record := system.laws[law]._fields if system.frictional else ()):
+        friction = system.laws[law](*(rng.uniform(0.02, 0.2, n) for _ in record))
         speeds = {name: rng.uniform(0.3, 1.0, n) for name in record if name in ("eps", "v_s", "v_k")}
         friction = friction._replace(**speeds)
     else:

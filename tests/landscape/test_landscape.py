@@ -358,7 +358,7 @@ def inverting_run():
     import tippetop
 
     run = tippetop.run("inverting", until=8)
-    groups = tippetop.datasets(run)
+    groups = run.datasets()
     return groups, groups["trajectory"].attrs
 
 
@@ -373,7 +373,7 @@ def test_band_of_a_rolling_top_stands_still():
         "initial": {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0},
         "run": {"until": 0.5, "output_step": 0.001},
     }
-    run = tippetop.datasets(tippetop.integrate(build.problem(tables)))
+    run = tippetop.run(build.problem(tables)).datasets()
     found = turning.band(CANONICAL, run["trajectory"], "rolling-tippe-top")
     for name in ("theta_min", "theta_max", "period"):
         assert float(np.ptp(found[name].values)) < 1e-10

@@ -89,7 +89,7 @@ def test_the_band_of_a_run_holds_the_run():
         "initial": {"theta": 3.1, "omega3": float(spinning.spin(-1, lam, b))},
         "run": {"until": 3.0, "output_step": 0.0005, "on_liftoff": "continue"},
     }
-    run = tippetop.datasets(tippetop.integrate(build.problem(tables)))["trajectory"]
+    run = tippetop.run(build.problem(tables)).datasets()["trajectory"]
     found = turning.band(PARAMETERS, run, "rolling-tippe-top")
     theta = run["theta"].values
     assert theta.min() == pytest.approx(found.theta_min.values.min(), abs=1e-4)  # the rows miss the turning by some

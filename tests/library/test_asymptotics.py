@@ -18,35 +18,37 @@ RATES = ["theta", "routh", "modified_energy", "routh_rate", "modified_energy_rat
 
 def test_asymptotic_states_are_the_critical_points_of_the_least_energy() -> None:
     """Stable ones are minima; each has the lambda that was asked for, and its sign."""
-    states = tt.asymptotic_states(TOP, LAM)
+    states = tt.theory.asymptotic_states(TOP, LAM)
     assert [s.kind for s in states] == ["upright", "tumbling", "tumbling", "inverted"]
     assert [s.stable for s in states] == [True, False, True, False]
     theta = np.linspace(0, math.pi, 20001)
-    energy = tt.least_energy(TOP, theta, LAM)
+    energy = tt.theory.least_energy(TOP, theta, LAM)
     inside = np.flatnonzero(np.diff(np.sign(np.diff(energy))) != 0) + 1
     np.testing.assert_allclose(theta[inside], [s.theta for s in states[1:3]], atol=2e-4)
     np.testing.assert_allclose(energy[inside], [s.energy for s in states[1:3]], rtol=1e-8)
-    mirrored = tt.asymptotic_states(TOP, -LAM)
+    mirrored = tt.theory.asymptotic_states(TOP, -LAM)
     for one, other in zip(states, mirrored, strict=True):
         start = {"theta": one.theta, "phi_dot": one.phi_dot, "omega3": one.omega3}
-        problem = tt.run(TOP, tt.Viscous(mu=0.3), start=start, until=1e-3, output_times=[0.0, 1e-3])
+        problem = tt.run(TOP, tt.friction.Viscous(mu=0.3), start=start, until=1e-3, output_times=[0.0, 1e-3])
         assert float(problem.trajectory.jellett[0]) == pytest.approx(LAM, rel=1e-12)
         assert float(problem.trajectory.energy[0]) == pytest.approx(one.energy, rel=1e-12)
         assert (one.theta, one.omega3, one.phi_dot) == (other.theta, -other.omega3, -other.phi_dot)
-    assert tt.asymptotic_states(TOP, 0.0)[0].omega3 == 0
+    assert tt.theory.asymptotic_states(TOP, 0.0)[0].omega3 == 0
 
 
 def test_no_state_has_less_energy_than_the_least() -> None:
     run = tt.run("inverting", until=0.5, output_step=0.01, columns=["theta", "energy", "jellett"])
     rows = run.trajectory
-    assert np.all(rows.energy > tt.least_energy(run, rows.theta, rows.jellett))
+    assert np.all(rows.energy > tt.theory.least_energy(run, rows.theta, rows.jellett))
 
 
 def test_the_general_system_is_the_gliding_top_with_its_contact_acceleration() -> None:
     """From differences of a run: w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x."""
     h, columns = 1e-6, ["theta", "theta_dot", "phi_dot", "omega3", "nu_x", "nu_y"]
     start = {"theta": 0.8, "theta_dot": 3.0, "phi_dot": 10.0, "omega3": 90.0, "nu_x": 0.2, "nu_y": -0.1}
-    run = tt.run(TOP, tt.Viscous(mu=0.3), start=start, until=2 * h, output_times=[0.0, h, 2 * h], columns=columns)
+    run = tt.run(
+        TOP, tt.friction.Viscous(mu=0.3), start=start, until=2 * h, output_times=[0.0, h, 2 * h], columns=columns
+    )
     before, now, after = (run.trajectory.isel(time=i) for i in range(3))
     rate = {name: (float(after[name]) - float(before[name])) / (2 * h) for name in columns}
     state = {name: float(now[name]) for name in columns[:4]}
@@ -55,10 +57,10 @@ def test_the_general_system_is_the_gliding_top_with_its_contact_acceleration() -
         "w_y": rate["nu_y"] + state["phi_dot"] * float(now.nu_x),
     }
     expected = [rate[name] for name in ("theta_dot", "phi_dot", "omega3")]
-    np.testing.assert_allclose(tt.accelerations(TOP, **state, **push), expected, rtol=1e-6)
+    np.testing.assert_allclose(tt.theory.accelerations(TOP, **state, **push), expected, rtol=1e-6)
     for theta in (0.0, math.pi):
         with pytest.raises(tt.InputError, match="theta"):
-            tt.accelerations(TOP, theta=theta)
+            tt.theory.accelerations(TOP, theta=theta)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +90,7 @@ def test_rates_are_not_columns_of_other_runs(tmp_path: Path) -> None:
 
 
 def test_thresholds_of_the_surface_stand_beside_the_others() -> None:
-    limits = tt.thresholds("inverting")
+    limits = tt.theory.thresholds("inverting")
     assert limits["lambda_pi"].value == pytest.approx(1.70683e-6, rel=1e-5)  # [section 14]
     assert limits["gamma_star"].value == pytest.approx(2.1213, abs=1e-4)
 

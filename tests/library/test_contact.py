@@ -22,7 +22,7 @@ def run() -> tt.Run:
 
 
 def test_coulomb_without_eps_slips_and_then_rolls() -> None:
-    run = tt.run(TOP, tt.Coulomb(mu=0.3), start=START, until=0.06)
+    run = tt.run(TOP, tt.friction.Coulomb(mu=0.3), start=START, until=0.06)
     assert run.phases.phase.values.tolist() == [0, 1]
     assert run.phases.phase.attrs["flag_meanings"].split()[:2] == ["slip", "roll"]
     np.testing.assert_allclose(run.phases.end[0], 0.0392357743555808144, rtol=0, atol=1e-11)
@@ -31,22 +31,22 @@ def test_coulomb_without_eps_slips_and_then_rolls() -> None:
 
 
 def test_a_law_without_eps_has_none_to_show() -> None:
-    assert tt.Coulomb(mu=0.3).numbers() == {"mu": 0.3}
-    assert tt.Coulomb(mu=0.3, eps=1e-3).numbers() == {"mu": 0.3, "eps": 1e-3}
+    assert tt.friction.Coulomb(mu=0.3)._asdict() == {"mu": 0.3}
+    assert tt.friction.Coulomb(mu=0.3, eps=1e-3)._asdict() == {"mu": 0.3, "eps": 1e-3}
     with pytest.raises(InputError, match=r"friction\.mu"):
-        tt.Coulomb(mu=-1.0)
+        tt.friction.Coulomb(mu=-1.0)
     with pytest.raises(InputError, match=r"friction\.eps"):
-        tt.Coulomb(mu=0.3, eps=0.0)
+        tt.friction.Coulomb(mu=0.3, eps=0.0)
 
 
 def test_contact_and_stem_are_keywords() -> None:
-    problem = tt.run(TOP, tt.Viscous(mu=0.3), start=START, until=0.001, contact={"e_n": 0.5}).problem
+    problem = tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=0.001, contact={"e_n": 0.5}).problem
     assert problem.contact.e_n == 0.5
     assert problem.on_liftoff == "fly"
     with pytest.raises(InputError, match=r"stem.h` must exceed R - r"):
-        tt.run(TOP, tt.Viscous(mu=0.3), start=START, until=1.0, stem={"r": 0.004, "h": 0.01})
+        tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=1.0, stem={"r": 0.004, "h": 0.01})
     with pytest.raises(InputError, match="`contact` must be a mapping"):
-        tt.run(TOP, tt.Viscous(mu=0.3), start=START, until=1.0, contact=0.5)
+        tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=1.0, contact=0.5)
 
 
 def test_a_preset_flies_if_asked_to() -> None:
@@ -128,18 +128,18 @@ def test_a_top_whose_contact_is_not_unique_is_marked(run: tt.Run) -> None:
 
 
 def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
-    assert tt.thresholds(run)["lambda_s"].value == tt.thresholds(TOP)["lambda_s"].value
-    band = tt.band(run)
+    assert tt.theory.thresholds(run)["lambda_s"].value == tt.theory.thresholds(TOP)["lambda_s"].value
+    band = tt.landscapes.band(run)
     flies = run.trajectory.phase.values == run.trajectory.phase.attrs["flag_meanings"].split().index("flight")
     assert np.isnan(band.theta_min.values[flies]).all()
     rolls = band.isel(time=~flies)
     assert (rolls.theta_min <= rolls.theta + 1e-9).all()
     assert (rolls.theta <= rolls.theta_max + 1e-9).all()
     with pytest.raises(InputError, match="its contact may change its phase"):
-        tt.reconstruct(run)
+        tt.theory.reconstruct(run)
     for about in (run, run.problem):
         with pytest.raises(InputError, match="must be finite as v_A goes to 0"):
-            tt.linear_modes(about, omega3=60.0)
+            tt.theory.linear_modes(about, omega3=60.0)
 
 
 @pytest.mark.parametrize("theta", [0.05, np.pi - 0.05])
@@ -147,9 +147,11 @@ def test_a_top_that_drills_ends_near_a_pole_with_a_class(theta: float) -> None:
     start = {"theta": theta, "omega3": 180.0}
     law = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
     drills = tt.run({**BOUNCE, "friction": law, "initial": start, "run": {"until": 1e-4}})
-    slides = tt.run(TOP, tt.Viscous(mu=3 * np.pi * 0.3 / (8 * 5e-4 * 180.0)), start=start, until=1e-4)
+    slides = tt.run(TOP, tt.friction.Viscous(mu=3 * np.pi * 0.3 / (8 * 5e-4 * 180.0)), start=start, until=1e-4)
     assert drills.summary.outcome == slides.summary.outcome
-    np.testing.assert_allclose(tt.linear_modes(drills, omega3=180.0), tt.linear_modes(slides, omega3=180.0), rtol=1e-13)
+    np.testing.assert_allclose(
+        tt.theory.linear_modes(drills, omega3=180.0), tt.theory.linear_modes(slides, omega3=180.0), rtol=1e-13
+    )
 
 
 def test_a_top_that_is_not_followed_to_its_end_has_no_class() -> None:
@@ -168,10 +170,12 @@ def test_a_top_that_is_not_followed_to_its_end_has_no_class() -> None:
 
 def test_a_stem_under_the_plane_is_refused() -> None:
     with pytest.raises(InputError, match=r"`initial.gap` must be at least .*: the stem would be under the plane"):
-        tt.run(TOP, tt.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, "gap": 1e-9}, until=1e-3)
+        tt.run(
+            TOP, tt.friction.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, "gap": 1e-9}, until=1e-3
+        )
     least = STEM["r"] - BODY["R"] - STEM["h"] * np.cos(3.0)
     given, left_out = (
-        tt.run(TOP, tt.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, **gap}, until=1e-3)
+        tt.run(TOP, tt.friction.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, **gap}, until=1e-3)
         for gap in ({"gap": least}, {})
     )
     assert given.trajectory.gap_stem.min() > -1e-15
@@ -184,8 +188,8 @@ def test_friction_that_drills_has_a_record() -> None:
     start = {"theta": 0.1, "omega3": 180.0}
     table = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
     top = tt.TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
-    one = tt.run(top, tt.Contensou(mu=0.3, patch=5e-4), start=start, until=0.05)
+    one = tt.run(top, tt.friction.Contensou(mu=0.3, patch=5e-4), start=start, until=0.05)
     other = tt.run(top, table, start=start, until=0.05)
     assert one.trajectory.theta.identical(other.trajectory.theta)
     with pytest.raises(tt.InputError, match="patch"):
-        tt.Contensou(mu=0.3, patch=0.0)
+        tt.friction.Contensou(mu=0.3, patch=0.0)

@@ -43,9 +43,11 @@ def test_events_and_columns_of_users_mean_the_same_in_every_phase(case: str) -> 
     rows = tt.run(CASES[case], output_step=2e-5).trajectory
     level, low = (float(np.ptp(v) / 2 + v.min()) for v in (np.cos(rows.theta.values), rows.z.values))
     radius = CASES[case]["parameters"]["R"]
-    above = tt.Event("above", "z rises", formula(lambda s, b: level - s.z), kept=(tt.Kept("times", "count", "n"),))
-    high = tt.Event("high", "the centre of mass is high", formula(lambda s, b: s.height - low / radius * b.R))
-    twice = tt.Quantity("twice", "2z", ONE, "twice z", formula(lambda s, b: 2 * s.z))
+    above = tt.extending.Event(
+        "above", "z rises", formula(lambda s, b: level - s.z), kept=(tt.extending.Kept("times", "count", "n"),)
+    )
+    high = tt.extending.Event("high", "the centre of mass is high", formula(lambda s, b: s.height - low / radius * b.R))
+    twice = tt.extending.Quantity("twice", "2z", ONE, "twice z", formula(lambda s, b: 2 * s.z))
     run = tt.run(CASES[case], events=[above, high], columns=["theta", twice])
     for name, values in (("above", level - np.cos(rows.theta.values)), ("high", rows.z.values - low)):
         passed = np.flatnonzero(np.diff(np.sign(values)))
@@ -55,7 +57,7 @@ def test_events_and_columns_of_users_mean_the_same_in_every_phase(case: str) -> 
 
 
 def test_the_name_of_an_event_of_the_contact_is_taken() -> None:
-    stick = tt.Event("stick", "mine", formula(lambda s, b: s.z))
+    stick = tt.extending.Event("stick", "mine", formula(lambda s, b: s.z))
     with pytest.raises(tt.InputError, match="`stick` must be a new name"):
         tt.run(CASES["bounces"], events=[stick])
 

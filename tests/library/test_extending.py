@@ -8,7 +8,7 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import laws
 import numpy as np
@@ -43,8 +43,8 @@ def test_a_law_of_ones_own(own) -> None:
     """With drag = 0 it is viscous friction, to the last bit; with drag it takes more energy at the same mu."""
     with pytest.raises(tt.InputError, match="must be registered"):
         tt.run(TOP, own.Quadratic(0.3, 0.0), start=START, until=0.5)
-    tt.register(own.QUADRATIC)
-    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.5)
+    tt.extending.register(own.Quadratic)
+    plain = tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=0.5)
     same = tt.run(TOP, own.Quadratic(0.3, 0.0), start=START, until=0.5)
     more = tt.run(TOP, own.Quadratic(mu=0.3, drag=50.0), start=START, until=0.5)
     np.testing.assert_array_equal(same.trajectory.theta, plain.trajectory.theta)
@@ -53,79 +53,53 @@ def test_a_law_of_ones_own(own) -> None:
     assert max(more.drift.values()) < 1e-13
     with pytest.raises(tt.InputError, match=r"`friction.drag` must be at least 0.0, but is -1"):
         tt.run(TOP, own.Quadratic(0.3, -1.0), start=START, until=0.5)
-    with pytest.raises(ValueError, match="must be new"):
-        tt.register(own.QUADRATIC, "viscous")
 
 
-def law(name: str, fields: tuple[str, ...] = ("mu",), coefficient=None, parameters=None) -> tt.Law:
-    """A law with a record of its own, whose numbers are speeds."""
-    rule = tt.Parameter(tt.Unit(0, -1, 1, "s m-1"), "a number", least=0)
-    record = NamedTuple(name, [(field, float) for field in fields])  # type: ignore[misc]
-    return tt.Law(
-        record, parameters or dict.fromkeys(fields, rule), "F = ...", coefficient or formula(lambda v2, z, law: law.mu)
-    )
-
-
-def test_numbers_of_a_law_go_by_name(own) -> None:
-    """The order of `parameters` is not that of the record's fields: every way to give them fills the right one."""
-    rule, one = own.QUADRATIC.parameters["mu"], tt.Parameter(tt.Unit(0, 0, 0, "1"), "a number")
-    swapped = law("Swapped", ("mu", "other"), parameters={"other": one, "mu": rule})
-    tt.register(swapped)
-    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.2)
-    run = tt.run(TOP, swapped.record(mu=0.3, other=77.0), start=START, until=0.2)
-    assert run.problem.friction == (0.3, 77.0)
-    np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
-    assert tt.run("inverting", {"law": "swapped", "mu": 0.3, "other": 7.0}, until=0.1).problem.friction == (0.3, 7.0)
-    assert swapped.units() == (rule.unit, one.unit)
-    np.testing.assert_array_equal(
-        tt.linear_modes(TOP, swapped.record(0.3, 7.0), omega3=100.0),
-        tt.linear_modes(TOP, tt.Viscous(0.3), omega3=100.0),
-    )
+def law(name: str, fields: tuple[str, ...] = ("mu",), **given: Any) -> Any:
+    """A law whose numbers are speeds."""
+    rule = tt.extending.number(tt.extending.Unit(0, -1, 1, "s m-1"), "a number", least=0)
+    body = {"coefficient": formula(lambda v2, z, law: law.mu), **dict.fromkeys(fields, rule), **given}
+    return type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body)
 
 
 def test_a_law_need_not_use_all_its_numbers(own) -> None:
     """One run and many: the integrator has no place for numbers beyond the last that it reads."""
     lazy = law("Lazy", ("mu", "unused"))
-    tt.register(lazy)
-    run = tt.run(TOP, lazy.record(0.3, 5.0), start=START, until=0.2)
-    plain = tt.run(TOP, tt.Viscous(0.3), start=START, until=0.2)
+    tt.extending.register(lazy)
+    run = tt.run(TOP, lazy(0.3, 5.0), start=START, until=0.2)
+    plain = tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=0.2)
     np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
-    many = tt.ensemble(TOP, {"unused": np.array([1.0, 2.0])}, lazy.record(0.3, 5.0), start=START, until=0.2)
+    many = tt.ensemble(TOP, {"unused": np.array([1.0, 2.0])}, lazy(0.3, 5.0), start=START, until=0.2)
     np.testing.assert_allclose(many["theta_end"], float(plain.trajectory.theta[-1]), rtol=1e-12)
 
 
 def test_registering_refuses_what_would_be_mistaken(own) -> None:
-    """A name or a record that is another's already, and what cannot be a law; each in one sentence."""
+    """A name that is another's already, and what cannot be a law; each in one sentence."""
     mine = law("Mine")
-    assert tt.register(mine) is tt.register(mine), "the same again changes nothing"
-    for record, name, sentence in (
-        (mine, "second", "the record of the law `second` must be its own, but Mine is that of `mine`"),
-        (dataclasses.replace(mine, coefficient=own.quadratic), "mine", "the name of a law must be new, but `mine`"),
-        (law("Other"), "mine", "the name of a law must be new, but `mine` is that of Mine"),
-        (law("Other"), "modified", "the name of a law must be new, but `modified` is one of gliding-cylinder"),
-        (law("Other"), "none", "the name of a law must be new"),
-        (law("Other"), "", "must be letters"),
-        (law("Other"), "a b", "must be letters"),
-        (law("Other", ("law",)), "other", "must not be named `law`"),
-        (law("Other", ("mu",), parameters={"nu": None}), "other", "must be the fields of its record, mu, but are nu"),
-        (law("Other", ("mu", "nu"), parameters={"mu": None}), "other", "must be the fields of its record, mu, nu"),
-        (law("Other", parameters={"mu": 3}), None, "must be Parameter records by name, but is {'mu': 3}"),
-        (dataclasses.replace(law("Other"), parameters=3), None, "must be Parameter records by name, but is 3"),
-        (dataclasses.replace(law("Other"), coefficient=3), None, "the coefficient of the law .* a function, but is 3"),
-        (dataclasses.replace(law("Other"), record=dict), None, "must be a NamedTuple"),
-        (dataclasses.replace(law("Other"), record=3), "other", "must be a NamedTuple"),
-        (own.SCALED_TIPPE_TOP.replace(name=""), None, "the name of a system must be letters"),
-        (own.SCALED_TIPPE_TOP.replace(name="heavy-top"), None, "the name of a system must be new"),
-        (3, None, "`record` must be a System or a Law"),
+    assert tt.extending.register(mine) is tt.extending.register(mine), "the same again changes nothing"
+    for record, sentence in (
+        (law("Other", key="mine"), "the name of a law must be new, but `mine` is that of Mine"),
+        (law("Other", key="modified"), "the name of a law must be new, but `modified` is one of gliding-cylinder"),
+        (law("Viscous"), "the name of a law must be new"),
+        (law("Other", key=""), "must be letters"),
+        (law("Other", key="a b"), "must be letters"),
+        (law("Other", ("law",)), "must not be named `law`"),
+        (law("Other", ("mu", "mu_r")), "must not be named `mu_r`"),
+        (law("Other", coefficient=3), "the coefficient of the law .* a function, but is 3"),
+        (law("Other", coefficient=None), "must have a coefficient"),
+        (own.SCALED_TIPPE_TOP.replace(name=""), "the name of a system must be letters"),
+        (own.SCALED_TIPPE_TOP.replace(name="heavy-top"), "the name of a system must be new"),
+        (3, "`record` must be a System or a class of FrictionLaw"),
+        (tt.extending.FrictionLaw, "`record` must be a System or a class of FrictionLaw"),
     ):
         with pytest.raises(tt.InputError, match=sentence):
-            tt.register(record, name)
+            tt.extending.register(record)
 
 
 def test_laws_know_it(own, rng: np.random.Generator) -> None:
     """The law tests of the package hold for the system and the law, in every form."""
-    tt.register(own.QUADRATIC)
-    tt.register(own.SCALED_TIPPE_TOP)
+    tt.extending.register(own.Quadratic)
+    tt.extending.register(own.SCALED_TIPPE_TOP)
     assert (
         laws.first_broken({"scaled-tippe-top": own.SCALED_TIPPE_TOP}, lambda: np.random.default_rng(rng.integers(1e9)))
         is None
@@ -141,7 +115,7 @@ def test_it_means_the_same_inside_numba(own) -> None:
         return friction.slip_coefficient(v2, z, law)
 
     assert inside(0.25, 0.5, friction.Viscous(0.3)) == 0.3
-    tt.register(own.QUADRATIC)
+    tt.extending.register(own.Quadratic)
     assert inside(0.25, 0.5, own.Quadratic(0.3, 2.0)) == 0.3 + 2.0 * 0.25
 
 
@@ -167,7 +141,10 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     assert stored.summary.event_counts.eighth == log.sizes["event"]
     stored.plot("theta", tmp_path / "theta.png")
     with pytest.raises(tt.InputError, match="`theta` must be a new name"):
-        tt.run("inverting", columns=[tt.Quantity("theta", "", tt.Unit(0, 0, 0, "1"), "", own.spin_energy)])
+        tt.run(
+            "inverting",
+            columns=[tt.extending.Quantity("theta", "", tt.extending.Unit(0, 0, 0, "1"), "", own.spin_energy)],
+        )
 
 
 def test_a_stored_run_with_records_of_ones_own_goes_on(own, tmp_path: Path) -> None:
@@ -218,13 +195,13 @@ def test_names_of_events_and_columns_are_new_words(own) -> None:
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"kept": (tt.Kept("a", "middle", "x"),)}, "must be one of first, last, count, but is 'middle'"),
-        ({"kept": (tt.Kept("a", "first", "x", 2),)}, "must be -1, 0 or 1"),
-        ({"kept": (tt.Kept("a", "first", "x"), tt.Kept("a", "count", "x"))}, "`a` is given twice"),
+        ({"kept": (tt.extending.Kept("a", "middle", "x"),)}, "must be one of first, last, count, but is 'middle'"),
+        ({"kept": (tt.extending.Kept("a", "first", "x", 2),)}, "must be -1, 0 or 1"),
+        ({"kept": (tt.extending.Kept("a", "first", "x"), tt.extending.Kept("a", "count", "x"))}, "`a` is given twice"),
         ({"kept": ("a",)}, "must be Kept records"),
         ({"kept": 3}, "must be Kept records"),
         *(
-            ({"kept": (tt.Kept(name, "first", "x"),)}, "new name")
+            ({"kept": (tt.extending.Kept(name, "first", "x"),)}, "new name")
             for name in ("first_equator", "t_end", "status", "mu")
         ),
         *(({"ends": word}, "must be a word other than") for word in ("finished", "running", "invalid", "todo", 5, "")),
@@ -246,11 +223,11 @@ def test_a_second_event_of_a_kind_is_refused(own) -> None:
     ):
         event = dataclasses.replace(own.EIGHTH, name="again", **fields)
         with pytest.raises(tt.InputError, match=sentence):
-            tt.run(TOP, tt.Viscous(0.3), start=START, until=0.1, events=[event])
+            tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=0.1, events=[event])
     system = systems.SYSTEMS["tippe-top"]
     twice = [*system.events, dataclasses.replace(system.events[0], name="again")]
     with pytest.raises(tt.InputError, match=r"`sense` .* is given in `turning` and `again`"):
-        tt.register(system.replace(name="turning-twice", events=tuple(twice)))
+        tt.extending.register(system.replace(name="turning-twice", events=tuple(twice)))
 
 
 def test_which_events_are_logged(own) -> None:
@@ -265,7 +242,7 @@ def test_which_events_are_logged(own) -> None:
     assert logged(["turning"]) == logged("turning") == ("turning",)
     assert logged([own.EIGHTH]) == logged(own.EIGHTH) == ("eighth",)
     assert logged(["turning", own.EIGHTH]) == ("turning", "eighth")
-    kept = dataclasses.replace(own.EIGHTH, kept=[tt.Kept("first_eighth", "first", "x")])  # a list is fine
+    kept = dataclasses.replace(own.EIGHTH, kept=[tt.extending.Kept("first_eighth", "first", "x")])  # a list is fine
     run = tt.run("inverting", until=0.05, events=[], columns=own.SPIN_ENERGY)
     assert run.events.sizes["event"] == 0
     assert "spin_energy" in run.trajectory
@@ -282,17 +259,17 @@ def test_events_and_columns_are_lists_of_records(value) -> None:
 
 def test_a_system_of_ones_own(own) -> None:
     """Passed as a record or by its name, it is the tippe top in other numbers."""
-    run = tt.run(own.SCALED_TIPPE_TOP, tt.Viscous(0.3), parameters=SCALED, start=START, until=2.0)
+    run = tt.run(own.SCALED_TIPPE_TOP, tt.friction.Viscous(0.3), parameters=SCALED, start=START, until=2.0)
     np.testing.assert_allclose(
-        run.trajectory.theta, tt.run(TOP, tt.Viscous(0.3), start=START, until=2.0).trajectory.theta, atol=1e-10
+        run.trajectory.theta, tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=2.0).trajectory.theta, atol=1e-10
     )
     assert "spin_energy" in run.trajectory
     with pytest.raises(tt.InputError, match=r"`parameters.k3` must be at most 2\*k1"):
-        tt.run(own.SCALED_TIPPE_TOP, tt.Viscous(0.3), parameters={**SCALED, "k3": 1.0}, start=START, until=2.0)
-    tt.register(own.SCALED_TIPPE_TOP)
+        tt.run(own.SCALED_TIPPE_TOP, tt.friction.Viscous(0.3), parameters={**SCALED, "k3": 1.0}, start=START, until=2.0)
+    tt.extending.register(own.SCALED_TIPPE_TOP)
     tables = {"system": "scaled-tippe-top", "parameters": SCALED, "initial": START, "run": {"until": 0.5}}
-    assert "k1" in tt.run(tables, tt.Viscous(0.3)).summary.parameters
-    many = tt.ensemble(tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.Viscous(0.3))
+    assert "k1" in tt.run(tables, tt.friction.Viscous(0.3)).summary.parameters
+    many = tt.ensemble(tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.friction.Viscous(0.3))
     assert list(many["status"].values) == [1, 1, 1]
 
 
@@ -300,8 +277,8 @@ def test_workers_of_a_sweep_know_packages_only(own, tmp_path: Path, monkeypatch:
     """What is registered in this process alone runs in it; with workers, that is said before anything is tried."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(systems, "REGISTERED_HERE", set())
-    tt.register(own.QUADRATIC)
-    tt.register(own.SCALED_TIPPE_TOP)
+    tt.extending.register(own.Quadratic)
+    tt.extending.register(own.SCALED_TIPPE_TOP)
     (tmp_path / "scenario.toml").write_text(SCENARIO)
     (tmp_path / "plan.toml").write_text(PLAN)
     for where in ({"workers": 2}, {"scheduler": "tcp://127.0.0.1:1"}):
@@ -319,7 +296,7 @@ def test_workers_of_a_sweep_know_packages_only(own, tmp_path: Path, monkeypatch:
     for workers in ("x", 0, -1, 1.5, True):
         with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
             tt.sweep("plan.toml", "sweep.zarr", workers=workers)
-    systems.add_law("quadratic", own.QUADRATIC)  # as an entry point does
+    systems.add_law(own.Quadratic)  # as an entry point does
     assert systems.known_to_others(own.Quadratic)
 
 

@@ -125,7 +125,7 @@ def test_an_exit_that_cannot_be_is_refused(page: dict, way: Exit, words: str) ->
     point = page["point"]
     phases = {**point.phases, "fall": dataclasses.replace(point.phases["fall"], exits=(way,))}
     with pytest.raises(tt.InputError, match=words):
-        tt.register(dataclasses.replace(point, name="broken-point", phases=phases))
+        tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
 
 
 def test_an_event_with_an_exit_ends_its_phase_by_that(page: dict) -> None:
@@ -210,4 +210,4 @@ def test_a_phase_that_changes_the_common_state_is_refused(page: dict) -> None:
     point, state = page["point"], page["State"]
     spoilt = dataclasses.replace(point.phases["rest"], enter=lambda x, b: x, leave=lambda q, b: state(q.h + 1, q.v))
     with pytest.raises(tt.InputError, match="must keep the common state"):
-        tt.register(dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt}))
+        tt.extending.register(dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt}))

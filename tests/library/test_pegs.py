@@ -11,7 +11,7 @@ from helpers.touching import BODY, BOUNCE
 from tippetop.exchange.scales import scale_of
 from tippetop.mechanics.operand import refill
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.mechanics.systems.tippe_top import PARAMETERS
+from tippetop.mechanics.systems.tippe_top import TippeTop
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
 from tippetop.scenario import build
@@ -45,7 +45,7 @@ def turned(tables: dict[str, Any]) -> dict[str, Any]:
         name: -x if name in ("theta_dot", "omega3", "nu_x", "nu_y") else x for name, x in tables["initial"].items()
     }
     start |= {"theta": math.pi - start["theta"], "phi": math.pi}
-    return {**tables, "parameters": PEG.numbers(), "initial": start}
+    return {**tables, "parameters": PEG._asdict(), "initial": start}
 
 
 @pytest.mark.parametrize("kind", MOTIONS)
@@ -83,15 +83,15 @@ def test_spins_of_pegs_are_stable_where_differences_of_the_motion_decay(rng: np.
         I3 = 0.4 * m * R**2 * size
         numbers = {"m": m, "R": R, "g": g, "I3": I3, "alpha": -rng.uniform(0.1, 0.9), "I1": I3 * rng.uniform(0.6, 1.6)}
         peg = tt.TippeTop(**numbers)
-        limits = tt.thresholds(peg)
+        limits = tt.theory.thresholds(peg)
         for lam in rng.uniform(0.3, 3, 4) * limits["lambda_de"].value:
             borders = np.array([limits["lambda_u"].value, limits["lambda_s"].value])
             if (abs(borders / lam - 1) < 0.1).any():
                 continue
-            regime = tt.regime(peg, lam)
+            regime = tt.theory.regime(peg, lam)
             for up, stable in ((1, regime.upright), (-1, regime.inverted)):
                 omega3 = lam / (I3 * (R * up - numbers["alpha"] * R))
-                rate = growth(peg.body(tt.Viscous(mu=0.4).record()), omega3, up)
+                rate = growth(peg.body(tt.friction.Viscous(mu=0.4)), omega3, up)
                 assert (rate < 1e-8) is stable
                 seen.add((up, stable))
     assert len(seen) == 4
@@ -99,9 +99,9 @@ def test_spins_of_pegs_are_stable_where_differences_of_the_motion_decay(rng: np.
 
 @pytest.mark.parametrize(("ratio", "stable"), [(0.9, False), (1.1, True)])
 def test_the_upright_spin_of_a_rolling_peg_stays_above_lambda_pi_alone(ratio: float, stable: bool) -> None:
-    omega3 = ratio * tt.thresholds(PEG)["lambda_pi"].value / (PEG.I3 * PEG.R * (1 - PEG.alpha))
+    omega3 = ratio * tt.theory.thresholds(PEG)["lambda_pi"].value / (PEG.I3 * PEG.R * (1 - PEG.alpha))
     start = {"theta": 1e-5, "omega3": omega3}
-    tables = {"system": "rolling-tippe-top", "parameters": PEG.numbers(), "initial": start, "run": {"until": 3.0}}
+    tables = {"system": "rolling-tippe-top", "parameters": PEG._asdict(), "initial": start, "run": {"until": 3.0}}
     assert (float(tt.run({**tables, "form": "vector"}).trajectory["theta"].max()) < 1e-3) is stable
     assert (
         f"upright spin of this lambda is {'' if stable else 'un'}stable"
@@ -125,7 +125,7 @@ def test_no_run_of_a_random_peg_contradicts_what_is_predicted(rng: np.random.Gen
         }
         problem = build.problem(tables)
         start = forecast.at_start(problem)
-        regime = tt.regime(tt.TippeTop(**body), start["jellett"])
+        regime = tt.theory.regime(tt.TippeTop(**body), start["jellett"])
         known = {"upright": regime.upright, "inverted": regime.inverted, "tumbling": bool(regime.tumbling)}
         outcome = solve(problem, keep=False).report["outcome"]
         assert known.get(outcome, True)
@@ -134,7 +134,7 @@ def test_no_run_of_a_random_peg_contradicts_what_is_predicted(rng: np.random.Gen
 
 
 def test_words_of_theory_follow_the_axis_of_a_peg() -> None:
-    of_top, of_peg = tt.thresholds(TOP), tt.thresholds(PEG)
+    of_top, of_peg = tt.theory.thresholds(TOP), tt.theory.thresholds(PEG)
     swap = {"upright": "inverted", "inverted": "upright"}
     for name, limit in of_top.items():
         other = of_peg["_".join(swap.get(word, word) for word in name.split("_"))]
@@ -144,11 +144,11 @@ def test_words_of_theory_follow_the_axis_of_a_peg() -> None:
 
 def test_asymptotic_states_of_a_peg_are_critical_points_of_its_least_energy() -> None:
     lam = 2.5e-6
-    states = tt.asymptotic_states(PEG, lam)
+    states = tt.theory.asymptotic_states(PEG, lam)
     assert [state.kind for state in states] == ["upright", "tumbling", "inverted"]
     for state in states:
         beyond = math.acos(math.cos(state.theta + 1e-4))  # the other side of a pole is the same
-        least, *around = tt.least_energy(
+        least, *around = tt.theory.least_energy(
             PEG, np.array([state.theta, state.theta - 1e-4 if state.theta else 1e-4, beyond]), lam
         )
         assert state.energy == pytest.approx(least, rel=1e-14)
@@ -158,15 +158,15 @@ def test_asymptotic_states_of_a_peg_are_critical_points_of_its_least_energy() ->
 
 def test_the_landscape_of_a_peg_is_that_of_the_top_with_D_turned_round() -> None:
     D, lam, z = np.linspace(-2e-4, 3e-4, 11), np.linspace(0, 4e-6, 9), np.linspace(-0.9, 0.9, 7)
-    top, peg = tt.minimal_surface(TOP, D=D, lam=lam), tt.minimal_surface(PEG, D=-D[::-1], lam=lam)
+    top, peg = tt.landscapes.minimal_surface(TOP, D=D, lam=lam), tt.landscapes.minimal_surface(PEG, D=-D[::-1], lam=lam)
     for name, sign in (("F", 1), ("z", -1), ("F_D", -1), ("F_lambda", 1)):
         np.testing.assert_allclose(peg[name][::-1], sign * top[name], rtol=1e-13)
     V = SYSTEMS["tippe-top"].potential(z, 2e-5, 2e-6, PEG.body())
-    np.testing.assert_allclose(tt.potential(PEG, z, D=2e-5, lam=2e-6)["V"], V, rtol=1e-13)
-    swing = tt.turning_angles(PEG, D=-2e-5, lam=2e-6, energy=6e-3)
-    exact = tt.nutation(PEG, D=-2e-5, lam=2e-6, energy=6e-3, theta=float(swing["theta_star"]))
+    np.testing.assert_allclose(tt.landscapes.potential(PEG, z, D=2e-5, lam=2e-6)["V"], V, rtol=1e-13)
+    swing = tt.landscapes.turning_angles(PEG, D=-2e-5, lam=2e-6, energy=6e-3)
+    exact = tt.theory.nutation(PEG, D=-2e-5, lam=2e-6, energy=6e-3, theta=float(swing["theta_star"]))
     assert [float(swing[name]) for name in exact._fields] == pytest.approx(exact, rel=1e-12)
-    lines = tt.marked_lines(PEG, np.array([1e-6, 2e-6]))
+    lines = tt.landscapes.marked_lines(PEG, np.array([1e-6, 2e-6]))
     assert lines["on_surface"].values.tolist() == [[False, True], [True, True]]
 
 
@@ -193,7 +193,7 @@ def test_an_axis_of_a_sweep_keeps_the_sign_of_alpha(how: dict[str, Any]) -> None
 
 def test_a_fit_keeps_the_sign_of_alpha() -> None:
     for value in (-0.25, 0.25):
-        scale = scale_of(PARAMETERS["alpha"], value)
+        scale = scale_of(TippeTop.parameters["alpha"], value)
         assert sorted(map(scale.outside, (scale.low, scale.high))) == sorted((0.0, math.copysign(1, value)))
 
 

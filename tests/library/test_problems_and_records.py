@@ -16,11 +16,11 @@ from tippetop.library.scenarios import checked
 @pytest.mark.parametrize(
     "mapping",
     [
-        lambda: tt.SYSTEMS["tippe-top"].parameters,
-        lambda: tt.SYSTEMS["tippe-top"].laws,
-        lambda: tt.SYSTEMS["gliding-cylinder"].laws,
-        lambda: tt.SYSTEMS["tippe-top"].forms,
-        lambda: tt.LAWS["viscous"].parameters,
+        lambda: tt.extending.SYSTEMS["tippe-top"].parameters,
+        lambda: tt.extending.SYSTEMS["tippe-top"].laws,
+        lambda: tt.extending.SYSTEMS["gliding-cylinder"].laws,
+        lambda: tt.extending.SYSTEMS["tippe-top"].forms,
+        lambda: tt.extending.LAWS["viscous"].parameters,
         lambda: tt.load("inverting").parameters,
         lambda: tt.load("inverting").initial,
     ],
@@ -75,7 +75,7 @@ def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentenc
     with pytest.raises(tt.InputError, match=sentence):
         tt.run(dataclasses.replace(PROBLEM, **changes))
     with pytest.raises(tt.InputError, match=sentence):
-        tt.thresholds(dataclasses.replace(PROBLEM, **changes))
+        tt.theory.thresholds(dataclasses.replace(PROBLEM, **changes))
 
 
 @pytest.mark.parametrize(

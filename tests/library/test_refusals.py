@@ -12,7 +12,6 @@ import tippetop as tt
 from tippetop.arguments import plain
 from tippetop.mechanics import friction, systems
 from tippetop.mechanics.operand import formula, sqrt
-from tippetop.mechanics.system import Parameter
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
 from tippetop.scenario import reference
 
@@ -32,14 +31,9 @@ def forgotten() -> Iterator[None]:
 
 
 def law(name: str, coefficient: Callable) -> Any:
-    """The record of a registered law with one number, mu."""
-
-    class Own(NamedTuple):
-        mu: float
-
-    record: Any = Own
-    tt.register(tt.Law(record, {"mu": Parameter(SECOND_PER_METRE, "a number")}, "k", formula(coefficient)), name)
-    return record
+    """A registered law with one number, mu."""
+    body = {"mu": tt.extending.number(SECOND_PER_METRE, "a number"), "coefficient": formula(coefficient)}
+    return tt.extending.register(type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body))
 
 
 @pytest.mark.parametrize(
@@ -90,9 +84,9 @@ def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
 def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) -> None:
     """It was said that the parameters overflow, or that the equations are too stiff."""
     with pytest.raises(tt.InputError, match=sentence.format("column `mine`")):
-        tt.run("inverting", until=0.1, columns=[tt.Quantity("mine", "q", JOULE, "mine", formula(value))])
+        tt.run("inverting", until=0.1, columns=[tt.extending.Quantity("mine", "q", JOULE, "mine", formula(value))])
     with pytest.raises(tt.InputError, match=sentence.format("event `mine`")):
-        tt.run("inverting", until=0.1, events=[tt.Event("mine", "mine", formula(value))])
+        tt.run("inverting", until=0.1, events=[tt.extending.Event("mine", "mine", formula(value))])
 
 
 @pytest.mark.parametrize(
@@ -102,7 +96,7 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
         ({"start": None}, "`start` of `mine` must be a function"),
         ({"scales": 3}, "`scales` of `mine` must be a function"),
         ({"angles": None}, "`angles` of `mine` must be a NamedTuple"),
-        ({"initial": {"theta": 3}}, "`initial` of `mine` must be Parameter records"),
+        ({"initial": {"theta": 3}}, "`initial` of `mine` must be Number records"),
         ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
         ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
         ({"body": lambda parameters, law: 1.0}, "fail: |must give NamedTuples"),
@@ -122,15 +116,15 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
 )
 def test_a_system_that_has_no_body_is_refused(changes: dict[str, Any], sentence: str) -> None:
     """Where it is registered, and where it is run."""
-    system = tt.SYSTEMS["tippe-top"].replace(name="mine", **changes)
+    system = tt.extending.SYSTEMS["tippe-top"].replace(name="mine", **changes)
     with pytest.raises(tt.InputError, match=sentence):
-        tt.register(system)
+        tt.extending.register(system)
     with pytest.raises(tt.InputError, match=sentence):
-        tt.run(system, tt.Viscous(0.3), parameters=BODY, until=0.1)
+        tt.run(system, tt.friction.Viscous(0.3), parameters=BODY, until=0.1)
 
 
 def test_the_systems_of_the_package_pass_these_checks() -> None:
-    for system in tt.SYSTEMS.values():
+    for system in tt.extending.SYSTEMS.values():
         systems.check(system)
 
 
@@ -145,8 +139,8 @@ def test_the_systems_of_the_package_pass_these_checks() -> None:
 )
 def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence: str) -> None:
     with pytest.raises(tt.InputError, match=sentence):
-        tt.Parameter(**{"unit": ONE, "long_name": "x", **given})
-    assert tt.Parameter(ONE, "x", least=1, most=1).broken(2)
+        tt.extending.number(**{"unit": ONE, "words": "x", **given})
+    assert tt.extending.number(ONE, "x", least=1, most=1).broken(2)
 
 
 @pytest.mark.parametrize(
@@ -155,34 +149,45 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
         (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
         (lambda: tt.TippeTop(**{**BODY, "R": 10**400, "I1": "2*m"}), "`parameters.R` must be a"),
         (lambda: tt.run("inverting", until=1e308, output_step=1e307), r"`until` must be at most 1e\+16"),
-        (lambda: tt.run("inverting", tt.Viscous), r"a record such as Viscous\(...\), but is the class"),
+        (lambda: tt.run("inverting", tt.friction.Viscous), r"a record such as Viscous\(...\), but is the class"),
         (lambda: tt.run("inverting", 0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),
         (lambda: tt.run("inverting", start={"theta": 1}, initial={"theta": 2}), "`start` and `initial` are the same"),
         (lambda: tt.run("inverting", stop=True), "`stop` must be a threading.Event, but is True"),  # type: ignore[arg-type]
         (lambda: tt.run("inverting", progress="x"), "`progress` must be True or False"),  # type: ignore[arg-type]
-        (lambda: tt.minimal_surface("inverting", D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
-        (lambda: tt.minimal_surface("inverting", D=[], lam=4e-6), "`D` must be a number or"),
-        (lambda: tt.marked_lines("inverting", []), "`lambda` must be a number or"),
-        (lambda: tt.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
-        (lambda: tt.Unit("a", 2, -2, "J"), "powers of a Unit must be whole numbers, but are 'a', 2, -2"),  # type: ignore[arg-type]
-        (lambda: tt.Unit(1, 2, -2, 3), "`symbol` of a Unit must be a text, but is 3"),  # type: ignore[arg-type]
-        (lambda: tt.Unit(1, 2, -2, "m"), r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2\)'),
-        (lambda: tt.Unit(1, 2, -2, "kg m2 s-1"), r"must be \(1, 2, -1\), but are"),
+        (lambda: tt.landscapes.minimal_surface("inverting", D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
+        (lambda: tt.landscapes.minimal_surface("inverting", D=[], lam=4e-6), "`D` must be a number or"),
+        (lambda: tt.landscapes.marked_lines("inverting", []), "`lambda` must be a number or"),
+        (lambda: tt.derivatives.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
+        (lambda: tt.extending.Unit("a", 2, -2, "J"), "powers of a Unit must be whole numbers, but are 'a', 2, -2"),  # type: ignore[arg-type]
+        (lambda: tt.extending.Unit(1, 2, -2, 3), "`symbol` of a Unit must be a text, but is 3"),  # type: ignore[arg-type]
+        (lambda: tt.extending.Unit(1, 2, -2, "m"), r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2\)'),
+        (lambda: tt.extending.Unit(1, 2, -2, "kg m2 s-1"), r"must be \(1, 2, -1\), but are"),
         (
-            lambda: tt.run("inverting", until=0.1, columns=[tt.Quantity("q", 3, ONE, None, lambda s, b: s.z)]),  # type: ignore[arg-type]
+            lambda: tt.run(
+                "inverting", until=0.1, columns=[tt.extending.Quantity("q", 3, ONE, None, lambda s, b: s.z)]
+            ),  # type: ignore[arg-type]
             "`symbol` of the column `q` must be a text, but is 3.\n`long_name` of the column `q` must be a text",
         ),
         (
-            lambda: tt.run("inverting", until=0.1, events=[tt.Event("e", 3, lambda s, b: s.z)]),  # type: ignore[arg-type]
+            lambda: tt.run("inverting", until=0.1, events=[tt.extending.Event("e", 3, lambda s, b: s.z)]),  # type: ignore[arg-type]
             "`long_name` of the event `e` must be a text, but is 3",
         ),
-        (lambda: tt.asymptotic_states("inverting", 1e300), r"`lam` must give energies .*, but 1e\+300 does not"),
+        (lambda: tt.theory.asymptotic_states("inverting", 1e300), r"`lam` must give energies .*, but 1e\+300 does not"),
         (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),  # type: ignore[arg-type]
         (lambda: tt.run("inverting", until=0.01).plot("theta", beside=3), "`beside` must be a list of Runs, but is 3"),  # type: ignore[arg-type]
         (lambda: tt.run("inverting", until=0.01).plot("theta", beside=[3]), r"must be a list of Runs, but is \[3\]"),  # type: ignore[list-item]
-        (lambda: tt.linear_modes("cohen-coulomb", omega3=100), "must be finite as v_A goes to 0, .* give Coulomb"),
-        (lambda: tt.linear_modes(tt.TippeTop(**BODY), tt.Coulomb(0.3), omega3=1), "must be finite as v_A goes to 0"),
-        (lambda: tt.linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300 rad/s does"),
+        (
+            lambda: tt.theory.linear_modes("cohen-coulomb", omega3=100),
+            "must be finite as v_A goes to 0, .* give Coulomb",
+        ),
+        (
+            lambda: tt.theory.linear_modes(tt.TippeTop(**BODY), tt.friction.Coulomb(0.3), omega3=1),
+            "must be finite as v_A goes to 0",
+        ),
+        (
+            lambda: tt.theory.linear_modes("inverting", omega3=1e300),
+            r"`omega3` must give rates .*, but 1e\+300 rad/s does",
+        ),
     ],
 )
 def test_an_argument_that_cannot_be_used_is_named(call: Callable, sentence: str) -> None:
@@ -192,11 +197,11 @@ def test_an_argument_that_cannot_be_used_is_named(call: Callable, sentence: str)
 
 def test_what_is_known_by_name_is_changed_by_register_alone() -> None:
     """A law that was put in by hand broke every later run."""
-    for registry in (tt.LAWS, tt.SYSTEMS):
+    for registry in (tt.extending.LAWS, tt.extending.SYSTEMS):
         with pytest.raises(TypeError):
             registry["x"] = 3  # type: ignore[index]
     law("mine", lambda v2, z, law: law.mu)
-    assert "mine" in tt.LAWS
+    assert "mine" in tt.extending.LAWS
 
 
 def test_a_stop_says_what_is_kept(tmp_path: Any) -> None:
@@ -215,12 +220,14 @@ def test_numbers_of_other_libraries_are_numbers() -> None:
 
 def test_a_top_of_another_name_is_still_a_top() -> None:
     """thresholds and linear_modes know the body, by whatever name the system goes; potential takes a preset's name."""
-    mine = tt.register(tt.SYSTEMS["tippe-top"].replace(name="mine"))
+    mine = tt.extending.register(tt.extending.SYSTEMS["tippe-top"].replace(name="mine"))
     from tippetop.library.scenarios import problem_of
 
     problem = problem_of("inverting", system=mine.name)
-    assert tt.thresholds(problem) == tt.thresholds("inverting")
-    assert tt.potential("inverting", 0.5, D=3e-4, lam=4e-6).equals(tt.potential(problem, 0.5, D=3e-4, lam=4e-6))
+    assert tt.theory.thresholds(problem) == tt.theory.thresholds("inverting")
+    assert tt.landscapes.potential("inverting", 0.5, D=3e-4, lam=4e-6).equals(
+        tt.landscapes.potential(problem, 0.5, D=3e-4, lam=4e-6)
+    )
 
 
 def test_a_page_says_which_columns_it_lacks() -> None:
@@ -238,7 +245,7 @@ def test_a_page_says_which_columns_it_lacks() -> None:
 def test_too_few_rows_are_refused_and_not_pondered(rows: dict[str, Any]) -> None:
     """A reconstruction from two rows in each swing took for ever."""
     with pytest.raises(tt.InputError, match=r"some hundred in each nutation, but has [12] between two turnings"):
-        tt.reconstruct(tt.run("inverting", until=0.2, **rows))
+        tt.theory.reconstruct(tt.run("inverting", until=0.2, **rows))
 
 
 def test_a_record_is_read_only() -> None:
@@ -263,10 +270,14 @@ class Entry(NamedTuple):
 
 def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """A name that is taken, another name than that of the record, and what is no record: a sentence each."""
-    mine = tt.Law(NamedTuple("Mine", [("mu", float)]), {"mu": Parameter(ONE, "mu")}, "k", lambda v2, z, law: law.mu)
-    top = tt.SYSTEMS["tippe-top"].replace(name="my-top")
+    body = {"mu": tt.extending.number(ONE, "mu"), "coefficient": lambda v2, z, law: law.mu}
+    taken, mine = (
+        type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body) for name in ("Viscous", "Mine")
+    )
+    top = tt.extending.SYSTEMS["tippe-top"].replace(name="my-top")
     entries = [
-        Entry("tippetop.friction", "viscous", mine),
+        Entry("tippetop.friction", "viscous", taken),
+        Entry("tippetop.friction", "other-name", mine),
         Entry("tippetop.friction", "wrong", 3),
         Entry("tippetop.systems", "other-name", top),
         Entry("tippetop.systems", "wrong", 3),
@@ -276,21 +287,22 @@ def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyP
         systems.load_entry_points.__wrapped__()
     assert [str(each.message) for each in warned] == [
         "`viscous` of tippetop.friction is left out: the name of a law must be new, but `viscous` is that of Viscous.",
-        "`wrong` of tippetop.friction is left out: it must be a Law, but is 3.",
+        "`other-name` of tippetop.friction is known as `mine`, the key of its class, and by no other.",
+        "`wrong` of tippetop.friction is left out: it must be a FrictionLaw, but is 3.",
         "`other-name` of tippetop.systems is known as `my-top`, the name of its System, and by no other.",
         "`wrong` of tippetop.systems is left out: it must be a System, but is 3.",
     ]
-    assert "my-top" in tt.SYSTEMS
+    assert "my-top" in tt.extending.SYSTEMS
 
 
 def test_every_list_of_laws_is_the_same() -> None:
-    """What a run takes, tt.LAWS, the manual and a sentence; each says of which systems a law is."""
+    """What a run takes, tt.extending.LAWS, the manual and a sentence; each says of which systems a law is."""
     named = {section.title: section.text for section in reference.friction()}
     del named["coulomb (without eps)"]
-    assert named.keys() == tt.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
+    assert named.keys() == tt.extending.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
     assert named["contensou"].endswith("Of tippe-top.")
     assert named["modified"].endswith("Of gliding-cylinder.")
-    assert len(tt.LAWS) == len(repr(tt.LAWS).splitlines())
+    assert len(tt.extending.LAWS) == len(repr(tt.extending.LAWS).splitlines())
     for name, absent in (("tippe-top", "modified"), ("gliding-cylinder", "contensou")):
         laws = [law for law in named if law != absent]
         with pytest.raises(tt.InputError) as refused:

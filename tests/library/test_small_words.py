@@ -4,7 +4,7 @@ import copy
 import pickle
 import warnings
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,20 +27,25 @@ def run() -> tt.Run:
 
 def test_a_run_a_problem_and_a_preset_stand_for_their_body(run: tt.Run) -> None:
     for source in (run, run.problem, "inverting", "rolling"):
-        assert tt.thresholds(source) == tt.thresholds(TOP), source
-        assert tt.regime(source, 4e-6) == tt.regime(TOP, 4e-6)
-    assert tt.thresholds("heavy-top").keys() == {"spin_sleeping"}
+        assert tt.theory.thresholds(source) == tt.theory.thresholds(TOP), source
+        assert tt.theory.regime(source, 4e-6) == tt.theory.regime(TOP, 4e-6)
+    assert tt.theory.thresholds("heavy-top").keys() == {"spin_sleeping"}
     nutation = {"energy": 0.043, "theta": 1.0, "D": 3.3e-4, "lam": 2.2e-6}
-    assert tt.nutation(run, **nutation) == tt.nutation(TOP, **nutation)
+    assert tt.theory.nutation(run, **nutation) == tt.theory.nutation(TOP, **nutation)
 
 
 def test_a_run_has_its_law_and_a_rolling_one_none(run: tt.Run) -> None:
     np.testing.assert_array_equal(
-        tt.linear_modes(run, omega3=155.0), tt.linear_modes(TOP, tt.Viscous(mu=0.3), omega3=155.0)
+        tt.theory.linear_modes(run, omega3=155.0),
+        tt.theory.linear_modes(TOP, tt.friction.Viscous(mu=0.3), omega3=155.0),
     )
-    np.testing.assert_array_equal(tt.linear_modes("rolling", omega3=155.0), tt.linear_modes(TOP, omega3=155.0))
-    other = tt.Viscous(mu=0.1)
-    np.testing.assert_array_equal(tt.linear_modes(run, other, omega3=155.0), tt.linear_modes(TOP, other, omega3=155.0))
+    np.testing.assert_array_equal(
+        tt.theory.linear_modes("rolling", omega3=155.0), tt.theory.linear_modes(TOP, omega3=155.0)
+    )
+    other = tt.friction.Viscous(mu=0.1)
+    np.testing.assert_array_equal(
+        tt.theory.linear_modes(run, other, omega3=155.0), tt.theory.linear_modes(TOP, other, omega3=155.0)
+    )
 
 
 def test_what_is_no_top_is_refused_in_a_sentence() -> None:
@@ -51,9 +56,9 @@ def test_what_is_no_top_is_refused_in_a_sentence() -> None:
         ("invertin", "neither a TOML file nor a preset"),
     ):
         with pytest.raises(tt.InputError, match=sentence):
-            tt.thresholds(source)
+            tt.theory.thresholds(source)
     with pytest.raises(tt.InputError, match=r"must be a record such as Coulomb\(\.\.\.\), but is 'coulomb'"):
-        tt.linear_modes(TOP, "coulomb", omega3=3.0)
+        tt.theory.linear_modes(TOP, "coulomb", omega3=3.0)
 
 
 def test_the_orientation_can_be_left_out() -> None:
@@ -91,10 +96,10 @@ def test_every_integrated_variable_has_a_unit_and_a_meaning(run: tt.Run) -> None
 
 def test_nutation_says_why_there_is_no_period() -> None:
     with pytest.warns(UserWarning, match="not above the effective potential at any angle"):
-        assert np.isnan(tt.nutation(TOP, energy=-1.0, theta=1.0, D=3e-4, lam=4e-6).period)
+        assert np.isnan(tt.theory.nutation(TOP, energy=-1.0, theta=1.0, D=3e-4, lam=4e-6).period)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert tt.nutation(TOP, energy=0.043, theta=1.0, D=3.3e-4, lam=2.2e-6).period > 0
+        assert tt.theory.nutation(TOP, energy=0.043, theta=1.0, D=3.3e-4, lam=2.2e-6).period > 0
 
 
 def test_stores_are_overwritten_in_the_words_of_the_call(run: tt.Run, tmp_path: Path) -> None:
@@ -112,7 +117,7 @@ def test_stores_are_overwritten_in_the_words_of_the_call(run: tt.Run, tmp_path: 
     [
         (lambda: tt.run("inverting", untill=3), r"run\(\) has no argument `untill`. Did you mean `until`\?"),
         (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "has no argument `alfa`. Did you mean `alpha`"),
-        (lambda: tt.Coulomb(mu=0.3, epsilon=1e-3), "has no argument `epsilon`. Did you mean `eps`"),
+        (lambda: tt.friction.Coulomb(mu=0.3, epsilon=1e-3), "has no argument `epsilon`. Did you mean `eps`"),
     ],
 )
 def test_a_mistyped_keyword_is_answered_with_the_nearest(call, sentence: str) -> None:
@@ -129,25 +134,22 @@ def test_formulas_that_fail_name_themselves_and_keep_the_cause() -> None:
     def wrong(scalars, b):
         return scalars.height
 
-    unit = tt.SYSTEMS["tippe-top"].quantities[0].unit
+    unit = tt.extending.SYSTEMS["tippe-top"].quantities[0].unit
     for options, words in (
-        ({"events": tt.Event("mine", "mine", wrong)}, "the event `mine`"),
-        ({"columns": tt.Quantity("own", "o", unit, "own", wrong)}, "the column `own`"),
+        ({"events": tt.extending.Event("mine", "mine", wrong)}, "the event `mine`"),
+        ({"columns": tt.extending.Quantity("own", "o", unit, "own", wrong)}, "the column `own`"),
     ):
         with pytest.raises(tt.InputError, match=f"the formula of {words} fails: AttributeError") as raised:
             tt.run("inverting", until=0.1, **options)
         assert isinstance(raised.value.__cause__, AttributeError)
 
 
-class Odd(NamedTuple):
-    mu: Any
-
-
 def test_a_law_that_fails_names_itself() -> None:
     def coefficient(v2, z, law):
         return law.nu
 
-    tt.register(tt.Law(Odd, {"mu": friction.LAWS["viscous"].parameters["mu"]}, "odd", coefficient), "odd")
+    body = {"mu": friction.LAWS["viscous"].parameters["mu"], "coefficient": coefficient}
+    Odd: Any = tt.extending.register(type(tt.extending.FrictionLaw)("Odd", (tt.extending.FrictionLaw,), body))
     try:
         with pytest.raises(tt.InputError, match="the formula of the friction law `odd` fails") as raised:
             tt.run("inverting", friction=Odd(0.3), until=0.1)
@@ -166,7 +168,7 @@ def test_runs_problems_and_systems_are_pickled_by_name(run: tt.Run) -> None:
         assert again.trajectory.identical(made.trajectory)
         assert again.summary.to_dict() == made.summary.to_dict()
     assert copy.deepcopy(run.problem).system is run.problem.system
-    own = tt.run("inverting", until=0.02, events=tt.Event("mine", "mine", lambda s, b: s.z - 0.5))
+    own = tt.run("inverting", until=0.02, events=tt.extending.Event("mine", "mine", lambda s, b: s.z - 0.5))
     for thing in (own, own.problem, own.problem.system):
         with pytest.raises(pickle.PicklingError, match="cannot be pickled: its formulas are functions"):
             pickle.dumps(thing)

@@ -114,7 +114,7 @@ def modified(parameters: dict, start: dict, until: float, mu: float = 0.05, v_k:
 
 def test_modified_reaction_of_a_round_cylinder() -> None:
     """theta'' and nu_x' of [T 6.21] and the energy rate of [T 6.22], at random states."""
-    b = cylinder.body(ROUND, cylinder.Modified(0.05, 0.1))
+    b = cylinder.Cylinder.body_of(ROUND, cylinder.Modified(0.05, 0.1))
     nu = np.linspace(-1, 1, 21)
     q = cylinder.State(np.sin(nu), np.cos(nu), 5 * nu + 1, nu)
     rates, share, m, R, inertia = cylinder.rates(q, b), 1 / (1 + nu**2 / 0.01), 0.02, 0.02, 4e-6

@@ -1,15 +1,13 @@
 """The fields of a law tell what its contact does; a name with its numbers gives one law."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 
 import tippetop as tt
 from tippetop.mechanics import friction
-from tippetop.mechanics.friction import LAWS, is_frictionless, takes_nothing
-from tippetop.mechanics.operand import Operand, Vector, formula
-from tippetop.mechanics.parameter import Parameter
+from tippetop.mechanics.friction import LAWS, FrictionLaw, is_frictionless, takes_nothing
+from tippetop.mechanics.number import Number, number
+from tippetop.mechanics.operand import Vector, formula
 from tippetop.mechanics.units import ONE, SECOND_PER_METRE
 
 
@@ -20,7 +18,7 @@ def test_the_numbers_that_are_given_decide_between_two_laws_of_one_name() -> Non
     assert exact.parameters.keys() < smooth.parameters.keys()
     start = {"theta": 0.1, "omega3": 155.0}
     for eps, law in ((None, exact), (1e-2, smooth)):
-        run = tt.run("inverting", tt.Coulomb(mu=0.3, eps=eps), start=start, until=1e-3)
+        run = tt.run("inverting", tt.friction.Coulomb(mu=0.3, eps=eps), start=start, until=1e-3)
         assert run.problem.law is law
         assert (run.problem.contact is not None) == law.set_valued
 
@@ -30,13 +28,13 @@ def test_a_record_of_the_package_is_taken_for_its_law() -> None:
     for law in LAWS.values():
         for kind in (law, law.given(())):
             numbers = {name: 1e-3 for name in kind.parameters}
-            assert tt.run("inverting", kind.record(**numbers), until=1e-3).problem.law is kind
+            assert tt.run("inverting", kind(**numbers), until=1e-3).problem.law is kind
 
 
 def test_friction_takes_nothing_where_every_force_and_torque_vanishes() -> None:
-    assert is_frictionless(LAWS["coulomb"].given(()).record(0.0))
-    assert not is_frictionless(LAWS["coulomb"].given(()).record(5e-324))
-    disc = LAWS["contensou"].record(np.array([0.0, 0.0, 1e-300]), 1e-3, np.array([0.0, 1e-300, 0.0]))
+    assert is_frictionless(LAWS["coulomb"].given(())(0.0))
+    assert not is_frictionless(LAWS["coulomb"].given(())(5e-324))
+    disc = LAWS["contensou"](np.array([0.0, 0.0, 1e-300]), 1e-3, np.array([0.0, 1e-300, 0.0]))
     assert takes_nothing(disc).tolist() == [True, False, False]
 
 
@@ -46,41 +44,31 @@ def test_the_torque_of_a_disc_takes_energy(name: str, rng: np.random.Generator) 
     region = law.regions[name]
     omega = Vector(*rng.normal(size=3))
     x = {"inside": 0.5, "between": 1.5, "outside": 5.0}[name]
-    torque = law.torque(region.drag(x**2, 1.0), omega, law.record(0.3, 1e-3, 1e-4))
+    torque = law.torque(region.drag(x**2, 1.0), omega, law(0.3, 1e-3, 1e-4))
     assert torque.z * omega.z < 0
     assert torque.x * omega.x + torque.y * omega.y < 0
 
 
-class Late(NamedTuple):
-    """A law of a user."""
-
-    mu: Operand
-
-
 def test_a_law_that_is_registered_late_lets_the_contact_open_too() -> None:
     """Before, the systems whose contact opens knew the laws of the first run alone."""
+
+    class Late(FrictionLaw):
+        mu: Number = number(SECOND_PER_METRE, "mu", least=0)
+        coefficient = formula(lambda v2, z, law: law.mu)
+
     tt.run("flying", until=1e-3)
-    law = tt.Law(
-        Late,
-        {"mu": Parameter(SECOND_PER_METRE, "mu", least=0)},
-        "late",
-        formula(lambda v2, z, law: law.mu),
-    )
     try:
-        tt.register(law, "late")
-        assert tt.run("flying", Late(0.3), until=1e-3).problem.law is law
+        tt.extending.register(Late)
+        assert tt.run("flying", Late(0.3), until=1e-3).problem.law is Late
     finally:
         del friction.LAWS["late"], friction.SLIP[Late]
 
 
-class Odd(NamedTuple):
-    """A law of a user."""
-
-    mu: Operand
-
-
 def test_a_law_of_a_user_is_smooth() -> None:
-    k = formula(lambda v2, z, law: law.mu)
-    law = tt.Law(Odd, {"mu": Parameter(ONE, "mu", least=0)}, "odd", k, set_valued=True)
+    class Odd(FrictionLaw):
+        mu: Number = number(ONE, "mu", least=0)
+        coefficient = formula(lambda v2, z, law: law.mu)
+        set_valued = True
+
     with pytest.raises(tt.InputError, match="`set_valued` of the law `odd` must be left out"):
-        tt.register(law, "odd")
+        tt.extending.register(Odd)

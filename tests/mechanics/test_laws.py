@@ -154,7 +154,7 @@ DECOMPOSITION = {
 def test_taylor_decomposition_has_not_grown(system: str, form: str) -> None:
     """The sizes that were reached: a slowdown shows here without a clock."""
     used = SYSTEMS[system]
-    law = used.laws["viscous"].record if used.frictional else Frictionless
+    law = used.laws["viscous"] if used.frictional else Frictionless
     equations = equations_of_motion(formulas_of(used, form, law), Variables(used.forms[form], orientation=False)).rates
     integrator = hy.taylor_adaptive(equations, np.ones(len(equations)), tol=1e-3, compact_mode=True, opt_level=0)
     assert len(integrator.decomposition) == DECOMPOSITION[system, form]

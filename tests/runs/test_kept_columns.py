@@ -99,7 +99,7 @@ def test_a_column_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str
 
 
 def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
-    own = tt.Quantity("height", "h", tt.Unit(0, 1, 0, "m"), "height", lambda s, b: s.z)
+    own = tt.extending.Quantity("height", "h", tt.extending.Unit(0, 1, 0, "m"), "height", lambda s, b: s.z)
 
     def kept(columns: Any, tables: Any = "inverting") -> set[str]:
         return set(tt.run(tables, until=0.01, columns=columns).trajectory.data_vars)
@@ -121,9 +121,9 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=f"the figure `{kind}` must have .*`{name}`"):
             run.plot(kind)
     with pytest.raises(InputError, match="the band along a run must have `routh`, `jellett`, `modified_energy`, which"):
-        tt.band(run)
+        tt.landscapes.band(run)
     with pytest.raises(InputError, match="what theta is reconstructed from must have `modified_energy`"):
-        tt.reconstruct(run)
+        tt.theory.reconstruct(run)
     arguments = ["run", "inverting", "--columns", "work", "--figure", str(tmp_path / "theta.png")]
     assert outcome(arguments) == 2
     assert not (tmp_path / "theta.png").exists()
@@ -144,7 +144,7 @@ def test_a_figure_needs_no_more_than_it_names(preset: str, monkeypatch: pytest.M
         return [*lines, *marks, np.array(words), np.array(labels)]
 
     problem = build.load(preset, until=0.3)
-    system = tt.SYSTEMS[problem.system.name]
+    system = tt.extending.SYSTEMS[problem.system.name]
     groups = attributes.datasets(solve(problem))
     attrs = groups["trajectory"].attrs
     has = column_names(problem.system, problem.form, True, "double")

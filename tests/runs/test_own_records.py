@@ -46,8 +46,10 @@ def unwritten_otherwise(s, b):
     return s.z**-4
 
 
-GONE = tt.Event("gone", "it has gone", leaves, ends="gone", kept=(tt.Kept("left", "first", "when it went"),))
-HEIGHT = tt.Quantity("height", "h", ONE, "the height", height)
+GONE = tt.extending.Event(
+    "gone", "it has gone", leaves, ends="gone", kept=(tt.extending.Kept("left", "first", "when it went"),)
+)
+HEIGHT = tt.extending.Quantity("height", "h", ONE, "the height", height)
 MINE = {"events": [GONE], "columns": [HEIGHT]}
 OTHERS = [
     {**MINE, "columns": [dataclasses.replace(HEIGHT, formula=seven)]},
@@ -79,7 +81,7 @@ def test_other_records_under_the_same_names_are_refused(store: Path, others: dic
 
 def test_a_run_is_continued_with_its_own_records_only(tmp_path: Path) -> None:
     place = tmp_path / "run.zarr"
-    columns = [HEIGHT, tt.Quantity("odd", "o", ONE, "no program", unwritten)]
+    columns = [HEIGHT, tt.extending.Quantity("odd", "o", ONE, "no program", unwritten)]
     tt.run("rolling", until=0.1, columns=columns, output_step=0.05, out=place)
     before = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
     for other in (
@@ -120,8 +122,10 @@ def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> Non
 def test_a_run_and_an_ensemble_keep_the_same_of_the_passages_that_an_event_detects(direction: int) -> None:
     """A number of rising passages, of an event that detects falling ones, is of none."""
     ways = {-1: "falling", 0: "all", 1: "rising"}
-    kept = [tt.Kept(f"{what}_{ways[way]}", what, "x", way) for what in ("count", "first", "last") for way in ways]
-    event = tt.Event("cross", "x", leaves, direction=direction, kept=tuple(kept))
+    kept = [
+        tt.extending.Kept(f"{what}_{ways[way]}", what, "x", way) for what in ("count", "first", "last") for way in ways
+    ]
+    event = tt.extending.Event("cross", "x", leaves, direction=direction, kept=tuple(kept))
     run = tt.run("inverting", until=1.0, events=[event])
     many = tt.ensemble("inverting", {"omega3": [155.0]}, until=1.0, events=[event])
     for name, value in run.summary.kept.items():

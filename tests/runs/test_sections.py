@@ -7,10 +7,10 @@ import tippetop as tt
 from tippetop.mechanics.operand import formula, sin
 
 
-FORMS = tuple(tt.SYSTEMS["rolling-tippe-top"].forms)
-AZIMUTH = tt.Event("azimuth", "phi = 0.3", formula(lambda s, b: sin(s.phi - 0.3)))
-PLANE = tt.Event("plane", "y component of the axis is 0", formula(lambda s, b: s.uy), direction=+1)
-LINE = tt.Event("line", "x = y", formula(lambda s, b: s.x - s.y))
+FORMS = tuple(tt.extending.SYSTEMS["rolling-tippe-top"].forms)
+AZIMUTH = tt.extending.Event("azimuth", "phi = 0.3", formula(lambda s, b: sin(s.phi - 0.3)))
+PLANE = tt.extending.Event("plane", "y component of the axis is 0", formula(lambda s, b: s.uy), direction=+1)
+LINE = tt.extending.Event("line", "x = y", formula(lambda s, b: s.x - s.y))
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +50,6 @@ def test_events_have_the_columns_of_the_rows_at_them() -> None:
 
 @pytest.mark.parametrize("missing", ["psi", "phi"])
 def test_what_a_form_lacks_is_refused_with_what_it_has(missing: str) -> None:
-    odd = tt.Event("odd", "x", formula(lambda s, b: getattr(s, missing)))
+    odd = tt.extending.Event("odd", "x", formula(lambda s, b: getattr(s, missing)))
     with pytest.raises(tt.InputError, match=f"event `odd` fails: .* has no `{missing}`; it has z, .*, x$"):
         tt.run("rolling-cylinder", events=[odd], until=0.1)

@@ -30,7 +30,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_they_are_the_derivatives_that_python_gives(store: Path) -> None:
-    run, alone = tt.open(store), tt.sensitivities("rolling-cylinder", WRT, until=1.0, output_step=0.01)
+    run, alone = tt.open(store), tt.derivatives.sensitivities("rolling-cylinder", WRT, until=1.0, output_step=0.01)
     assert set(run.sensitivities) == set(alone.trajectory)
     for name, values in alone.trajectory.items():
         np.testing.assert_array_equal(run.sensitivities[name], values)

@@ -53,7 +53,7 @@ def test_the_columns_of_the_reference_are_those_of_runs() -> None:
     sections = {section.title: [row[0] for row in section.rows] for section in columns()}
     for preset, system in (("inverting", "tippe-top"), ("gliding-cylinder", "gliding-cylinder")):
         trajectory = tt.run(preset, until=0.01).trajectory
-        on_request = {quantity.name for quantity in tt.SYSTEMS[system].on_request}
+        on_request = {quantity.name for quantity in tt.extending.SYSTEMS[system].on_request}
         assert set(sections[f"Columns of {system}"]) == set(trajectory.data_vars) | on_request
         units = {row[0]: row[1] for s in columns() if s.title == f"Columns of {system}" for row in s.rows if row[1]}
         assert all(trajectory[name].attrs["units"] == unit for name, unit in units.items() if name in trajectory)

@@ -42,6 +42,15 @@ def test_a_grid_is_the_product_with_the_first_axis_slowest() -> None:
         np.testing.assert_allclose(numbers[key], [row[i] for row in nested], rtol=1e-15)
 
 
+def test_axes_take_texts_with_units() -> None:
+    spin = {"of": "initial.omega3", "linspace": ["955 rpm", 175.0], "n": 3}
+    numbers = all_numbers(made(spin, {"of": "run.until", "values": ["2 min", 1.0, "3/2"]}))
+    assert numbers["initial.omega3"][0] == 955 * 2 * np.pi / 60
+    assert numbers["run.until"][:3].tolist() == [120.0, 1.0, 1.5]
+    with pytest.raises(InputError, match=r"`axis.1.values.0` must be in rad s-1 .* but is \"20 cm\""):
+        made({"of": "initial.omega3", "values": ["20 cm"]})
+
+
 @pytest.mark.parametrize("method", ["random", "sobol", "latin-hypercube"])
 def test_a_sample_stays_in_its_box_and_is_drawn_again_by_its_seed(method: str) -> None:
     axes = (Axis("a", between=(2.0, 3.0)), Axis("b", between=(1e-3, 1e3), log=True), Axis("c", (1.0, 2.0, 3.0)))

@@ -23,7 +23,7 @@ from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root
 from tippetop.sweeps import chunk, sweep, workers
 from tippetop.sweeps.plan import Plan
-from tippetop.sweeps.summary import lines, open_sweep, report
+from tippetop.sweeps.summary import gridded, lines, open_sweep, report
 
 
 LINES = chunk.compute_chunk
@@ -99,7 +99,7 @@ def test_a_run_of_its_own_is_the_top(whole: Path) -> None:
 
 def test_gridded_has_the_axes_as_dimensions(whole: Path) -> None:
     table = open_sweep(whole)
-    grid = tippetop.gridded(table[["theta_end", "class"]])
+    grid = gridded(table[["theta_end", "class"]])
     assert grid["theta_end"].dims == ("initial.omega3", "friction.mu")
     for top in (0, 9, 23):
         one = table.isel(top=top)

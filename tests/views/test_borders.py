@@ -48,7 +48,7 @@ def test_a_top_on_the_line_has_the_lambda_of_the_threshold() -> None:
         jellett = (
             7e-7 * line[0, 0] * 1.5e-2 * (np.cos(0.1) - alpha)
         )  # I3 omega3 R (z - alpha), of a top that spins only
-        assert jellett == pytest.approx(tt.thresholds(top)["lambda_u"].value, rel=1e-5)
+        assert jellett == pytest.approx(tt.theory.thresholds(top)["lambda_u"].value, rel=1e-5)
 
 
 def test_over_one_axis_a_threshold_is_one_upright_line() -> None:

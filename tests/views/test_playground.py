@@ -63,7 +63,11 @@ def test_twenty_tops_are_those_of_the_engine(tab: Any) -> None:
         )
         I3 = rng.uniform(0.25, 0.5) * m * R**2
         top = tt.TippeTop(m=m, R=R, alpha=alpha, I1=gamma * I3, I3=I3, g=9.81)
-        law = tt.Viscous(mu=rng.uniform(0.05, 1)) if i % 4 else tt.Coulomb(mu=rng.uniform(0.1, 0.5), eps=0.02)
+        law = (
+            tt.friction.Viscous(mu=rng.uniform(0.05, 1))
+            if i % 4
+            else tt.friction.Coulomb(mu=rng.uniform(0.1, 0.5), eps=0.02)
+        )
         start = dict(theta=rng.uniform(0.05, 3.0), omega3=rng.uniform(-200, 200), theta_dot=rng.uniform(-3, 3))
         start |= dict(phi=rng.uniform(-3, 3), phi_dot=rng.uniform(-3, 3), nu_x=rng.uniform(-0.3, 0.3), psi=1.0)
         times = np.linspace(0.02, 2.0, 100)
@@ -76,7 +80,7 @@ def test_twenty_tops_are_those_of_the_engine(tab: Any) -> None:
 def test_sliders_change_the_motion_and_its_thresholds(tab: Any) -> None:
     verdict, cell = tab.locator("[data-part=verdict]"), tab.locator("[data-part=thresholds] td")
     assert "inverted" in verdict.inner_text()
-    expected = tt.thresholds(tt.load("inverting"))["lambda_s"].value
+    expected = tt.theory.thresholds(tt.load("inverting"))["lambda_s"].value
     assert float(cell.nth(5).inner_text()) == pytest.approx(1e6 * expected, rel=1e-3)
     spin = tab.locator("[data-part=slider-omega3]")
     spin.evaluate("e => { e.value = 40; e.dispatchEvent(new Event('input')); }")

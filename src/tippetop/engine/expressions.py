@@ -65,7 +65,7 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
         state = moment(system, form, q, carried, b)
         return [event.formula(state, b) for event in system.events]
 
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
 
     def body(values: Iterator) -> Any:
         return refill(template, values)._replace(**system.folds(form))

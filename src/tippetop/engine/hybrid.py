@@ -50,7 +50,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
     own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
     events = (*own, *common)
-    template = body(*(friction(*friction._fields) if name == "friction" else 1.0 for name in body._fields))
+    template = body(*(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields))
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:

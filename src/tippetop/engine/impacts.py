@@ -29,7 +29,7 @@ from ..mechanics.contact.response import Mobility, Spin, spin_mobility
 from ..mechanics.contact.state import Moving
 from ..mechanics.contact.struck import Impact, struck
 from ..mechanics.disc_friction import Region
-from ..mechanics.friction import Frictionless, Law, has_parts, named
+from ..mechanics.friction import Frictionless, has_parts
 from ..mechanics.operand import Vector, leaves, refill
 from ..problem import PRECISIONS, Problem
 from .driver import RUNNING, Driver
@@ -74,7 +74,7 @@ NO_ROWS = NoRows()
 def formulas_of_impact(friction: Any, region: Region | None, restitution: str) -> Formulas:
     """Return the formulas of a motion, with the type of the record of a friction law."""
     slides = sliding(region, restitution)
-    template = Blow(*(1.0,) * 10, friction(*friction._fields))
+    template = Blow(*(1.0,) * 10, friction._make(friction._fields))
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         push = slides.push(q, b)
@@ -89,7 +89,7 @@ def formulas_of_impact(friction: Any, region: Region | None, restitution: str) -
 @lru_cache(maxsize=64)
 def loaded_formulas(stretch: loaded.Stretch, friction: Any) -> Formulas:
     """Return the formulas of an impact under a law with torques, with the type of the record of the law."""
-    touch = Touch(*(1.0,) * 6, friction(*friction._fields))
+    touch = Touch(*(1.0,) * 6, friction._make(friction._fields))
     template = loaded.Blow(Vector(1.0, 1.0, 1.0), touch, *(1.0,) * 5)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -136,7 +136,7 @@ class SlidingImpacts:
         Set it to give up while a motion is being compiled.
     """
 
-    def __init__(self, law: Law, restitution: str, precision: str = "double", stop: threading.Event | None = None):
+    def __init__(self, law: Any, restitution: str, precision: str = "double", stop: threading.Event | None = None):
         self.law, self.restitution, self.precision, self.stop = law, restitution, precision, stop
         self.number: Any = float if precision == "double" else PRECISIONS[precision]  # floats are faster than NumPy's
         self.eps = ROUNDING[precision]
@@ -146,7 +146,7 @@ class SlidingImpacts:
         """Return the motion in a region, or with the only name "", and what follows it."""
         if name not in self.known:
             region = self.law.regions.get(name)
-            formulas = formulas_of_impact(self.law.record, region, self.restitution)
+            formulas = formulas_of_impact(self.law, region, self.restitution)
             self.known[name] = sliding(region, self.restitution), driver_of(formulas, self.precision, self.stop)
         return self.known[name]
 
@@ -276,7 +276,7 @@ class LoadedImpacts:
         As of `SlidingImpacts`.
     """
 
-    def __init__(self, law: Law, restitution: str, precision: str = "double", stop: threading.Event | None = None):
+    def __init__(self, law: Any, restitution: str, precision: str = "double", stop: threading.Event | None = None):
         self.law, self.restitution, self.precision, self.stop = law, restitution, precision, stop
         self.number: Any = float if precision == "double" else PRECISIONS[precision]
         self.drivers: dict[str, Driver] = {}
@@ -344,7 +344,7 @@ class LoadedImpacts:
     def _piece(self, stretch: Any, q: Any, by: Any, passed: str, end: Any) -> Any:
         """Return the steps of a motion from q on, until the clock has run so far or an event happens."""
         if self.region not in self.drivers:
-            formulas = loaded_formulas(stretch, self.law.record)
+            formulas = loaded_formulas(stretch, self.law)
             self.drivers[self.region] = driver_of(formulas, self.precision, self.stop)
         driver = self.drivers[self.region]
         signs, zeros = [], []
@@ -372,7 +372,7 @@ class Impacts:
 
     def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None = None):
         rules: Any = problem.contact
-        law = named(type(friction), problem.system.laws)[1]  # type: ignore[index]
+        law: Any = type(friction)
         self.restitution, self.law = rules.restitution, law
         self.is_dry = law.set_valued or type(friction) is Frictionless
         self.motions = SlidingImpacts(law, rules.restitution, problem.precision, stop)

@@ -14,7 +14,6 @@ import heyoka as hy
 import numpy as np
 
 from ..mechanics.contact.body import Touch, height
-from ..mechanics.friction import Law, named
 from ..mechanics.moment import moment
 from ..mechanics.operand import cos, leaves, refill, sin
 from ..mechanics.system import Form, System
@@ -74,16 +73,14 @@ class Kind(NamedTuple):
         values = iter(values)
         body = self.system.body_of(
             {name: next(values) for name in self.system.parameters},
-            self.friction(*(next(values) for _ in self.friction._fields)),
+            self.friction._make(next(values) for _ in self.friction._fields),
         )
         return body, {**dict.fromkeys(self.flags, True), **dict(zip(self.initial, values, strict=True))}
 
     @property
-    def law(self) -> Law:
+    def law(self) -> Any:
         """The friction law."""
-        known = named(self.friction, self.system.laws)
-        assert known is not None, self.friction
-        return known[1]
+        return self.friction
 
 
 class Line:

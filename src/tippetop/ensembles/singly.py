@@ -48,7 +48,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     return replace(
         base,
         parameters=parameters,
-        friction=type(base.friction)(**numbers("friction")),
+        friction=base.friction._replace(**numbers("friction")),
         initial=initial,
         contact=rules,
         until=until,

@@ -8,7 +8,7 @@ from ..engine.derivatives.numbers import Numbers
 from ..engine.expressions import component
 from ..engine.tangent import Tangents
 from ..errors import InputError, suggestion
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 from ..mechanics.units import METRE, ONE, SECOND
 from ..problem import Problem
 from . import residuals
@@ -17,8 +17,8 @@ from .motion import Motion
 
 OFFSET, CLOCK = "time.offset", "time.scale"
 TIMES = {
-    OFFSET: Parameter(SECOND, "time of the motion where the table's clock shows 0"),
-    CLOCK: Parameter(ONE, "seconds of the motion per second of the table's clock", above=0),
+    OFFSET: Number(SECOND, "time of the motion where the table's clock shows 0"),
+    CLOCK: Number(ONE, "seconds of the motion per second of the table's clock", above=0),
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
 # Part of the duration within which the time of a clock is searched
@@ -116,7 +116,7 @@ class Observation:
         self.names = tuple(dict.fromkeys([*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]))
         self.ways = self.numbers.directions(self.own)
 
-    def rule(self, name: str) -> Parameter:
+    def rule(self, name: str) -> Number:
         """Unit and interval of a number that is free."""
         return TIMES.get(name) or self.numbers.rule(name)
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 
 
 # How far the logarithm of a number may go from where it starts
@@ -46,7 +46,7 @@ class Scale(NamedTuple):
         return value if self.logarithmic else self.size
 
 
-def scale_of(rule: Parameter, value: float) -> Scale:
+def scale_of(rule: Number, value: float) -> Scale:
     """Return the scale of a number, by its interval and where it starts."""
     low = max((b for b in (rule.above, rule.least) if b is not None), default=-np.inf)
     high = min((b for b in (rule.below, rule.most) if b is not None), default=np.inf)

@@ -24,7 +24,7 @@ LEAST_ROWS = 4  # of a swing, from one turning to the next: with fewer the curve
 def reconstruction(
     problem: Problem, trajectory: "Callable[[], xr.Dataset]", events: "Callable[[], xr.Dataset]", period: float | None
 ) -> "xr.Dataset":
-    """theta along the rows of a run, and the times of its turnings. Raises InputError; see `tippetop.reconstruct`.
+    """Return theta along the rows of a run, and the times of its turnings; see `theory.reconstruct`. Raises InputError.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Sensitivities:
-    """Derivatives of a run by some of its numbers. `tippetop.sensitivities` makes it.
+    """Derivatives of a run by some of its numbers. `tippetop.derivatives.sensitivities` makes it.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ def sensitivities(
     Examples
     --------
     >>> import tippetop as tt
-    >>> s = tt.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
+    >>> s = tt.derivatives.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
     >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
     """
     import xarray as xr
@@ -140,7 +140,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     Examples
     --------
     >>> import tippetop as tt
-    >>> print(tt.lyapunov("inverting").sentence)
+    >>> print(tt.derivatives.lyapunov("inverting").sentence)
     """
     import xarray as xr
 

@@ -11,10 +11,11 @@ from ..landscape import marked_lines as lines_of
 from ..landscape import potential as potential_of
 from ..landscape import surface, turning
 from ..landscape.body import landscape_of
+from ..mechanics.contact.body import Top
 from ..mechanics.system import System
+from ..mechanics.systems import SYSTEMS
 from ..mechanics.units import JELLETT, JOULE, ONE, RADIAN
 from ..problem import Problem
-from .bodies import Top
 from .run import Run
 from .sources import problem_behind
 
@@ -236,7 +237,7 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
 def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], str | System]:
     """Parameters and system."""
     if isinstance(top, Top):
-        return top.numbers(), system or top.system()
+        return top._asdict(), system or SYSTEMS[top.gliding]
     if isinstance(top, Mapping) and "parameters" not in top:
         return top, system or "tippe-top"
     problem = problem_behind(top)

@@ -9,11 +9,11 @@ import numpy as np
 from ..arguments import dotted_keys, measured_values, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
-from ..mechanics.system import Parameter, System
+from ..mechanics.contact.body import Top
+from ..mechanics.system import Number, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..sweeps.chunk import alone
-from .bodies import Top
 from .scenarios import problem_of
 
 
@@ -56,7 +56,7 @@ def ensemble(
         [rad]. It changes no other column.
     lyapunov : bool
         Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s], that of
-        `tippetop.lyapunov` at the end. Each takes several times its run.
+        `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
     {names}
         What the tops have in common, as for `run`; none that say which rows are kept: there are none.
 
@@ -98,7 +98,7 @@ def ensemble(
     )
 
 
-def _in_si(name: str, values: Any, rule: Parameter | None) -> Any:
+def _in_si(name: str, values: Any, rule: Number | None) -> Any:
     """What varies, with texts such as "1480 rpm" as numbers. Raises InputError."""
     unit = rule.unit if rule is not None else SECOND if name == "until" else None
     return values if unit is None or np.ndim(values) == 0 else measured_values(name, values, unit)

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..mechanics import systems
-from ..mechanics.friction import Law
+from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import System
 
 
@@ -17,7 +17,7 @@ SYSTEMS = MappingProxyType(systems.SYSTEMS)
 class _Laws(Mapping):
     """The laws that some system takes, as they are known when they are asked for."""
 
-    def __getitem__(self, name: str) -> Law:
+    def __getitem__(self, name: str) -> type[FrictionLaw]:
         return systems.systems_of_laws()[name][0]
 
     def __iter__(self) -> Iterator[str]:
@@ -31,30 +31,28 @@ class _Laws(Mapping):
         return "\n".join(f"{name}: {law.long_name}; of {', '.join(of)}" for name, (law, of) in laws)
 
 
-LAWS: Mapping[str, Law] = _Laws()
+LAWS: Mapping[str, type[FrictionLaw]] = _Laws()
 """The friction laws that are known, by name, of whichever system; `register` adds one."""
 
 
-def register(record: System | Law, name: str | None = None) -> Any:
+def register(record: System | type[FrictionLaw]) -> Any:
     """Makes a system or a friction law of your own known by name in this process: to TOML, `run` and sweeps.
 
     Parameters
     ----------
-    record : System or Law
-        The record.
-    name : str, optional
-        The name of a law, `[friction] law = "..."`; by default that of its record in lower case. A system has its own.
+    record : System or FrictionLaw
+        The record of a system, or the class of a law: `[friction] law = "..."` takes its `key`.
 
     Returns
     -------
-    System or Law
-        The record.
+    System or FrictionLaw
+        The same.
 
     Raises
     ------
     InputError
         If the name is taken, or the record cannot be a law or a system. What this process registered itself may be
-        registered anew, as where a notebook's cell runs once more: a system of the same name, and a law whose record is
+        registered anew, as where a notebook's cell runs once more: a system of the same name, and a law whose class is
         defined again.
 
     Notes
@@ -65,8 +63,8 @@ def register(record: System | Law, name: str | None = None) -> Any:
     """
     if isinstance(record, System):
         systems.add(record, here=True)
-    elif isinstance(record, Law):
-        systems.add_law(getattr(record.record, "__name__", "").lower() if name is None else name, record, here=True)
+    elif isinstance(record, type) and issubclass(record, FrictionLaw) and record is not FrictionLaw:
+        systems.add_law(record, here=True)
     else:
-        raise InputError([f"`record` must be a System or a Law, but is {record!r:.60}."])
+        raise InputError([f"`record` must be a System or a class of FrictionLaw, but is {record!r:.60}."])
     return record

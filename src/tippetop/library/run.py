@@ -135,9 +135,14 @@ class Run:
             raise AttributeError(f"there is no table `{name}`: the contact of this run does not change its phase")
         return self._datasets[name]
 
-    @property
-    def _tables(self) -> "dict[str, xr.Dataset]":
-        """All tables, by name."""
+    def datasets(self) -> "dict[str, xr.Dataset]":
+        """Return the tables of the run by name.
+
+        Returns
+        -------
+        dict of xarray.Dataset
+            `trajectory` and `events`; `phases` and `impacts` where the contact may change its phase.
+        """
         names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
         return {name: getattr(self, name) for name in (*names, *self._derivatives)}
 
@@ -190,7 +195,7 @@ class Run:
         """
         import xarray as xr
 
-        tables = self._tables
+        tables = self.datasets()
         return xr.DataTree.from_dict(
             {"/": xr.Dataset(attrs=self.attributes), **{name: t.drop_attrs(deep=False) for name, t in tables.items()}}
         )

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from ..arguments import flag, in_python, instance, measured, path_of, takes
 from ..errors import InputError, Interrupted
+from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
+from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
@@ -16,22 +18,20 @@ from ..problem.options import documentation
 from ..runs.cost import Patience, following, warn
 from ..runs.run import solve
 from ..store import root
-from .bodies import Top
 from .extensions import of_stored
-from .laws import Friction
 from .run import Run
-from .scenarios import checked, problem_of
+from .scenarios import problem_of
 from .stored_run import StoredRun
 
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 
 @takes(problem_of, documentation)
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
-    friction: Friction | tuple | Mapping[str, Any] | Sequence[str] | None = None,
+    friction: FrictionLaw | tuple | Mapping[str, Any] | Sequence[str] | None = None,
     *,
     out: str | Path | None = None,
     overwrite: bool = False,
@@ -97,7 +97,7 @@ def run(
     --------
     >>> import tippetop as tt
     >>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
-    >>> tt.run(top, tt.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
+    >>> tt.run(top, tt.friction.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
     flag("overwrite", overwrite)
@@ -106,36 +106,16 @@ def run(
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     if out is None:
-        return integrate(problem, progress=progress)
+        if problem.output == "keyframes":
+            raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
+        with following(bar=progress) as follow:
+            return Run(solve(problem, follow))
     place = path_of("out", out)
     from ..runs.recording import record
 
     with following(bar=progress) as follow, in_python(), _resumable(place):
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
     return StoredRun(place, problem.system)
-
-
-def integrate(problem: Problem, *, progress: bool = False) -> Run:
-    """Integrates a checked Problem in memory.
-
-    Parameters
-    ----------
-    problem : Problem
-        As `load` gives it.
-    progress : bool
-        Whether a bar is drawn in a terminal.
-
-    Returns
-    -------
-    Run
-    """
-    flag("progress", progress)
-    instance("problem", problem, Problem, "a Problem, as `load` gives it")
-    problem = checked(problem)
-    if problem.output == "keyframes":
-        raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
-    with following(bar=progress) as follow:
-        return Run(solve(problem, follow))
 
 
 @contextlib.contextmanager
@@ -151,6 +131,7 @@ def _resumable(place: Path) -> Iterator[None]:
 def open(
     path: str | Path,
     *,
+    gridded: bool = False,
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> Any:
@@ -160,6 +141,8 @@ def open(
     ----------
     path : path-like
         The store of a run, a sweep, a minimal surface or a potential.
+    gridded : bool
+        Whether the axes of a sweep are dimensions of its table, which is read into memory.
     events, columns : iterable of Event and of Quantity, optional
         The records of your own that a run was made with. What is stored is read without them; `problem`, `certify` and
         `replay` need them.
@@ -167,7 +150,7 @@ def open(
     Returns
     -------
     StoredRun or xarray.Dataset
-        A run as a StoredRun; a sweep as a Dataset with a row per top (`gridded` gives it the axes of the plan), a
+        A run as a StoredRun; a sweep as a Dataset with a row per top, a
         surface or potential as a Dataset over its axes.
 
     Raises
@@ -176,14 +159,16 @@ def open(
         If there is no store of tippetop.
     """
     path = path_of("path", path)
+    flag("gridded", gridded)
     attrs = root.attributes(path)
     content, own = attrs.get("content"), of_stored(attrs, events, columns)
     if content is None:
         return StoredRun(path, own)
     if content == "sweep":
-        from ..sweeps.summary import open_sweep
+        from ..sweeps import summary
 
-        return open_sweep(path)
+        table = summary.open_sweep(path)
+        return summary.gridded(table) if gridded else table
     return root.open_group(path, content)
 
 
@@ -234,19 +219,3 @@ def resume(
     with in_python(), _resumable(place):
         continued(place, end, Patience(warn), stop=stop, accept_other_version=accept_other_version, known=own)
     return StoredRun(place, own)
-
-
-def datasets(run: Run) -> "dict[str, xr.Dataset]":
-    """The tables of a run by name.
-
-    Parameters
-    ----------
-    run : Run
-
-    Returns
-    -------
-    dict of xarray.Dataset
-        `trajectory` and `events`; `phases` and `impacts` where the contact may change its phase.
-    """
-    instance("run", run, Run, "a Run")
-    return run._tables

@@ -8,17 +8,17 @@ from typing import Any
 
 from ..arguments import measured_values, plain, takes
 from ..errors import InputError
+from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
+from ..mechanics.friction import LAWS, FrictionLaw, named
 from ..mechanics.system import Quantity, System
-from ..mechanics.systems import check
+from ..mechanics.systems import check, laws_of, load_entry_points, systems_of_laws
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..problem.options import run_options
 from ..runs import starting
 from ..scenario import build, reading
-from .bodies import Top
 from .extensions import extended, given_columns, given_events
-from .laws import table_of
 
 
 @takes(run_options)
@@ -56,7 +56,7 @@ def problem_of(
         elif isinstance(friction, Mapping):
             _merge_dotted(tables, plain(friction))
         elif friction is not None:
-            tables["friction"] = plain(table_of(friction, chosen.laws))
+            tables["friction"] = plain(table_of(friction))
         for name, numbers in (("parameters", parameters), ("contact", contact), ("stem", stem)):
             _merge(tables, name, numbers)
         if start is not None and initial is not None:
@@ -97,8 +97,11 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
         if isinstance(each, System):
             check(each)
     if isinstance(source, Top):
-        own = source.system(gliding=friction is not None or source.gliding == "tippe-top")
-        tables: dict[str, Any] = {"system": own.name, "parameters": source.numbers()}
+        glides = friction is not None or source.gliding == "tippe-top"
+        tables: dict[str, Any] = {
+            "system": source.gliding if glides else source.resting,
+            "parameters": source._asdict(),
+        }
     elif isinstance(source, System):
         record, tables = record or source, {"system": source.name}
     elif isinstance(source, Mapping):
@@ -158,7 +161,7 @@ def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
     if given is None:
         return
     if isinstance(given, Top):
-        given = given.numbers()
+        given = given._asdict()
     if not isinstance(given, Mapping):
         raise InputError([f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}."])
     base = tables.get(name, {})
@@ -191,6 +194,32 @@ def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     until, times = given.get("until"), base.get("output_times")
     if isinstance(times, list) and isinstance(until, int | float) and "output_times" in tables["run"]:
         tables["run"]["output_times"] = reading.times_until(times, until)
+
+
+def table_of(law: Any) -> dict[str, Any]:
+    """Return the table [friction] of the record of a law that is known. Raises InputError."""
+    if isinstance(law, FrictionLaw):
+        if named(type(law)) is None:
+            load_entry_points()
+            if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
+                kind = type(law).__name__
+                raise InputError([f"the friction law {kind} must be registered: tippetop.extending.register({kind})."])
+        return {"law": law.key, **law._asdict()}
+    such, value = "Viscous(mu=0.3)", f"{law!r:.60}"
+    if isinstance(law, str):
+        load_entry_points()
+        such = f"{LAWS[law].__name__ if law in LAWS else 'Viscous'}(...)"
+    elif isinstance(law, type):
+        such, value = f"{law.__name__}(...)", "the class itself"
+    raise InputError([f"the friction law must be a record such as {such}, but is {value}."])
+
+
+def record_of(law: Any, system: System) -> Any:
+    """Return the record of a law, checked, if a system takes it. Raises InputError."""
+    known = laws_of(system)
+    if (name := table_of(law)["law"]) not in known:
+        raise InputError([f"`{system.name}` must have a law of {', '.join(known)}, but has {name}."])
+    return law._make(law.checked(law._asdict()).values())
 
 
 def _needs_law(top: Top) -> str:

@@ -4,9 +4,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError
+from ..mechanics.contact.body import Top
 from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems.cylinder import Cylinder
+from ..mechanics.systems.heavy_top import HeavyTop
+from ..mechanics.systems.tippe_top import TippeTop
 from ..problem import Problem
-from .bodies import Cylinder, HeavyTop, TippeTop, Top
 from .run import Run
 from .scenarios import checked, problem_of
 
@@ -40,7 +43,7 @@ def top_of(source: Any, *kinds: type[Top]) -> Any:
         raise InputError([f"the body must be {_words(kinds)}, but is {source!r:.60}."])
     for kind in kinds:
         names = (kind.gliding, kind.resting)
-        if problem.system.name in names or any(problem.system.body is SYSTEMS[name].body for name in names):
+        if problem.system.name in names or any(problem.system.body == SYSTEMS[name].body for name in names):
             return kind(**{name: float(value) for name, value in problem.parameters.items()})
     raise InputError([f"the body must be {_words(kinds)}, but is that of the system {problem.system.name}."])
 

@@ -9,8 +9,12 @@ import numpy as np
 from ..arguments import instance, measured, within
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
+from ..mechanics.contact.body import Top
 from ..mechanics.friction import has_parts
+from ..mechanics.systems import SYSTEMS
+from ..mechanics.systems.heavy_top import HeavyTop
 from ..mechanics.systems.spinning import thresholds_of_surface
+from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import nutation as one_dimensional
 from ..mechanics.theory import thresholds as limits
@@ -19,9 +23,8 @@ from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND, SECOND
 from ..problem import Problem
-from .bodies import HeavyTop, TippeTop, Top
-from .laws import record_of
 from .run import Run
+from .scenarios import record_of
 from .sources import problem_behind, top_of
 
 
@@ -133,7 +136,7 @@ def linear_modes(
     body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
     friction = problem.friction if problem is not None and problem.system.frictional else None
-    friction = friction if law is None else record_of(law, body.system())
+    friction = friction if law is None else record_of(law, SYSTEMS[body.gliding])
     if friction is not None and has_parts(friction):
         raise InputError(["the friction law must be without mu_r and mu_d: under them no spin lasts."])
     if friction is None:
@@ -197,7 +200,7 @@ def nutation(
     missing = [f"`{name}` must be given, but is missing." for name, value in given if value is None]
     if missing:
         raise InputError(missing)
-    system, b = body.system(), body.body()
+    system, b = SYSTEMS[body.gliding], body.body()
     momenta = [measured(name, value, JELLETT if name == "lam" else ANGULAR_MOMENTUM) for name, value in given]
     energy, theta = measured("energy", energy, JOULE), measured("theta", theta, RADIAN)
     within("theta", theta, 0, math.pi, "[0, pi]")

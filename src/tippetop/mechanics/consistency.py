@@ -7,7 +7,7 @@ from typing import Any
 
 from .events import Event
 from .form import CLOCK, unchanged
-from .parameter import rules_faults
+from .number import rules_faults
 from .system import Exit, Form, Landscape, Phase, Quantity, System
 from .units import Unit
 
@@ -118,7 +118,7 @@ KINDS = (
     ("title", str, "a text"),
     ("source", str, "a text"),
     ("phases", Mapping, "Phase records by name"),
-    ("laws", MappingProxyType, "a dict of Law records by name"),
+    ("laws", MappingProxyType, "a dict of laws by name"),
     ("normalised_to", Mapping, "numbers by name"),
     ("long_names", Mapping, "texts by name"),
     ("integrals", (tuple, list), "a tuple of names"),

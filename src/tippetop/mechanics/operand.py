@@ -161,7 +161,8 @@ def refill(record: Any, values: Any) -> Any:
     record
         Of the same types.
     """
-    return type(record)(*(refill(f, values) if isinstance(f, tuple) else next(values) for f in record))
+    make = getattr(record, "_make", tuple)
+    return make(refill(f, values) if isinstance(f, tuple) else next(values) for f in record)
 
 
 def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> Callable:

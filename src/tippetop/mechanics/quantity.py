@@ -87,10 +87,10 @@ class _Reading:
     names: dict[str, Any]
     under: tuple[str, ...] = ()
 
-    def refuse(self, must: str, found: str = "", near: str = "") -> NoReturn:
+    def refuse(self, must: str, but: str = "", near: str = "") -> NoReturn:
         """Raise InputError."""
-        found = found or f'is "{self.text}"'
-        raise InputError([f"`{self.key}` must {must}, but {found}.{near}"]) from None
+        but = but or f'is "{self.text}"'
+        raise InputError([f"`{self.key}` must {must}, but {but}.{near}"]) from None
 
     def exact(self) -> Fraction:
         """Return the number."""

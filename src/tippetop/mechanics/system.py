@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..errors import suggestion, unknown_key
 from .events import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
-from .parameter import Alternative, Parameter
+from .number import Alternative, Number
 from .readonly import freeze
 from .units import Unit
 
@@ -24,10 +24,10 @@ __all__ = [
     "Integral",
     "Landscape",
     "Momentum",
+    "Number",
     "Opening",
     "Orientation",
     "Outlook",
-    "Parameter",
     "Phase",
     "Quantity",
     "System",
@@ -100,7 +100,7 @@ class System:
     ----------
     name, title, source : str
         The name in TOML; what it is; where it is published.
-    parameters, initial : dict of Parameter
+    parameters, initial : dict of Number
         The numbers of the body and of the start, by name.
     body, body_units : callable
         body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units; body_units(units of the
@@ -126,12 +126,12 @@ class System:
     name: str
     title: str
     source: str
-    parameters: dict[str, Parameter]
+    parameters: dict[str, Number]
     body: Callable  # body(parameters, friction) -> the record that every formula takes, SI
     body_units: Callable  # body_units(friction units) -> that record filled with units
     scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
     normalised_to: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
-    initial: dict[str, Parameter]
+    initial: dict[str, Number]
     start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
     angles: Any  # the record that people read and write (a NamedTuple) filled with units
     phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
@@ -204,7 +204,7 @@ class System:
         `number` is applied to each of them: a type, or what makes arrays of one shape.
         """
         given = {name: number(parameters[name]) for name in self.parameters}
-        return self.body(given, type(friction)(*(number(value) for value in friction)))
+        return self.body(given, friction._make(map(number, friction)))
 
     def faults(self, parameters: Mapping[str, float]) -> list[str]:
         """What is wrong with parameters by name, in sentences: one by one, then together; empty if nothing is."""

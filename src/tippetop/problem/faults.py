@@ -135,16 +135,19 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     base = problems.base
     plain = np.float64 if base.precision == "double" else np.longdouble
     pars, start = problems.pars.astype(float), problems.start.astype(float)
-    body = problems.body_of_pars(pars.astype(plain))
-    moment = problems.moment(start.astype(plain), body)
+    which = 0 if problems.n == 1 else slice(None)  # numbers are faster than arrays of one
+    body = problems.body_of_pars(pars[:, which].astype(plain))
+    moment = problems.moment(start[:, which].astype(plain), body)
     quantities = [(q.formula, q.formula(moment, body)) for q in base.system.quantities]
     weights = np.array(problems.weights, dtype=float)
     finite = np.logical_and.reduce([np.isfinite(numbers).all(axis=0) for numbers in (pars, start, weights)])
     own = [] if base.contact is not None else _of_law(problems)
     own += _of_ones_own(quantities, finite)
     own += _of_ones_own([(e.formula, e.formula(moment, body)) for e in base.system.events if _owner(e.formula)], finite)
-    for _, value in quantities:
-        finite = finite & (np.abs(np.asarray(value, dtype=float)) < LARGEST)
+    values = np.empty((len(quantities), problems.n))
+    for row, (_, value) in zip(values, quantities, strict=True):
+        row[:] = value
+    finite = finite & (np.abs(values) < LARGEST).all(axis=0)
     overflow = "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     moving, names = problems.variables.moving, problems.variables.names
     return [
@@ -185,7 +188,7 @@ def _of_law(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     kind, n = type(problems.base.friction), problems.n
     if not (words := _owner(SLIP.get(kind))):
         return []
-    law = kind(**{name: np.zeros(n) + number for name, number in problems.given("friction").items()})
+    law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
     for v2, z in PLACES:
         k = np.zeros(n) + SLIP[kind](np.full(n, v2), np.full(n, z), law)
         if (bad := ~(np.isfinite(k) & (k >= 0))).any():

@@ -87,7 +87,7 @@ class Problems:
 
     def body(self, number: Callable) -> Any:
         """The bodies in SI units, of what is given passed through `number`."""
-        friction = type(self.base.friction)(**self.given("friction"))
+        friction = self.base.friction._replace(**self.given("friction"))
         return self.base.system.body_of(self.given("parameters"), friction, number)
 
     @cached_property
@@ -239,8 +239,9 @@ class Problems:
         with np.errstate(all="ignore"):
             sentences = at_start(self)
         for sentence, bad in sentences:
-            faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
-            valid &= ~bad
+            if bad.any():
+                faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
+                valid &= ~bad
         valid.flags.writeable = False
         return valid, sorted(faults)
 

@@ -10,10 +10,10 @@ import numpy as np
 from ..errors import unknown_key
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
-from ..mechanics.friction import Law, named
+from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
-from ..mechanics.system import Form, Parameter, System
+from ..mechanics.system import Form, Number, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
@@ -93,19 +93,12 @@ class Problem(RunOptions):
     @property
     def law_name(self) -> str:
         """The name of the friction law, as in `[friction] law`."""
-        return self._law[0]
+        return self.law.key
 
     @property
-    def law(self) -> Law:
+    def law(self) -> type[FrictionLaw]:
         """The friction law: its numbers and their units."""
-        return self._law[1]
-
-    @cached_property
-    def _law(self) -> tuple[str, Law]:
-        """Name and law of the friction record."""
-        known = named(type(self.friction), self.system.laws)
-        assert known is not None, self.friction
-        return known
+        return type(self.friction)
 
     @cached_property
     def tables(self) -> dict[str, dict[str, Any]]:
@@ -126,7 +119,7 @@ class Problem(RunOptions):
         return {"contact": contact, **({"stem": stem} if self.contact.stem else {})}
 
     @cached_property
-    def rules(self) -> dict[str, Parameter]:
+    def rules(self) -> dict[str, Number]:
         """What must hold of the numbers, by dotted key: the keys that may vary."""
         friction = self.law.parameters if self.system.frictional else {}
         tables = {"parameters": self.system.parameters, "friction": friction, "initial": self.system.initial}
@@ -137,7 +130,7 @@ class Problem(RunOptions):
 
     def faults(self) -> list[str]:
         """What is wrong with the numbers that are given, in sentences; empty if nothing is."""
-        faults = self.system.faults(self.parameters)
+        faults = []
         for table in ("friction", "initial", "run", *self._contact()):
             for name, value in self.tables[table].items():
                 key, rule = f"{table}.{name}", self.rules.get(f"{table}.{name}")
@@ -146,13 +139,14 @@ class Problem(RunOptions):
                 if rule is None and not isinstance(value, bool):
                     known = [k.partition(".")[2] for k in self.rules if k.startswith(f"{table}.")]
                     faults.append(unknown_key(key, known, self.rules))
-        return faults + self.system.clashes(given_names(self.initial)) + self._contact_faults()
+        return [*self.system.faults(self.parameters), *faults, *self.clashes()]
 
-    def _contact_faults(self) -> list[str]:
-        """What is wrong with the stem."""
-        if self.contact is None or not self.contact.stem:
-            return []
-        return stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
+    def clashes(self) -> list[str]:
+        """Return sentences on what numbers break together that are right one by one, but for those of the body."""
+        faults = self.system.clashes(given_names(self.initial))
+        if self.contact is not None and self.contact.stem:
+            faults += stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
+        return faults
 
     @property
     def choice(self) -> Choice:

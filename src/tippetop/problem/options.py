@@ -11,7 +11,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 import numpy as np
 
 from ..errors import suggestion
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 from ..mechanics.units import SECOND, Unit
 from ..sampling import EvenTimes, ListedTimes
 
@@ -28,7 +28,7 @@ MOST_ROWS = 10**12
 # change E no less than 0 does (1.4e-14, 1.7e-14; 1.5e-14), and compile in 46 s where 1e-18 takes 32 s.
 LEAST_TOLERANCE = 1e-5
 
-UNTIL = Parameter(SECOND, "end of the run", above=0, most=1e16)
+UNTIL = Number(SECOND, "end of the run", above=0, most=1e16)
 
 
 def option(
@@ -39,7 +39,7 @@ def option(
     note: str = "",
     given: str = "",
     example: Any = None,
-    rule: Parameter | None = None,
+    rule: Number | None = None,
     **interval: float,
 ) -> Any:
     """Declare an option of a run.

@@ -21,8 +21,8 @@ def body_of(attrs: dict[str, Any]) -> Touch:
     if system is None:
         raise InputError([f"the system `{attrs['system']}` must be known here to be drawn: register it first."])
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
-    law = getattr(system.laws.get(friction.get("law")), "record", Frictionless)
-    body = system.body_of(attrs["parameters"], law(**{name: friction[name] for name in law._fields}))
+    law = system.laws.get(friction.get("law"), Frictionless)
+    body = system.body_of(attrs["parameters"], law._make(friction[name] for name in law._fields))
     needed = [name for name in Touch._fields if name not in Touch._field_defaults]
     missing = [name for name in needed if not hasattr(body, name)]
     if missing:

@@ -83,7 +83,7 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         system=system,
         form=form,
         parameters=parameters,
-        friction=law.record(**{name: values[name] for name in law.parameters}),
+        friction=law._make(values[name] for name in law.parameters),
         initial=on_stem(initial, parameters.get("R", 0.0), rules),
         times=run.rows(),
         contact=rules,
@@ -91,7 +91,8 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         **asked,
     )
     faults = [
-        *built.faults(),
+        *system.checks(parameters),
+        *built.clashes(),
         *contact_faults(built),
         *_pole_faults(built),
         *run.option_faults(kinds),

@@ -8,7 +8,7 @@ from ..mechanics.units import ONE, Unit
 
 
 if TYPE_CHECKING:
-    from ..mechanics.friction import Law
+    from ..mechanics.friction import FrictionLaw
 
 
 def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collection[str]) -> None:
@@ -54,7 +54,7 @@ def _law_name(tables: Mapping[str, Any]) -> str | None:
     return name if isinstance(name, str) else None
 
 
-def _law(tables: Mapping[str, Any], name: str | None) -> "Law | None":
+def _law(tables: Mapping[str, Any], name: str | None) -> "type[FrictionLaw] | None":
     """Return a law of the system of a scenario; None if the system or the law is not known."""
     from ..mechanics.systems import find, laws_of  # half a second, which scenarios that keep their law do without
 

@@ -129,7 +129,7 @@ def _written(formula: Callable, system: System, form: Form, friction: Any) -> li
     def numbers(record: Any) -> Any:
         return refill(record, iter(random.uniform(0.5, 1.0, len(leaves(record)))))
 
-    body = system.body_of(dict.fromkeys(system.parameters, 1.0), friction(*(1.0 for _ in friction._fields)))
+    body = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
     with np.errstate(all="ignore"):
         states = [(form.scalars(numbers(form.units), b), b) for b in (numbers(body) for _ in range(STATES))]
         scalars, body = states[0]

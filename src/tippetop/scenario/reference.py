@@ -1,6 +1,5 @@
 """What a scenario may hold and what a run says, as tables made from the records: for `tippetop help` and the manual."""
 
-import inspect
 import types
 import typing
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,8 +12,8 @@ from pydantic_core import PydanticUndefined
 from ..mechanics.contact.opening import ABOVE, opened
 from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.events import Event
-from ..mechanics.friction import LAWS, PARTS, Law
-from ..mechanics.parameter import Parameter
+from ..mechanics.friction import LAWS, PARTS, FrictionLaw
+from ..mechanics.number import Number
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws, that_open
 from ..mechanics.units import Unit
@@ -40,7 +39,7 @@ FLAGS = "true, or left out"
 # --- numbers, and keys of other types ---------------------------------------------------------------------------------
 
 
-def _number(name: str, rule: Parameter, *, optional: bool) -> tuple[str, ...]:
+def _number(name: str, rule: Number, *, optional: bool) -> tuple[str, ...]:
     must = rule.must().removeprefix("must be ")
     if rule.default is not None:
         must += f"; {rule.default:g} where it is left out"
@@ -49,7 +48,7 @@ def _number(name: str, rule: Parameter, *, optional: bool) -> tuple[str, ...]:
     return name, rule.unit.symbol, must, rule.long_name
 
 
-def _numbers(rules: Mapping[str, Parameter], *, optional: bool = False) -> list[tuple[str, ...]]:
+def _numbers(rules: Mapping[str, Number], *, optional: bool = False) -> list[tuple[str, ...]]:
     return [_number(name, rule, optional=optional) for name, rule in rules.items()]
 
 
@@ -91,7 +90,7 @@ def allowed(annotation: Any, metadata: Iterable[Any] = ()) -> str:
 
 
 def keys_of(
-    table: type[BaseModel], rules: Mapping[str, Parameter], units: Mapping[str, Unit] | None = None
+    table: type[BaseModel], rules: Mapping[str, Number], units: Mapping[str, Unit] | None = None
 ) -> list[tuple[str, ...]]:
     """The keys of a table of a scenario or of a plan.
 
@@ -199,23 +198,23 @@ def friction() -> list[Section]:
     laws = systems_of_laws()
     for name, (law, _) in list(laws.items()):
         if law.without is not None:
-            laws[f"{name} (without {', '.join(law.optional)})"] = (law.without, list(that_open()))
+            optional = ", ".join(key for key, rule in law.parameters.items() if rule.optional)
+            laws[f"{name} (without {optional})"] = (law.without, list(that_open()))
     rolling = {name for name, system in that_open().items() if system.opening and system.opening.sphere}
     return [
         Section(
             name,
             f"{_meaning(law)} Of {', '.join(of) or 'no system'}.",
             KEYS,
-            _numbers(law.parameters | (PARTS if rolling & {*of} else {})),
+            _numbers({**law.parameters} | (PARTS if rolling & {*of} else {})),
         )
         for name, (law, of) in laws.items()
     ]
 
 
-def _meaning(law: Law) -> str:
-    """What the docstring of a law's record says, or its name where there is none of its own."""
-    text = " ".join((inspect.getdoc(law.record) or "").split())
-    return f"{law.long_name}." if not text or text.startswith(f"{law.record.__name__}(") else text
+def _meaning(law: type[FrictionLaw]) -> str:
+    """Return the docstring of a law without its numbers."""
+    return " ".join((law.__doc__ or "").partition("\n\nParameters\n")[0].split())
 
 
 def systems() -> list[Section]:

@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.contact.struck import RESTITUTIONS
-from ..mechanics.system import Parameter, System
+from ..mechanics.system import Number, System
 from ..problem import AUTO
 from ..problem.options import HINTS, OPTIONS
 
@@ -24,7 +24,7 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-def _number(parameter: Parameter) -> Any:
+def _number(parameter: Number) -> Any:
     """The type of a number: a float in the parameter's interval."""
 
     def within(value: float) -> float:
@@ -68,7 +68,7 @@ class ContactTable(Table):
     e_n: _number(CONTACT["e_n"]) = 0.0  # type: ignore[valid-type]
 
 
-def table_model(name: str, parameters: dict[str, Parameter], *, required: bool, **extra: Any) -> type[BaseModel]:
+def table_model(name: str, parameters: dict[str, Number], *, required: bool, **extra: Any) -> type[BaseModel]:
     fields: dict[str, Any] = {
         n: (_number(p), ... if p.default is None else p.default) if required else (_number(p) | None, None)
         for n, p in parameters.items()

@@ -4,7 +4,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel
 
-from ..errors import suggestion, unknown_key
+from ..errors import sentence, suggestion, unknown_key
 from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
@@ -68,9 +68,6 @@ def _model(shape: type[BaseModel], name: str) -> Any:
 def error_sentence(error: Any, key: str, known: list[str]) -> str:
     """One pydantic error at `key` as a sentence; `known` are the keys that its table may have."""
     context, kind = error.get("ctx", {}), error["type"]
-    given = repr(error["input"]) if not isinstance(error["input"], dict) else "a table"
-    if len(given) > 60:
-        given = given[:57] + "..."
     if kind == "missing":
         return f"`{key}` must be given, but is missing."
     if kind == "extra_forbidden":
@@ -95,4 +92,4 @@ def error_sentence(error: Any, key: str, known: list[str]) -> str:
         "model_type": "must be a table",
         "model_attributes_type": "must be a table",
     }.get(kind, f"must be valid ({error['msg']})")
-    return f"`{key}` {must}, but is {given}."
+    return sentence(key, must, error["input"])

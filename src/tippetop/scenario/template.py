@@ -6,7 +6,7 @@ from typing import Any
 
 from ..errors import InputError, suggestion
 from ..mechanics.contact.restitution import CONTACT, STEM
-from ..mechanics.parameter import Parameter
+from ..mechanics.number import Number
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS, laws_of
 from ..problem import AUTO
@@ -86,7 +86,7 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
     return [*lines, *_table("run", tables["run"], run, examples), ""]
 
 
-def _rules(parameters: Mapping[str, Parameter]) -> dict[str, str]:
+def _rules(parameters: Mapping[str, Number]) -> dict[str, str]:
     return {
         name: f"{p.long_name} [{p.unit.symbol}]; {p.must().removeprefix('must be ')}" for name, p in parameters.items()
     }

@@ -2,18 +2,21 @@
 
 import math
 import operator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import Field, ValidationError, WrapValidator
 
 from ..arguments import path_of
 from ..ensembles import ensemble
 from ..ensembles.outcomes import LYAPUNOV
 from ..errors import InputError, first_sentences
 from ..mechanics.caching import cached_property
+from ..mechanics.quantity import number_of
+from ..mechanics.units import ONE
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches
@@ -31,12 +34,23 @@ LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks l
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
 CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
+WAYS = ("values", "linspace", "geomspace", "between")  # in which an axis gives its numbers
 SECONDS_ALONE = 0.1  # of a top whose contact may change its phase: a hop takes as long as a thousand steps
 
-Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
+
+
+def _or_text(value: Any, number: Callable) -> Any:
+    """Return a number, or a text that is read once the unit of its axis is known."""
+    if isinstance(value, str):
+        return float(value) if value in NOT_FINITE else value
+    return number(value)
+
+
+Number = Annotated[float, WrapValidator(_or_text)]
+Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
 AnyNumber = Annotated[  # an invalid top is marked, and its neighbours run
-    float, Field(allow_inf_nan=True), BeforeValidator(lambda v: float(v) if v in NOT_FINITE else v)
+    float, Field(allow_inf_nan=True), WrapValidator(_or_text)
 ]
 Count = Annotated[int, Field(ge=1)]
 
@@ -118,13 +132,17 @@ class Plan:
             shape = _Plan.model_validate(document)
         except ValidationError as error:
             raise InputError(first_sentences(error.errors(include_url=False), scenario_sentence)) from None
-        sentences = [s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)]
-        sentences += _design_faults(shape)
-        base = None
+        base, sentences = None, []
         try:
             base = build.problem(_base(shape, folder))
         except InputError as error:
             sentences += error.sentences
+        try:
+            shape = shape.model_copy(update={"axis": _in_si(shape.axis, base)})
+        except InputError as error:
+            raise InputError([*sentences, *error.sentences]) from None
+        of_axes = [s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)]
+        sentences = [*of_axes, *_design_faults(shape), *sentences]
         if base is not None:
             sentences += _key_faults(base, [axis.of for axis in shape.axis])
             sentences += [s for axis in shape.axis for s in _sign_faults(base, axis)]
@@ -238,6 +256,25 @@ def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
     return build.ending(tables, until) if isinstance(until, int | float) else tables
 
 
+def _in_si(axes: list[_Axis], base: Problem | None) -> list[_Axis]:
+    """Return the axes with numbers in place of texts such as "60 rpm". Raises InputError."""
+    read, faults = [], []
+    for i, axis in enumerate(axes, 1):
+        rule = base.rules.get(axis.of) if base is not None else None
+        numbers: dict[str, Any] = {way: list(getattr(axis, way) or ()) for way in WAYS}
+        for way, values in numbers.items():
+            for j, value in enumerate(values):
+                if isinstance(value, str):
+                    try:
+                        values[j] = number_of(value, f"axis.{i}.{way}.{j}", rule.unit if rule else ONE)
+                    except InputError as error:
+                        faults += error.sentences
+        read.append(axis.model_copy(update={way: values or None for way, values in numbers.items()}))
+    if faults:
+        raise InputError(faults)
+    return read
+
+
 def _axis(axis: _Axis) -> Axis:
     if axis.between is not None:
         return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
@@ -248,11 +285,10 @@ def _axis(axis: _Axis) -> Axis:
 
 
 def _axis_faults(name: str, axis: _Axis) -> list[str]:
-    ways = ("values", "linspace", "geomspace", "between")
-    given = [way for way in ways if getattr(axis, way) is not None]
+    given = [way for way in WAYS if getattr(axis, way) is not None]
     sentences = []
     if len(given) != 1:
-        sentences.append(f"`{name}` must have one of {', '.join(ways)}, but has {' and '.join(given) or 'none'}.")
+        sentences.append(f"`{name}` must have one of {', '.join(WAYS)}, but has {' and '.join(given) or 'none'}.")
     spaced = {"linspace", "geomspace"} & set(given)
     if spaced and axis.n is None:
         sentences.append(f"`{name}.n` must be given beside `{name}.{min(spaced)}`, but is missing.")

@@ -10,7 +10,7 @@ from ..mechanics.contact.body import Touch, angular_velocity, tip_inertia
 from ..mechanics.contact.gliding.catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.vector import axis, sliding_velocity
 from ..mechanics.contact.rolling.reaction import kinematics, reaction
-from ..mechanics.friction import Law, slip_coefficient
+from ..mechanics.friction import FrictionLaw, slip_coefficient
 from ..mechanics.operand import Vector, atan2, cross, leaves, refill, sqrt, times
 from ..mechanics.system import Form, System
 from ..mechanics.systems.heavy_top import momentum_about_centre, tip_axis_rate
@@ -37,7 +37,7 @@ def potential(system: System, b: Touch) -> str:
     )
 
 
-def motions(system: System, form: Form, laws: dict[str, Law]) -> str:
+def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> str:
     """The module `formulas.js` of a page that integrates: all that it needs of a system in a form, for each friction
     law by name; as `formulas.d.ts` says."""
     variables = Variables(form)
@@ -60,10 +60,10 @@ def initial_names(system: System) -> list[str]:
     return [name for name in system.initial if name not in others]
 
 
-def _of_law(system: System, variables: Variables, law: Law) -> str:
+def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str:
     """The functions of one friction law, as an object."""
     form, names = variables.form, [*system.parameters, *law.parameters]
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), law.record(*(1.0 for _ in law.parameters)))
+    template = system.body_of(dict.fromkeys(system.parameters, 1.0), law._make(1.0 for _ in law.parameters))
     given, n = initial_names(system), len(variables.names)
     heavy = "R" not in system.parameters
     numbers = [f"b[{i}]" for i in range(len(leaves(template)))]
@@ -75,7 +75,7 @@ def _of_law(system: System, variables: Variables, law: Law) -> str:
 
     def body(symbols: Sequence[Any]) -> list:
         by_name = dict(zip(names, symbols, strict=True))
-        return leaves(system.body_of(by_name, law.record(*(by_name[name] for name in law.parameters))))
+        return leaves(system.body_of(by_name, law._make(by_name[name] for name in law.parameters)))
 
     def of(symbols: Sequence[Any]) -> tuple[Any, Any, Any]:
         q, carried = symbols[: variables.moving], symbols[variables.moving : n]

@@ -43,7 +43,7 @@ def hit_at(v: tuple, s: Any, z: Any, b: Touch, e_n: Any, restitution: str, Omega
     law = type(b.friction)
     key = law, restitution, precision
     if key not in _motions:
-        _motions[key] = SlidingImpacts(named(law)[1], restitution, precision)
+        _motions[key] = SlidingImpacts(named(law), restitution, precision)
     spin = spin_mobility(s, z, b) if law is Contensou else None
     return _motions[key].struck(v, mobility(s, z, b), z, b.friction, e_n, spin, Omega_z)
 
@@ -149,7 +149,7 @@ def test_slip_of_an_upright_body_stops_in_a_line(slip: tuple[float, float]) -> N
     assert (got.p_e, got.p_2) == pytest.approx((-slip[0] / K.ee, -slip[1] / K.tt), abs=1e-9)
 
 
-@pytest.mark.parametrize("law", [Viscous(np.nan), Viscous(1e3)])
+@pytest.mark.parametrize("law", [Viscous._make((np.nan,)), Viscous(1e3)])
 def test_a_law_that_jams_the_contact_is_refused(law: Any) -> None:
     """v_e K_ez > 0 and k beyond K_zz/(K_ez v_e)."""
     with pytest.raises(ArithmeticError, match="no solution"):

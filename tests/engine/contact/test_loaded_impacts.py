@@ -13,7 +13,7 @@ from tippetop.mechanics.contact.body import Touch, angular_velocity, arm, centre
 from tippetop.mechanics.contact.state import Moving
 from tippetop.mechanics.contact.struck import RESTITUTIONS
 from tippetop.mechanics.disc_friction import drag
-from tippetop.mechanics.friction import LAWS, with_parts
+from tippetop.mechanics.friction import LAWS
 from tippetop.mechanics.operand import Vector
 
 
@@ -50,7 +50,7 @@ def law_of(law: str, parts: Any = (MU_R, MU_D), **numbers: float) -> Any:
     """The record of a law, with parts or, None, without."""
     known = LAWS[law].given(NUMBERS[law])
     more = {} if parts is None else dict(zip(("mu_r", "mu_d"), parts, strict=True))
-    return (known if parts is None else with_parts(known)).record(**NUMBERS[law] | numbers | more)
+    return (known if parts is None else known.with_parts)(**NUMBERS[law] | numbers | more)
 
 
 def impacts(friction: Any, restitution: str) -> Impacts:

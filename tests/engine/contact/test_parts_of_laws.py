@@ -161,14 +161,14 @@ def test_laws_without_parts_keep_their_bits():
 
 def test_records_take_parts_by_name():
     top = tt.TippeTop(**BODY)
-    law = tt.Viscous(0.3, mu_r="0.2 mm", mu_d=MU_D)
+    law = tt.friction.Viscous(0.3, mu_r="0.2 mm", mu_d=MU_D)
     run = tt.run(top, law, start=SLIDING, until=0.01)
     table = tt.run(top, LAWS["viscous"] | {"mu_r": MU_R, "mu_d": MU_D}, start=SLIDING, until=0.01)
     assert run.trajectory.theta.identical(table.trajectory.theta)
     assert run.summary.friction.to_dict() == {"law": "viscous", "mu": 0.3, "mu_r": MU_R, "mu_d": MU_D}
-    assert tt.Contensou(0.3, 5e-4, 1e-5, mu_d=1e-5).record()._fields == ("mu", "patch", "mu_r", "mu_d")
+    assert tt.friction.Contensou(0.3, 5e-4, 1e-5, mu_d=1e-5)._fields == ("mu", "patch", "mu_r", "mu_d")
     with pytest.raises(tt.InputError, match="mu_r"):
-        tt.Coulomb(0.3, mu_r=-1e-5)
+        tt.friction.Coulomb(0.3, mu_r=-1e-5)
 
 
 def test_a_problem_with_parts_can_be_pickled():
@@ -191,8 +191,8 @@ def test_no_statement_about_lasting_spins_is_made():
     assert solve(made, keep=False).report["outcome"] == "under-way"
     top = tt.TippeTop(**BODY)
     with pytest.raises(tt.InputError, match="no spin lasts"):
-        tt.linear_modes(top, omega3=100.0, law=tt.Viscous(0.3, mu_r=1e-5))
-    run = tt.run(top, tt.Viscous(0.3, mu_r=1e-5), start={"theta": 0.3, "omega3": 100.0}, until=0.01)
+        tt.theory.linear_modes(top, omega3=100.0, law=tt.friction.Viscous(0.3, mu_r=1e-5))
+    run = tt.run(top, tt.friction.Viscous(0.3, mu_r=1e-5), start={"theta": 0.3, "omega3": 100.0}, until=0.01)
     for kind in ("states", "surface", "inversion"):
         with pytest.raises(tt.InputError, match=r"none does under `friction.mu_r`"):
             run.plot(kind)

@@ -131,13 +131,15 @@ def test_every_smooth_law(law: str) -> None:
 @pytest.mark.slow
 def test_datasets_by_parameter_and_second_derivatives_are_differences_of_first_ones() -> None:
     problem, wrt, h = short("inverting", 0.12), ["friction.mu", "initial.omega3"], 1e-5
-    found = tt.sensitivities(problem, wrt, order=2)
+    found = tt.derivatives.sensitivities(problem, wrt, order=2)
     assert found.trajectory.theta.dims == ("time", "parameter")
     assert list(found.trajectory.parameter.values) == wrt
     assert list(found.trajectory.unit.values) == ["s m-1", "rad s-1"]
     assert found.events.time.dims == ("event", "parameter")
     assert found.second.L.dims == ("time", "parameter", "parameter_2", "xyz")
-    ahead, behind = (tt.sensitivities(changed(problem, "friction.mu", 0.3 + s * h), wrt).trajectory for s in (1, -1))
+    ahead, behind = (
+        tt.derivatives.sensitivities(changed(problem, "friction.mu", 0.3 + s * h), wrt).trajectory for s in (1, -1)
+    )
     for name in ("theta", "L", "orientation", "normal_force"):
         expected = ((ahead[name] - behind[name]) / (2 * h)).values
         second = found.second[name].sel(parameter_2="friction.mu").values
@@ -148,7 +150,7 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
     """centre_at_rest makes the slip depend on omega3; phi_dot, not given, is zero and still has a derivative."""
     problem = short("inverting", 0.12, initial={"theta": 0.1, "omega3": 155.0, "centre_at_rest": True})
     wrt = ["initial.omega3", "initial.phi_dot"]
-    found = tt.sensitivities(problem, wrt).trajectory.nu_y.values
+    found = tt.derivatives.sensitivities(problem, wrt).trajectory.nu_y.values
     for i, (name, size) in enumerate(zip(wrt, (0.1, 0.01), strict=True)):
         expected, *_ = difference(problem, name, size)
         assert np.abs(found[:, i] - expected["nu_y"]).max() < 1e-8 * np.abs(expected["nu_y"]).max()
@@ -167,4 +169,4 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
 )
 def test_what_has_no_derivatives_is_refused_in_a_sentence(preset: str, wrt: list[str], words: str) -> None:
     with pytest.raises(InputError, match=words):
-        tt.sensitivities(preset, wrt, until=0.1)
+        tt.derivatives.sensitivities(preset, wrt, until=0.1)

@@ -18,7 +18,7 @@ def test_about_an_unstable_equilibrium_errors_grow_as_the_linear_motion_says() -
     c = alpha * R
     rate = math.sqrt(m * g * c / (I + m * (R + c) ** 2))
     cylinder = tt.Cylinder(m=m, R=R, alpha=alpha, I=I, g=g)
-    table = tt.lyapunov(cylinder, start={"theta": math.pi}, until=1.0, rows=6)
+    table = tt.derivatives.lyapunov(cylinder, start={"theta": math.pi}, until=1.0, rows=6)
     second = 2.0 ** round(math.log2(math.sqrt(R / g)))
     for t, factor in zip(table.time.values, table.factor.values, strict=True):
         x, k = rate * t, rate * second
@@ -46,7 +46,7 @@ START = {"theta": 0.3, "phi": 0.1, "theta_dot": 2.0, "phi_dot": 5.0, "omega3": 1
 
 def test_the_factor_is_that_of_nearby_runs() -> None:
     """Differences of runs, in the norm of 3hat, L and r'."""
-    growth, t = tt.lyapunov("inverting", start=START, until=0.25, rows=2).factor.values[-1], 0.25
+    growth, t = tt.derivatives.lyapunov("inverting", start=START, until=0.25, rows=2).factor.values[-1], 0.25
     h = dict.fromkeys(START, 1e-6) | {"theta_dot": 1e-4, "phi_dot": 1e-4, "omega3": 1e-3}
     first, last = (
         np.array([(state_at({k: d}, t) - state_at({k: -d}, t)) / (2 * d) for k, d in h.items()]).T for t in (1e-9, t)
@@ -76,4 +76,4 @@ def test_info_says_how_errors_grow(tmp_path: Path, capsys: pytest.CaptureFixture
 
 def test_a_contact_that_opens_has_no_growth() -> None:
     with pytest.raises(tt.InputError, match="the contact must never change"):
-        tt.lyapunov("flying", until=0.1)
+        tt.derivatives.lyapunov("flying", until=0.1)

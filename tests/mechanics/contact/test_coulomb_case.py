@@ -8,7 +8,6 @@ import pytest
 from components import bias, reaction_of_rolling, slip_force
 from scipy.integrate import solve_ivp
 
-from tippetop.mechanics import friction
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import coulomb
 from tippetop.mechanics.contact.body import Touch
@@ -77,5 +76,5 @@ def test_normal_forces_of_the_references_are_these() -> None:
 def test_the_set_valued_law_pulls_with_mu_at_every_speed() -> None:
     """k |v| = mu: the law that regularised Coulomb friction tends to."""
     speeds = np.array([1e-6, 0.1, 3.0])
-    k = friction.set_valued(speeds**2, 0.3, SetValued(0.4))
+    k = SetValued.coefficient(speeds**2, 0.3, SetValued(0.4))
     np.testing.assert_allclose(k * speeds, 0.4, rtol=1e-15)

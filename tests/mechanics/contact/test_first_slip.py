@@ -69,7 +69,7 @@ def edges(rng: np.random.Generator, count: int) -> list[Edge]:
             state = np.concatenate([state[:3], sign * state[3:6], state[6:]])
             F = reaction(state, BODY)
             mu = np.hypot(F.x, F.y) / F.z
-            ball = BODY._replace(friction=SetValued(mu))
+            ball = BODY._replace(friction=SetValued._make((mu,)))
             later = coulomb.cone(*reaction(state + 1e-7 * rolling_rate(state, ball), ball), mu)
             if F.z > 0.05 and 0.05 < mu < 0.8 and later < 0:
                 omega = contact.angular_velocity(Vector(*state[:3]), Vector(*state[3:6]), ball)

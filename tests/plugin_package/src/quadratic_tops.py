@@ -1,39 +1,32 @@
 """A friction law, an event, a column and a system of one's own: all that a package needs to add them to tippetop."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import tippetop as tt
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.operand import Operand, formula
+from tippetop.mechanics.operand import formula
 from tippetop.mechanics.systems.tippe_top import TIPPE_TOP
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
 
 
-# --- a friction law: a record, its coefficient, and what the user is told --------------------------------------------
+# --- a friction law: its numbers and its coefficient ------------------------------------------------------------------
 
 
-class Quadratic(NamedTuple):
-    """F = -(mu + drag |v_A|^2) g_n v_A: viscous friction that grows with speed; mu in s/m, drag in s^3/m^3."""
+class Quadratic(tt.extending.FrictionLaw):
+    """F = -(mu + drag v_A^2) g_n v_A.
 
-    mu: Operand
-    drag: Operand
+    Viscous friction that grows with speed.
+    """
 
+    mu: tt.extending.Number = tt.extending.number(SECOND_PER_METRE, "viscous friction coefficient mu", least=0)
+    drag: tt.extending.Number = tt.extending.number(
+        tt.extending.Unit(0, -3, 3, "s3 m-3"), "coefficient of the square of the speed", least=0
+    )
 
-@formula
-def quadratic(v2, z, law):
-    """k = mu + drag v^2 [s/m]."""
-    return law.mu + law.drag * v2
-
-
-QUADRATIC = tt.Law(
-    Quadratic,
-    {
-        "mu": tt.Parameter(SECOND_PER_METRE, "viscous friction coefficient mu", least=0),
-        "drag": tt.Parameter(tt.Unit(0, -3, 3, "s3 m-3"), "coefficient of the square of the speed", least=0),
-    },
-    "F = -(mu + drag v_A^2) g_n v_A",
-    quadratic,
-)
+    @formula
+    def coefficient(v2, z, law):
+        """k = mu + drag v^2 [s/m]."""
+        return law.mu + law.drag * v2
 
 
 # --- an event and a column: functions of the scalars of a state ------------------------------------------------------
@@ -51,8 +44,8 @@ def spin_energy(s, b):
     return s.L3**2 / (2 * b.I3)
 
 
-EIGHTH = tt.Event("eighth", "theta = pi/4", eighth)
-SPIN_ENERGY = tt.Quantity("spin_energy", "E_3", JOULE, "energy of the rotation about the axis", spin_energy)
+EIGHTH = tt.extending.Event("eighth", "theta = pi/4", eighth)
+SPIN_ENERGY = tt.extending.Quantity("spin_energy", "E_3", JOULE, "energy of the rotation about the axis", spin_energy)
 
 
 # --- a system: a tippe top whose moments of inertia are given in m R^2 -----------------------------------------------
@@ -75,8 +68,8 @@ SCALED_TIPPE_TOP = TIPPE_TOP.replace(
     title="tippe top with scaled moments of inertia",
     parameters={
         **{name: TIPPE_TOP.parameters[name] for name in ("m", "R", "alpha")},
-        "k1": tt.Parameter(ONE, "transverse moment of inertia over m R^2", above=0),
-        "k3": tt.Parameter(ONE, "axial moment of inertia over m R^2", above=0),
+        "k1": tt.extending.number(ONE, "transverse moment of inertia over m R^2", above=0),
+        "k3": tt.extending.number(ONE, "axial moment of inertia over m R^2", above=0),
         "g": TIPPE_TOP.parameters["g"],
     },
     body=body,

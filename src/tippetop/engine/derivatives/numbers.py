@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.system import Parameter
+from ...mechanics.system import Number
 from ...problem import Problem, refuse
 from ..variational import Kind
 
@@ -42,7 +42,7 @@ class Numbers:
         self.values = {f"{table}.{name}": float(v) for table, of in tables.items() for name, v in of.items()}
         self.names = tuple(self.values)
 
-    def rule(self, name: str) -> Parameter:
+    def rule(self, name: str) -> Number:
         """Unit and interval of a number."""
         return self.problem.rules[name]
 

@@ -4,10 +4,12 @@ Vectors are those of space: regular everywhere.
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
-from ..friction import slip_coefficient
+from ...errors import InputError
+from ..friction import Frictionless, slip_coefficient
 from ..inlining import inlined
+from ..number import Record
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
 
@@ -38,6 +40,29 @@ def seen_from_balls(b: Touch, stem: tuple = ()) -> tuple[Touch, ...]:
 def seen_from_other(b: Touch) -> Touch:
     """Return a body seen from its other ball."""
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
+
+
+class Top(Record, abstract=True):
+    """A body, by the numbers that the user gives; `gliding` and `resting` name its systems, with and without a law."""
+
+    table = "parameters"
+    gliding: ClassVar[str]
+    resting: ClassVar[str]
+
+    def seen(self, friction: Any) -> Touch:
+        """Return the body that formulas take, with the record of a friction law."""
+        raise NotImplementedError
+
+    def body(self, law: Any = None) -> Touch:
+        """Return the body that formulas take; `law`: the record of a friction law. Raises InputError."""
+        if law is not None and not hasattr(law, "_fields"):
+            raise InputError([f"`law` must be the record of a friction law, but is {law!r:.60}."])
+        return self.seen(Frictionless() if law is None else law)
+
+    @classmethod
+    def body_of(cls, parameters: Mapping[str, Any], friction: Any) -> Touch:
+        """Return the body of parameters by name, unchecked, with the record of a friction law."""
+        return cls._make(parameters[name] for name in cls._fields).seen(friction)
 
 
 def body_units(friction: Any) -> Touch:

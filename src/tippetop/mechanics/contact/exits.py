@@ -7,16 +7,14 @@ lowest point, an impact and the body after it. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..form import Next
-from ..friction import Law, named
 from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
-from ..system import System
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, slip_motion, sticking
@@ -85,16 +83,9 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
     return "-".join((*("stem",) * ball, label, *regions))
 
 
-@lru_cache
-def law_under(record: Any, system: System) -> Law:
-    """Return the law of a record in a system."""
-    return named(record, system.laws)[1]  # type: ignore[index]
-
-
-def law_of(world: Any) -> Law:
+def law_of(world: Any) -> Any:
     """Return the law of the contact."""
-    record: Any = type(world.body[0].friction)
-    return law_under(record, world.system)
+    return type(world.body[0].friction)
 
 
 def point(x: Moving, b: Touch) -> Vector:

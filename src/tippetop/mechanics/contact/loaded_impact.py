@@ -14,7 +14,7 @@ import numpy as np
 from ..disc_friction import rolling
 from ..events import Event
 from ..form import Form
-from ..friction import Law, load
+from ..friction import load
 from ..operand import Vector, cross, dot, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm, centre_velocity
@@ -91,7 +91,7 @@ def growth(q: Any, by: Acts, b: Any) -> Any:
     return v.x * across.x + v.y * across.y + b.touch.friction.patch**2 * by.omega.z * spun
 
 
-def held(law: Law, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
+def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
     """Return force and torque at rest, per rise of v_n."""
     if law.regions:
         rolls = rolling(omega, b.friction)
@@ -103,14 +103,14 @@ def held(law: Law, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
 _stretches: dict[type, dict[str, Stretch]] = {}
 
 
-def stretches(law: Law) -> dict[str, Stretch]:
+def stretches(law: Any) -> dict[str, Stretch]:
     """Return the motions of impacts under a law; the same ones for a law's record."""
-    if law.record not in _stretches:
-        _stretches[law.record] = new_stretches(law)
-    return _stretches[law.record]
+    if law not in _stretches:
+        _stretches[law] = new_stretches(law)
+    return _stretches[law]
 
 
-def new_stretches(law: Law) -> dict[str, Stretch]:
+def new_stretches(law: Any) -> dict[str, Stretch]:
     """Return the motions of impacts under a law, by its regions and REST; of a law without regions the first is ""."""
 
     def stretch(friction: Callable | None, events: tuple, follows: tuple, by_slip: bool = False) -> Stretch:
@@ -166,7 +166,7 @@ def border(way: Any) -> Callable:
 # --- stops, and what follows them -----------------------------------------------------------------
 
 
-def is_slow(law: Law, q: Any, b: Any, stops: bool) -> bool:
+def is_slow(law: Any, q: Any, b: Any, stops: bool) -> bool:
     """Return whether the contact rests, or is about to, as it is where its slip has just stopped."""
     if law.regions:
         return bool(b.touch.friction.mu > 0 and (stops or speed2(q, b) <= rest_speed2(b.touch)))
@@ -179,13 +179,13 @@ def speed2(q: Any, b: Any) -> Any:
     return q.vx**2 + q.vy**2 + (getattr(b.touch.friction, "patch", 0.0) * turns) ** 2
 
 
-def stopped(law: Law, q: Any, b: Any) -> Any:
+def stopped(law: Any, q: Any, b: Any) -> Any:
     """Return the motion without the rest of sliding and turning, which an impulse takes."""
     turns = angular_velocity(b.u, Vector(q.Lx, q.Ly, q.Lz), b.touch).z
     return kicked(law, q, Vector(-q.vx, -q.vy, 0 * q.v_n), -turns, b)
 
 
-def left(law: Law, by: Acts, b: Any) -> Any:
+def left(law: Any, by: Acts, b: Any) -> Any:
     """Return by how much friction can give more, of a contact at rest; negative where it cannot hold it."""
     friction = b.touch.friction
     if law.regions:
@@ -193,7 +193,7 @@ def left(law: Law, by: Acts, b: Any) -> Any:
     return friction.mu - sqrt(by.force.x**2 + by.force.y**2)
 
 
-def slide(law: Law, stretch: Any, q: Any, by: Acts, b: Any) -> Any:
+def slide(law: Any, stretch: Any, q: Any, by: Acts, b: Any) -> Any:
     """Return the motion where a contact at rest begins to slide; `by` is what would hold it,
     `stretch` the motion of sliding under a law without regions."""
     if law.regions:
@@ -211,7 +211,7 @@ def slide(law: Law, stretch: Any, q: Any, by: Acts, b: Any) -> Any:
     return kicked(law, q, Vector(BEGINS_AT * np.cos(beta), BEGINS_AT * np.sin(beta), 0.0), 0.0, b)
 
 
-def kicked(law: Law, q: Any, v: Vector, Omega_z: Any, b: Any) -> Any:
+def kicked(law: Any, q: Any, v: Vector, Omega_z: Any, b: Any) -> Any:
     """Return the motion after impulses that add v to the velocity of the contact and Omega_z to its turning."""
     by = impulses(b.u, v, Omega_z, b.touch) if law.regions else Held(mobility_inverse_times(b.u, v, b.touch), 0.0)
     p, twist = by.force, Vector(0.0, 0.0, by.torque)
@@ -223,7 +223,7 @@ def kicked(law: Law, q: Any, v: Vector, Omega_z: Any, b: Any) -> Any:
     return Motion._make(one + more for one, more in zip(q, added, strict=True))
 
 
-def region_at(law: Law, q: Any, b: Any) -> str:
+def region_at(law: Any, q: Any, b: Any) -> str:
     """Return the region of a motion."""
     L, v = Vector(q.Lx, q.Ly, q.Lz), Vector(q.vx, q.vy, q.v_n)
     x = Moving(b.u, L, centre_velocity(b.u, L, v, b.touch), 0.0)

@@ -10,10 +10,10 @@ from typing import Any
 
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
-from ..friction import LAWS, PARTS, Law, all_laws, has_parts, is_frictionless
+from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
 from ..inlining import inlined
+from ..number import Number
 from ..operand import formula, leaves, refill
-from ..parameter import Parameter
 from ..system import System
 from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
 from .body import Touch, seen_from_balls
@@ -40,8 +40,8 @@ from .state import (
 
 
 ABOVE = {
-    "gap": Parameter(METRE, "height of the lowest point of the sphere above the plane", least=0),
-    "nu_z": Parameter(METRE_PER_SECOND, "vertical velocity of the lowest point of the sphere"),
+    "gap": Number(METRE, "height of the lowest point of the sphere above the plane", least=0),
+    "nu_z": Number(METRE_PER_SECOND, "vertical velocity of the lowest point of the sphere"),
 }
 LONG_NAMES = {
     "gap": "height of the lowest point of the ball that touches the plane, or did last",
@@ -104,7 +104,7 @@ TABLES = {
 """Units or words of the columns of further tables; the place of a word is its number in a store."""
 
 
-def kind_of(law: Law) -> tuple:
+def kind_of(law: Any) -> tuple:
     """Return what decides the phases of a contact, of a law."""
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
@@ -112,7 +112,7 @@ def kind_of(law: Law) -> tuple:
 # --- phases and exits -----------------------------------------------------------------------------
 
 
-def phases_of(planar: bool, law: Law, balls: int) -> dict[str, Phase]:
+def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name."""
     of_any = IN_PLANE if planar else {phase.label: phase for phase in (SLIP, ROLL, FLIGHT)}
     if law.torque:
@@ -145,7 +145,7 @@ Bare = tuple[Phase, int, tuple[str, ...]]
 """A phase without exits, its ball, and the regions of the law on each ball in contact."""
 
 
-def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
+def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
     near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
@@ -185,7 +185,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Law) -> Phase:
 _opened: dict[tuple, System] = {}
 
 
-def opened(system: System, law: Law, balls: int) -> System:
+def opened(system: System, law: Any, balls: int) -> System:
     """Return a system whose contact may open, of one that slides; the same one for a law's record.
 
     Parameters
@@ -197,13 +197,13 @@ def opened(system: System, law: Law, balls: int) -> System:
     balls
         1, or 2 of a body with a stem.
     """
-    key = system, law.record, balls
+    key = system, law, balls
     if key not in _opened:
         _opened[key] = open_contact(system, law, balls)
     return _opened[key]
 
 
-def open_contact(system: System, law: Law, balls: int) -> System:
+def open_contact(system: System, law: Any, balls: int) -> System:
     """Return a new system whose contact may open."""
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
@@ -233,8 +233,8 @@ def open_contact(system: System, law: Law, balls: int) -> System:
         if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
             return bodies(b), phases
         none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
-        numbers = {name: getattr(b.friction, name) for name in none.parameters}
-        return bodies(b._replace(friction=none.record(**numbers))), opened(system, none, balls).phases
+        free = none._make(getattr(b.friction, name) for name in none.parameters)
+        return bodies(b._replace(friction=free)), opened(system, none, balls).phases
 
     return replace(
         system,

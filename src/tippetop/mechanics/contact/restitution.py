@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from ..parameter import Parameter
+from ..number import Number
 from ..units import METRE, ONE
 
 
@@ -34,10 +34,10 @@ class ContactLaw(NamedTuple):
         return not math.isnan(self.h)
 
 
-CONTACT = {"e_n": Parameter(ONE, "coefficient of restitution e_n", least=0, most=1)}
+CONTACT = {"e_n": Number(ONE, "coefficient of restitution e_n", least=0, most=1)}
 STEM = {
-    "r": Parameter(METRE, "radius of the stem's ball", above=0),
-    "h": Parameter(METRE, "distance from the centre of the sphere to that of the stem's ball, along 3hat", above=0),
+    "r": Number(METRE, "radius of the stem's ball", above=0),
+    "h": Number(METRE, "distance from the centre of the sphere to that of the stem's ball, along 3hat", above=0),
 }
 
 

@@ -16,6 +16,8 @@ from ...errors import InputError
 from .. import friction
 from ..consistency import inconsistencies, unmet_requirements
 from ..contact.opening import kind_of, opened
+from ..friction import FrictionLaw
+from ..number import RecordType
 from ..system import System
 from .answers import wrong_answers
 from .cylinder import GLIDING_CYLINDER
@@ -58,14 +60,15 @@ def check(system: System) -> None:
         raise InputError(faults)
 
 
-def add_law(name: str, law: friction.Law, *, here: bool = False) -> None:
-    """Registers a friction law under a name that no law has, of no system either. `here`: in this process. Raises
+def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:
+    """Register a friction law under its key, which no law has, of no system either. `here`: in this process. Raises
     InputError."""
+    name = law.key
     new = name not in friction.LAWS if isinstance(name, str) else False
-    if here and isinstance(name, str) and not new and _defined_again(friction.LAWS[name].record, law.record):
+    if here and isinstance(name, str) and not new and _defined_again(friction.LAWS[name], law):
         before = friction.LAWS.pop(name)
         try:
-            add_law(name, law, here=True)
+            add_law(law, here=True)
         except InputError:
             friction.LAWS[name] = before
             raise
@@ -73,8 +76,8 @@ def add_law(name: str, law: friction.Law, *, here: bool = False) -> None:
     for system in SYSTEMS.values():
         if name in system.laws and name not in friction.LAWS:
             raise InputError([f"the name of a law must be new, but `{name}` is one of {system.name}."])
-    friction.add(name, law)
-    _note(law.record, here=here, new=new)
+    friction.add(law)
+    _note(law, here=here, new=new)
 
 
 def _defined_again(before: Any, record: Any) -> bool:
@@ -97,6 +100,7 @@ def _note(record: Any, *, here: bool, new: bool) -> None:
 
 def known_to_others(record: Any) -> bool:
     """Whether other processes know a system, or a law by its record: of the package, or by an entry point."""
+    record = getattr(record, "face", record)
     if record in REGISTERED_HERE:
         load_entry_points()
     return record not in REGISTERED_HERE
@@ -109,7 +113,7 @@ def find(name: str) -> System | None:
     return SYSTEMS.get(name)
 
 
-def laws_of(system: System) -> dict[str, friction.Law]:
+def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
     """Return the friction laws that runs of a system take, by name: one body takes those with regions."""
     if system.contact is not None:
         return {name: law for name, law in laws_of(SYSTEMS[system.name]).items() if any(kind_of(law))}
@@ -125,14 +129,14 @@ def that_open() -> dict[str, System]:
 def opened_by_name(name: str, record: type, balls: int) -> System:
     """Return a system whose contact opens, as a pickle has it. Raises InputError if this process does not know it."""
     system = by_name(name)
-    if (known := friction.named(record, system.laws)) is None:
+    if friction.named(record, system.laws) is None:
         raise InputError([f"the law of `{record.__name__}` is not known in this process: register it first."])
-    return opened(system, known[1], balls)
+    return opened(system, record, balls)
 
 
-def systems_of_laws() -> dict[str, tuple[friction.Law, list[str]]]:
+def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
     """Every friction law that is known, by name, with the names of the systems that take it."""
-    known: dict[str, tuple[friction.Law, list[str]]] = {name: (law, []) for name, law in friction.LAWS.items()}
+    known: dict[str, tuple[type[FrictionLaw], list[str]]] = {name: (law, []) for name, law in friction.LAWS.items()}
     for system in SYSTEMS.values():
         for name, law in laws_of(system).items():
             known.setdefault(name, (law, []))[1].append(system.name)
@@ -150,7 +154,7 @@ def _pickled(system: System) -> tuple:
     """A pickle has the names of systems, not their formulas."""
     if system.contact is not None and opened(SYSTEMS[system.name], *system.contact) is system:
         law, balls = system.contact
-        return opened_by_name, (system.name, law.record, balls)
+        return opened_by_name, (system.name, law, balls)
     if SYSTEMS.get(system.name) is not system:
         raise pickle.PicklingError(
             f"a `{system.name}` that is not registered, or has events or columns of your own, cannot be pickled: its "
@@ -168,7 +172,7 @@ def load_entry_points() -> None:
     from importlib.metadata import entry_points
 
     groups: dict[str, tuple[type, str, Callable[[str, Any], None]]] = {
-        "tippetop.friction": (friction.Law, "a Law", add_law),
+        "tippetop.friction": (RecordType, "a FrictionLaw", _add_law_under),
         "tippetop.systems": (System, "a System", _add_under),
     }
     for group, (kind, words, register) in groups.items():
@@ -180,6 +184,16 @@ def load_entry_points() -> None:
                 register(entry.name, record)
             except Exception as error:  # any package may have installed it, and broken it
                 warnings.warn(f"`{entry.name}` of {group} is left out: {error}", stacklevel=2)
+
+
+def _add_law_under(name: str, law: type[FrictionLaw]) -> None:
+    """Register the law of an entry point, and warn if its key is another."""
+    add_law(law)
+    if name != law.key:
+        warnings.warn(
+            f"`{name}` of tippetop.friction is known as `{law.key}`, the key of its class, and by no other.",
+            stacklevel=3,
+        )
 
 
 def _add_under(name: str, system: System) -> None:

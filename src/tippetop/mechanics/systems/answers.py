@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from .. import friction
+from ..number import Number
 from ..operand import leaves
-from ..parameter import Parameter
 from ..system import Phase, System
 
 
-def allowed(rule: Parameter) -> float:
+def allowed(rule: Number) -> float:
     """A number that a parameter may be."""
     if rule.default is not None:
         return rule.default
@@ -33,9 +33,7 @@ def wrong_answers(system: System) -> list[str]:
     results: dict[str, Any] = {}
 
     def bodies() -> None:
-        results["body"] = system.body_of(
-            numbers, law.record(**{n: allowed(rule) for n, rule in law.parameters.items()})
-        )
+        results["body"] = system.body_of(numbers, law._make(map(allowed, law.parameters.values())))
         results["units"] = system.body_units(law.units())
         results["scales"] = system.scales(results["body"])
 
@@ -97,7 +95,9 @@ def _of_phases(system: System, body: Any) -> list[str]:
         elif not all(math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, states), strict=True)):
             faults.append(f"{must} {states[0]!r:.60} becomes {states[1]!r:.60}.")
         elif fault := _failure(leave_rows):
-            faults.append(f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but fails: {fault}.")
+            faults.append(
+                f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but fails: {fault}."
+            )
     return faults
 
 

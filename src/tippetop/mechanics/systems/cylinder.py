@@ -9,21 +9,20 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Touch
+from ..contact.body import Top, Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
 from ..events import Event
-from ..friction import LAWS, Law, slip_coefficient
+from ..friction import LAWS, FrictionLaw, slip_coefficient
+from ..number import Number, again, number
 from ..operand import Operand, formula, select
-from ..system import Alternative, Form, Opening, Parameter, Quantity, of_one_phase
+from ..system import Alternative, Form, Opening, Quantity, of_one_phase
 from ..units import (
     INERTIA,
     JOULE,
-    KILOGRAM,
     METRE,
     METRE_PER_SECOND,
-    METRE_PER_SECOND2,
     NEWTON,
     NEWTON_SECOND,
     ONE,
@@ -35,41 +34,45 @@ from ..units import (
 from . import outlook, tippe_top
 
 
-PARAMETERS = {
-    "m": Parameter(KILOGRAM, "mass", above=0),
-    "R": Parameter(METRE, "radius of the cylinder", above=0),
-    "alpha": Parameter(ONE, "eccentricity: the centre of mass lies alpha*R below the axis", least=0, below=1),
-    "I": Parameter(INERTIA, "moment of inertia about the centre of mass", above=0),
-    "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
-}
+class Cylinder(Top):
+    """An eccentric cylinder that moves in a plane across its axis.
 
+    Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 6.
+    """
 
-def body(parameters, friction) -> Touch:
-    """The body of a cylinder: c = alpha*R, I1 = I; I3 plays no part."""
-    m, R, alpha, I, g = (parameters[name] for name in PARAMETERS)
-    return Touch(m, R, alpha * R, I, I, g, friction)
+    gliding = "gliding-cylinder"
+    resting = "rolling-cylinder"
+
+    m: Number = again(tippe_top.TippeTop.parameters["m"])
+    R: Number = number(METRE, "radius of the cylinder", symbol="R", above=0)
+    alpha: Number = number(
+        ONE, "eccentricity: the centre of mass lies alpha*R below the axis", symbol=r"\alpha", least=0, below=1
+    )
+    I: Number = number(INERTIA, "moment of inertia about the centre of mass", symbol="I", above=0)
+    g: Number = again(tippe_top.TippeTop.parameters["g"])
+
+    def seen(self, friction: Any) -> Touch:
+        """Return the body: c = alpha*R, I1 = I; I3 plays no part."""
+        return Touch(self.m, self.R, self.alpha * self.R, self.I, self.I, self.g, friction)
 
 
 # --- the modified reaction, as a law of the contact -----------------------------------------------------------------
 
 
-class Modified(NamedTuple):
-    """F = m (1 - kappa)(s_z'' zhat) + m kappa s''_rolling + m g zhat - mu v_A [T 6.18]: mu in kg/s, and
-    kappa = 1/(1 + v_A^2/v_k^2), which tends to 1 as v_A -> 0 (the family is ours, the source leaves kappa open)."""
-
-    mu: Operand
-    v_k: Operand
-
-
 KILOGRAM_PER_SECOND = Unit(1, 0, -1, "kg s-1")
-MODIFIED = Law(
-    Modified,
-    {
-        "mu": Parameter(KILOGRAM_PER_SECOND, "friction coefficient of -mu v_A", least=0),
-        "v_k": Parameter(METRE_PER_SECOND, "speed at which kappa = 1/(1 + v_A^2/v_k^2) is one half", above=0),
-    },
-    "modified reaction: F = g~ zhat + m g zhat - m kappa (omega x a)' - mu v_A",
-)
+
+
+class Modified(FrictionLaw):
+    """Modified reaction: F = g~ zhat + m g zhat - m kappa (omega x a)' - mu v_A.
+
+    F = m (1 - kappa) s_z'' zhat + m kappa s''_rolling + m g zhat - mu v_A [T 6.18], with kappa = 1/(1 + v_A^2/v_k^2),
+    which tends to 1 as v_A -> 0 (the family is ours, the source leaves kappa open).
+    """
+
+    mu: Number = number(KILOGRAM_PER_SECOND, "friction coefficient of -mu v_A", symbol=r"\mu", least=0)
+    v_k: Number = number(
+        METRE_PER_SECOND, "speed at which kappa = 1/(1 + v_A^2/v_k^2) is one half", symbol="v_k", above=0
+    )
 
 
 @formula
@@ -277,9 +280,9 @@ SETTLED = replace(gliding.SETTLED, long_name="|v_A|^2 falls below 1e-12 of its u
 
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 6"
 INITIAL = {
-    "theta": Parameter(RADIAN, "angle theta of the axis of eccentricity, not wrapped"),
-    "theta_dot": Parameter(RADIAN_PER_SECOND, "theta'"),
-    "x": Parameter(METRE, "x of the centre of mass"),
+    "theta": Number(RADIAN, "angle theta of the axis of eccentricity, not wrapped"),
+    "theta_dot": Number(RADIAN_PER_SECOND, "theta'"),
+    "x": Number(METRE, "x of the centre of mass"),
 }
 LONG_NAMES = {
     **gliding.LONG_NAMES,
@@ -287,8 +290,8 @@ LONG_NAMES = {
     "nu_x": "velocity of the contact point of the cylinder",
 }
 COMMON: dict[str, Any] = {
-    "parameters": PARAMETERS,
-    "body": body,
+    "parameters": Cylinder.parameters,
+    "body": Cylinder.body_of,
     "body_units": contact.body_units,
     "scales": lambda b: (b.m, b.R),
     "normalised_to": {"m": 1.0, "R": 1.0},
@@ -302,7 +305,7 @@ GLIDING_CYLINDER = of_one_phase(
     name="gliding-cylinder",
     title="eccentric cylinder that rolls and glides",
     source=SOURCE,
-    initial={**INITIAL, "nu_x": Parameter(METRE_PER_SECOND, "velocity of the contact point of the cylinder")},
+    initial={**INITIAL, "nu_x": Number(METRE_PER_SECOND, "velocity of the contact point of the cylinder")},
     alternatives=(Alternative("centre_at_rest", ("nu_x",), flag=True),),
     start=start,
     angles=ANGLES,
@@ -314,7 +317,7 @@ GLIDING_CYLINDER = of_one_phase(
     ),
     integrals=(),
     events=(TURNING, LIFTOFF, gliding.EQUATOR, SETTLED),
-    laws=ChainMap({"modified": MODIFIED}, LAWS),  # it sees what is added to LAWS later
+    laws=ChainMap({"modified": Modified}, LAWS),  # it sees what is added to LAWS later
     outlook=outlook.gliding_cylinder,
     opening=Opening(planar=True),
     **COMMON,

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
-from ..contact.body import Touch, tip_inertia
+from ..contact.body import Top, Touch, tip_inertia
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
@@ -22,15 +22,13 @@ from ..contact.rolling import chart as rolling_chart
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
+from ..number import Number, again, number
 from ..operand import Operand, cos, cross, formula, plus, sin, sqrt, times
 from ..potential import PotentialCoefficients
-from ..system import Form, Landscape, Momentum, Parameter, Quantity, of_one_phase
+from ..system import Form, Landscape, Momentum, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
-    INERTIA,
-    KILOGRAM,
     METRE,
-    METRE_PER_SECOND2,
     NEWTON_SECOND,
     ONE,
     PER_SECOND,
@@ -38,31 +36,28 @@ from ..units import (
     RADIAN_PER_SECOND,
 )
 from . import outlook
+from .tippe_top import TippeTop
 
 
-class HeavyTop(NamedTuple):
-    """m [kg], l [m], I1 and I3 about the centre of mass [kg m^2], g [m/s^2]."""
+class HeavyTop(Top):
+    """A heavy symmetric top: with a fixed tip, or with a tip that glides on the plane.
 
-    m: Operand
-    l: Operand
-    I1: Operand
-    I3: Operand
-    g: Operand
+    Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapters 2 and 5.
+    """
 
+    gliding = "gliding-heavy-top"
+    resting = "heavy-top"
+    faults = staticmethod(contact.inertia_faults)
 
-PARAMETERS = {
-    "m": Parameter(KILOGRAM, "mass", above=0),
-    "l": Parameter(METRE, "distance from the tip to the centre of mass", above=0),
-    "I1": Parameter(INERTIA, "transverse moment of inertia about the centre of mass", above=0),
-    "I3": Parameter(INERTIA, "axial moment of inertia about the centre of mass", above=0),
-    "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
-}
+    m: Number = again(TippeTop.parameters["m"])
+    l: Number = number(METRE, "distance from the tip to the centre of mass", symbol="l", above=0)
+    I1: Number = again(TippeTop.parameters["I1"])
+    I3: Number = again(TippeTop.parameters["I3"])
+    g: Number = again(TippeTop.parameters["g"])
 
-
-def body(parameters, friction) -> Touch:
-    """The body of a heavy top: R = 0, c = -l."""
-    m, l, I1, I3, g = (parameters[name] for name in HeavyTop._fields)
-    return Touch(m, 0 * l, -l, I1, I3, g, friction)
+    def seen(self, friction: Any) -> Touch:
+        """Return the body: R = 0, c = -l."""
+        return Touch(self.m, 0 * self.l, -self.l, self.I1, self.I3, self.g, friction)
 
 
 # --- quantities -----------------------------------------------------------------------------------------------------
@@ -302,12 +297,12 @@ MOMENTA = (
     Quantity("Lz", "L_z", ANGULAR_MOMENTUM, "angular momentum about the vertical through the tip", Lz),
 )
 COMMON: dict[str, Any] = {
-    "parameters": PARAMETERS,
-    "body": body,
+    "parameters": HeavyTop.parameters,
+    "body": HeavyTop.body_of,
     "body_units": contact.body_units,
     "scales": lambda b: (b.m, -b.c),
     "normalised_to": {"m": 1.0, "R": 0.0, "c": -1.0},
-    "checks": contact.inertia_faults,
+    "checks": HeavyTop.faults,
     "vectors": gliding.VECTORS,
     "potential": potential,
     "theta_inertia": theta_inertia,

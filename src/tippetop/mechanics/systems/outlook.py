@@ -77,9 +77,9 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
         return Outlook(FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits)
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
     known = named(type(b.friction))
-    if known and known[1].set_valued:
+    if known and known.set_valued:
         sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
-    elif known and known[1].regions:
+    elif known and known.regions:
         sentence += "; drilling takes of Jellett's integral, which decides that"
     return Outlook(sentence, "", limits)
 

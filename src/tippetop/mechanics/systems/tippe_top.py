@@ -3,17 +3,18 @@
 With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphere where theta = 0.
 """
 
-from typing import NamedTuple
+from typing import Any
 
 from ..contact import body as contact
-from ..contact.body import Touch
+from ..contact.body import Top, Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import euler as gliding_euler
 from ..contact.gliding import rates
 from ..friction import LAWS
-from ..operand import Operand, formula, sqrt
+from ..number import Number, number
+from ..operand import formula, sqrt
 from ..potential import PotentialCoefficients
-from ..system import Landscape, Momentum, Opening, Parameter, Quantity, of_one_phase
+from ..system import Landscape, Momentum, Opening, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -28,37 +29,39 @@ from ..units import (
 from . import outlook
 
 
-class TippeTop(NamedTuple):
-    """m [kg], R [m], alpha, I1 and I3 about the centre of mass [kg m^2], g [m/s^2]."""
+class TippeTop(Top):
+    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; with alpha < 0, a peg, above it.
 
-    m: Operand
-    R: Operand
-    alpha: Operand
-    I1: Operand
-    I3: Operand
-    g: Operand
+    Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in SI units,
+    "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe Top and related rigid bodies.
+    Linkoping (2010), chapter 3.
 
+    >>> import tippetop as tt
+    >>> tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
+    TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-06, I3=3.2e-06, g=9.82)
+    """
 
-PARAMETERS = {
-    "m": Parameter(KILOGRAM, "mass", above=0),
-    "R": Parameter(METRE, "radius of the sphere", above=0),
-    "alpha": Parameter(
+    gliding = "tippe-top"
+    resting = "rolling-tippe-top"
+    faults = staticmethod(contact.inertia_faults)
+
+    m: Number = number(KILOGRAM, "mass", symbol="m", above=0)
+    R: Number = number(METRE, "radius of the sphere", symbol="R", above=0)
+    alpha: Number = number(
         ONE,
         "eccentricity: the centre of mass lies alpha*R below the centre, above it if negative",
+        symbol=r"\alpha",
         above=-1,
         below=1,
         nonzero=True,
-    ),
-    "I1": Parameter(INERTIA, "transverse moment of inertia about the centre of mass", above=0),
-    "I3": Parameter(INERTIA, "axial moment of inertia about the centre of mass", above=0),
-    "g": Parameter(METRE_PER_SECOND2, "acceleration of gravity", above=0),
-}
+    )
+    I1: Number = number(INERTIA, "transverse moment of inertia about the centre of mass", symbol="I_1", above=0)
+    I3: Number = number(INERTIA, "axial moment of inertia about the centre of mass", symbol="I_3", above=0)
+    g: Number = number(METRE_PER_SECOND2, "acceleration of gravity", symbol="g", above=0)
 
-
-def body(parameters, friction) -> Touch:
-    """The gliding body of a tippe top: c = alpha*R."""
-    m, R, alpha, I1, I3, g = (parameters[name] for name in TippeTop._fields)
-    return Touch(m, R, alpha * R, I1, I3, g, friction)
+    def seen(self, friction: Any) -> Touch:
+        """Return the body: c = alpha*R."""
+        return Touch(self.m, self.R, self.alpha * self.R, self.I1, self.I3, self.g, friction)
 
 
 @formula
@@ -171,8 +174,8 @@ TIPPE_TOP = of_one_phase(
     name="tippe-top",
     title="rolling and gliding tippe top",
     source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 3",
-    parameters=PARAMETERS,
-    body=body,
+    parameters=TippeTop.parameters,
+    body=TippeTop.body_of,
     body_units=contact.body_units,
     scales=lambda b: (b.m, b.R),
     normalised_to={"m": 1.0, "R": 1.0},
@@ -188,7 +191,7 @@ TIPPE_TOP = of_one_phase(
     long_names=gliding.LONG_NAMES,
     vectors=gliding.VECTORS,
     undefined_at_poles=gliding.UNDEFINED_AT_POLES,
-    checks=contact.inertia_faults,
+    checks=TippeTop.faults,
     laws=LAWS,
     potential=potential,
     theta_inertia=theta_inertia,

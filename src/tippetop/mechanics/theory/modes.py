@@ -51,7 +51,7 @@ def _slip(omega3: Any, up: int, law: Any) -> Any:
     """The slip coefficient at rest [s/m]; of a disc that drills at omega3 the limit of small sliding, 3 pi mu/(8 patch
     |omega3|), its rolling resistance left out."""
     known = named(type(law))
-    if known is None or not known[1].regions:
+    if known is None or not known.regions:
         return slip_coefficient(0.0, float(up), law)
     drilling = np.asarray(8 * law.patch * np.abs(omega3))
     return np.where(np.asarray(law.mu) == 0, 0.0, 3 * np.pi * law.mu / drilling)
@@ -70,7 +70,7 @@ def shows_sliding(b: Touch, z: Any) -> Any:
     """Return whether friction at z = cos(theta) is so strong that a slide of 1e-3 sqrt(gR) loses more than 1e-12 of the
     unit of k |v_A|^2, below which a motion counts as settled. Of one body, or of many, (n,)."""
     known = named(type(b.friction))
-    if known is None or known[1].set_valued or known[1].regions:  # it sticks; drilling takes without sliding
+    if known is None or known.set_valued or known.regions:  # it sticks; drilling takes without sliding
         return True
     strength = slip_coefficient(0.0, z, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12

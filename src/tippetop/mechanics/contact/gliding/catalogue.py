@@ -5,7 +5,7 @@ from typing import Any
 
 from ...events import Event, Kept
 from ...operand import formula
-from ...system import Alternative, Domain, Form, Integral, Parameter, Quantity
+from ...system import Alternative, Domain, Form, Integral, Number, Quantity
 from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
 from ..body import Touch, contact_mobility, energy, friction_loss, friction_power, g_n, jellett, modified_energy
 from ..integrals import integral
@@ -16,17 +16,17 @@ from .vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
 
 
 INITIAL = {
-    "theta": Parameter(RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793),
-    "theta_dot": Parameter(RADIAN_PER_SECOND, "theta'"),
-    "phi": Parameter(RADIAN, "azimuth phi of the horizontal projection of the axis"),
-    "phi_dot": Parameter(RADIAN_PER_SECOND, "phi'"),
-    "omega3": Parameter(RADIAN_PER_SECOND, "angular velocity omega_3 about the axis"),
-    "nu_x": Parameter(METRE_PER_SECOND, "contact velocity along e"),
-    "nu_y": Parameter(METRE_PER_SECOND, "contact velocity along 2hat"),
-    "x": Parameter(METRE, "x of the centre of mass"),
-    "y": Parameter(METRE, "y of the centre of mass"),
-    "psi_dot": Parameter(RADIAN_PER_SECOND, "psi', instead of omega3"),
-    "psi": Parameter(RADIAN, "turn psi of the body about its axis"),
+    "theta": Number(RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793),
+    "theta_dot": Number(RADIAN_PER_SECOND, "theta'"),
+    "phi": Number(RADIAN, "azimuth phi of the horizontal projection of the axis"),
+    "phi_dot": Number(RADIAN_PER_SECOND, "phi'"),
+    "omega3": Number(RADIAN_PER_SECOND, "angular velocity omega_3 about the axis"),
+    "nu_x": Number(METRE_PER_SECOND, "contact velocity along e"),
+    "nu_y": Number(METRE_PER_SECOND, "contact velocity along 2hat"),
+    "x": Number(METRE, "x of the centre of mass"),
+    "y": Number(METRE, "y of the centre of mass"),
+    "psi_dot": Number(RADIAN_PER_SECOND, "psi', instead of omega3"),
+    "psi": Number(RADIAN, "turn psi of the body about its axis"),
 }
 BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
 ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))

@@ -1,0 +1,23 @@
+"""Systems, friction laws, events and columns of the user."""
+
+from .library.registering import LAWS, SYSTEMS, register
+from .mechanics.events import Event, Kept
+from .mechanics.friction import FrictionLaw
+from .mechanics.number import Number, number
+from .mechanics.system import Quantity, System
+from .mechanics.units import Unit
+
+
+__all__ = [
+    "LAWS",
+    "SYSTEMS",
+    "Event",
+    "FrictionLaw",
+    "Kept",
+    "Number",
+    "Quantity",
+    "System",
+    "Unit",
+    "number",
+    "register",
+]

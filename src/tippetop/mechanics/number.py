@@ -1,0 +1,320 @@
+"""Numbers that a user gives, declared once: unit, meaning and interval; and the records that contain them."""
+
+import inspect
+import math
+import operator
+from collections import namedtuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from numbers import Rational
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, dataclass_transform
+
+import numpy as np
+
+from ..errors import InputError, refuse_unknown, sentence
+from .quantity import worked_out
+from .readonly import ReadOnly
+from .units import Unit
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number that the user gives: its unit, its meaning, and the open or closed interval it must lie in.
+
+    Parameters
+    ----------
+    unit : Unit
+        What it is given in, SI; `tippetop.mechanics.units` has those of the package.
+    long_name : str
+        What it is, in words.
+    above, least : float, optional
+        It must be greater than `above`, at least `least`.
+    below, most : float, optional
+        It must be less than `below`, at most `most`.
+    nonzero : bool
+        Whether it must differ from 0.
+    default : float, optional
+        What it is where it is left out; without, it must be given.
+    symbol : str
+        How figures write it, in TeX.
+    optional : bool
+        Whether a record may be made without it, and then is another record.
+
+    Raises
+    ------
+    InputError
+        If the unit is none, no number can lie in the interval, or the default does not.
+    """
+
+    unit: Unit
+    long_name: str
+    above: float | None = None  # must be greater than
+    least: float | None = None  # must be at least
+    below: float | None = None  # must be less than
+    most: float | None = None  # must be at most
+    default: float | None = None  # where it is left out; None: it must be given
+    nonzero: bool = False  # must not be 0
+    symbol: str = ""
+    optional: bool = False
+
+    if TYPE_CHECKING:  # a field of a Record is given as a number or a text, and read as a float
+
+        def __get__(self, record: Any, owner: Any) -> float: ...
+
+        def __set__(self, record: Any, value: float | str | None) -> None: ...
+
+    def __post_init__(self) -> None:
+        if faults := self._faults():
+            raise InputError(faults)
+
+    def _faults(self) -> list[str]:
+        """What contradicts itself, in sentences."""
+        unit: Any = self.unit
+        if not isinstance(unit, Unit):
+            return [f"`unit` of the number `{self.long_name}` must be a Unit, but is {self.unit!r:.60}."]
+        for low in (bound for bound in (self.above, self.least) if bound is not None):
+            for high in (bound for bound in (self.below, self.most) if bound is not None):
+                if low > high or (low == high and (self.above == low or self.below == high)):
+                    return [f"some number must be {self.must()[8:]}, for `{self.long_name}`, but none is."]
+        if self.default is not None and self.broken(self.default):
+            return [f"`default` of the number `{self.long_name}` {self.must()}, but is {self.default:g}."]
+        return []
+
+    def _bounds(self) -> list[tuple[str, float, Callable]]:
+        """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
+        bounds = (
+            ("other than", 0.0 if self.nonzero else None, operator.eq),
+            ("greater than", self.above, operator.le),
+            ("at least", self.least, operator.lt),
+            ("less than", self.below, operator.ge),
+            ("at most", self.most, operator.gt),
+        )
+        return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
+
+    def broken(self, values: Any) -> Any:
+        """Where values lie outside the interval or are not finite: a mask of their shape.
+
+        Parameters
+        ----------
+        values
+            A number or an array, in SI units.
+
+        Returns
+        -------
+        bool or array of bool
+            True where the value is not allowed.
+        """
+        broken = ~np.isfinite(values)
+        for _, limit, breaks in self._bounds():
+            broken = broken | breaks(values, limit)
+        return broken
+
+    def must(self, value: float | None = None) -> str:
+        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that it breaks."""
+        if value is None:
+            return "must be finite" + "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds())
+        broken = [f"{words} {limit}" for words, limit, breaks in self._bounds() if breaks(value, limit)]
+        return f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
+
+    def fault(self, key: str, value: float) -> str:
+        """The sentence on a value that is broken."""
+        return f"`{key}` {self.must()}, but is {value:.17g}."
+
+    def read(self, key: str, value: Any) -> float:
+        """Return a value that is given for it as a float. Raises InputError."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError([sentence(key, "must be a number", value)])
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if self.broken(number):
+            raise InputError([sentence(key, self.must(number), value)])
+        return number
+
+    def described(self) -> str:
+        """Return its type, meaning, unit and interval, for a docstring."""
+        unit = "without unit" if self.unit.symbol == "1" else f"[{self.unit.symbol}]"
+        bounds = "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds())
+        kind = "float" if self.default is None and not self.optional else "float, optional"
+        return f"{kind}\n    {self.long_name[:1].upper()}{self.long_name[1:]} {unit}{bounds}."
+
+
+def number(
+    unit: Unit,
+    words: str,
+    *,
+    symbol: str = "",
+    above: float | None = None,
+    least: float | None = None,
+    below: float | None = None,
+    most: float | None = None,
+    nonzero: bool = False,
+    default: float | None = None,
+    optional: bool = False,
+    kw_only: bool = False,
+) -> Any:
+    """Declare a number of a body or a friction law, as a field of its class: `mu: Number = number(ONE, "friction")`.
+
+    Parameters
+    ----------
+    unit, words, above, least, below, most, nonzero, default, optional, symbol
+        As of a `Number`; `words` is its `long_name`.
+    kw_only
+        Whether type checkers take it by name only.
+
+    Returns
+    -------
+    Number
+    """
+    return Number(unit, words, above, least, below, most, default, nonzero, symbol, optional)
+
+
+def again(rule: Number, *, default: None = None, optional: bool = False, kw_only: bool = False) -> Any:
+    """Return the Number of another record as a field. Type checkers read `default` and `kw_only`."""
+    return replace(rule, optional=optional or rule.optional)
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(number, again))
+class RecordType(type):
+    """Makes a class of records, named tuples of the Numbers in its body; `parameters` has them by name.
+
+    An `abstract` class has no records of its own: its Numbers are `parts`, optional keywords of the classes below it.
+    """
+
+    parameters: Mapping[str, Number]
+    parts: Mapping[str, Number]
+
+    def __new__(mcs, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False) -> Any:
+        own = {key: value for key, value in body.items() if isinstance(value, Number)}
+        parts = {key: rule for base in bases for key, rule in getattr(base, "parts", {}).items()}
+        before = [key for base in bases for key in getattr(base, "parameters", ())]
+        body = {"__slots__": (), **dict.fromkeys(before), **body}
+        if abstract:
+            body = {key: value for key, value in body.items() if key not in own}
+            return super().__new__(mcs, name, bases, body | {"parts": own})
+        record = namedtuple(name, own)  # type: ignore[misc]
+        body |= {key: vars(record)[key] for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")}
+        fields = [_field(key, rule) for key, rule in own.items()]
+        more = [_field(key, rule).replace(kind=_KEYWORD) for key, rule in parts.items() if key not in own]
+        body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature([*fields, *more])}
+        described = [f"{key} : {rule.described()}" for key, rule in {**own, **parts, **own}.items()]
+        sections = ["Parameters\n----------", *described] if described else []
+        body["__doc__"] = "\n".join([inspect.cleandoc(body.get("__doc__") or ""), "", *sections]).rstrip()
+        return super().__new__(mcs, name, bases, body)
+
+    def __init__(cls, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False) -> None:
+        super().__init__(name, bases, body)
+
+
+_KEYWORD = inspect.Parameter.KEYWORD_ONLY
+
+
+def _field(name: str, rule: Number) -> inspect.Parameter:
+    """Return a field of a record as a parameter of its signature."""
+    default = None if rule.optional else inspect.Parameter.empty if rule.default is None else rule.default
+    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default)
+
+
+class Record(tuple, metaclass=RecordType, abstract=True):
+    """Numbers that formulas take, and that are checked where all are plain: floats, or texts such as "20 g".
+
+    Operands of formulas (arrays, expressions, wide numbers) pass unchecked. So do the arguments of `_make`, `_replace`.
+    """
+
+    table: ClassVar[str]
+    """The table of a scenario that contains them."""
+    face: ClassVar[RecordType]
+    """The class that is called; its records may be of a class below it."""
+
+    def __init_subclass__(cls) -> None:
+        if "parameters" in vars(cls):
+            cls.face = next((vars(base)["face"] for base in cls.__bases__ if "parameters" in vars(base)), cls)
+
+    if TYPE_CHECKING:
+        _fields: ClassVar[tuple[str, ...]]
+
+        def _asdict(self) -> dict[str, Any]: ...
+
+        @classmethod
+        def _make(cls, values: Any) -> Any: ...
+
+        def _replace(self, **values: Any) -> Any: ...
+
+    else:
+
+        def __new__(cls, *values: Any, **named: Any) -> Any:
+            signature = cls.__signature__
+            refuse_unknown(cls.__name__, named, signature.parameters)
+            try:
+                bound = signature.bind(*values, **named)
+            except TypeError as error:
+                raise TypeError(f"{cls.__name__}(): {error}") from None
+            kind = cls.given([key for key, value in bound.arguments.items() if value is not None])
+            given = {}
+            for key, rule in kind.parameters.items():
+                value = bound.arguments.get(key, rule.default)
+                given[key] = rule.default if value is None and rule.optional else _scalar(value)
+            return kind._make((given if any(map(_is_operand, given.values())) else kind.checked(given)).values())
+
+    @classmethod
+    def given(cls, names: Any) -> Any:
+        """Return the class of the record of these numbers."""
+        return cls
+
+    @staticmethod
+    def faults(parameters: Mapping[str, float]) -> list[str]:
+        """Return sentences on what the numbers break together."""
+        return []
+
+    @classmethod
+    def checked(cls, values: Mapping[str, Any]) -> dict[str, float]:
+        """Return the numbers by name as floats. Raises InputError with a sentence for each that is wrong."""
+        rules, faults, read = cls.parameters, [], {}
+        units = {cls.table: {key: rule.unit for key, rule in rules.items()}}
+        for key, value in worked_out({cls.table: values}, units)[cls.table].items():
+            try:
+                read[key] = rules[key].read(f"{cls.table}.{key}", value)
+            except InputError as error:
+                faults += error.sentences
+        if faults := faults or cls.faults(read):
+            raise InputError(faults)
+        return read
+
+    def __reduce__(self) -> Any:
+        return type(self)._make, (tuple(self),)
+
+    def __repr__(self) -> str:
+        return f"{type(self).face.__name__}({', '.join(f'{key}={value!r}' for key, value in self._asdict().items())})"
+
+
+def _scalar(value: Any) -> Any:
+    """Return a number of NumPy, or an array of dimension 0, as a number of Python."""
+    return value.item() if getattr(value, "ndim", None) == 0 else value
+
+
+def _is_operand(value: Any) -> bool:
+    """Return whether only a formula can take a value."""
+    plain = isinstance(value, float | Rational | Decimal)
+    return not plain and hasattr(value, "__sub__") and hasattr(value, "__mul__")
+
+
+def rules_faults(words: str, rules: Any) -> list[str]:
+    """The sentence on what must be Number records by name, and is not; `words` say what it is."""
+    if isinstance(rules, Mapping) and all(isinstance(rule, Number) for rule in rules.values()):
+        return []
+    return [f"{words} must be Number records by name, but is {rules!r:.60}."]
+
+
+class Alternative(NamedTuple):
+    """An initial datum that says in another way what others say: it stands alone, without any of `others`."""
+
+    name: str
+    others: tuple[str, ...]
+    flag: bool = False  # true or false, not a number
+
+    def fault(self, verb: str) -> str:
+        """The sentence on data that are not alone; `verb` says how the others come: they are given, or vary."""
+        others = " or ".join(f"`initial.{other}`" for other in self.others)
+        return f"`initial.{self.name}` must stand alone, but {others} {verb} too."
