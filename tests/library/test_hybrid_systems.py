@@ -80,7 +80,7 @@ def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
         body_units=lambda friction: body(*point.body_units(friction)),
         phases={**point.phases, "fall": fall},
     )
-    tt.register(other)
+    tt.extending.register(other)
     run = tt.run({"system": other.name, "parameters": {"e": 0.5}, "initial": {"h": 1}}, until=2.5)
     np.testing.assert_allclose(times(run, "bounce"), [1.0, 2.0, 2.5], atol=1e-15)
 
@@ -141,7 +141,7 @@ def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
     if jump is not None:
         changes["exits"] = (Exit("ground", ("fall",), jump),)
     phases = {**point.phases, "fall": dataclasses.replace(fall, **changes)}
-    tt.register(dataclasses.replace(point, name="broken-point", phases=phases))
+    tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
     return tt.run({"system": "broken-point", "parameters": {"m": 1, "g": 9.81, "e": 0.5}, "initial": {"h": 1}}, until=2)
 
 
@@ -198,7 +198,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     }
     for words, changed in phases.items():
         with pytest.raises(tt.InputError, match=words):
-            tt.register(dataclasses.replace(page["point"], name="broken", phases=page["point"].phases | changed))
+            tt.extending.register(
+                dataclasses.replace(page["point"], name="broken", phases=page["point"].phases | changed)
+            )
 
 
 def scalar(q: Any, b: Any) -> Any:
