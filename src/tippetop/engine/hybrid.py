@@ -275,9 +275,9 @@ class HybridDriver:
             self.whole = [self.number(value) * INTEGRAL_SCALE for value in n.x.carried]
         track.driver.put(track.state(q, self.whole), (time, 0 * time))
         self.waits = n.delay > 0 and n.series is None
-        found = track.found
+        found = track.found if n.series is not None else ()
         self._begin_events(n, track.record._make(q), now, before)
-        self.spans.append((track, self.whole, *(found if n.series is not None else track.found)))
+        self.spans.append((track, self.whole, *(found or track.found)))
         self.began = float(time)
         driver = track.driver
         driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
