@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from ..errors import suggestion, unknown_key
 from .events import Event, kinds
@@ -178,7 +178,7 @@ class System:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
         given: dict[str, Any] = {"title": self.title or self.name}
         if self.body is None and _all_are(self.parameters, Number):
-            record: Callable = namedtuple("Body", [*self.parameters, "friction"])  # type: ignore[misc]
+            record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"])
             units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
             given["body_units"] = lambda friction: record(*units, friction)
