@@ -24,7 +24,8 @@ from .sinks import Sink
 
 
 ROWS_PER_BLOCK = 1 << 16  # 12 MB of 24 columns: what a sink takes at once
-SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
+SETTLED_SLICE, SETTLED_SLICE_OF_PHASES = 1024, 64
+"""Steps between two looks whether a run has settled: the steps of a disc at rest are long."""
 
 State = dict[str, Any]
 
@@ -56,6 +57,7 @@ class Integration:
         self.problem, self.driver = problem, driver_of(problem, stop)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
+        self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
         self.second = float(problem.scales.of(SECOND))
         self.first = self.driver.first
         self.last = self.first  # last good state
@@ -95,7 +97,7 @@ class Integration:
             self.fresh = False
             if self.follow(piece, sink) is not None:
                 break
-            if problem.stop_when == "settled" and self._done_of(SETTLED_SLICE) == 0 and self._settled_long():
+            if problem.stop_when == "settled" and self._done_of(self.settled_slice) == 0 and self._settled_long():
                 self.status = Status.SETTLED
                 break
             if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
@@ -121,7 +123,7 @@ class Integration:
     def _steps(self) -> int:
         """The steps of the next slice: up to a multiple of what one has, so that nothing depends on where it began."""
         problem = self.problem
-        most = SETTLED_SLICE if problem.stop_when == "settled" else STEPS_PER_SLICE
+        most = self.settled_slice if problem.stop_when == "settled" else STEPS_PER_SLICE
         left = most - self._done_of(most)
         if problem.output != "keyframes":
             return left
