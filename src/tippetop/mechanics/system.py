@@ -176,7 +176,7 @@ class System:
 
     def _derive(self) -> None:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
-        given: dict[str, Any] = {"title": self.title or self.name}
+        given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
             record = namedtuple("Body", [*self.parameters, "friction"])  # type: ignore[misc]
             units = [rule.unit for rule in self.parameters.values()]

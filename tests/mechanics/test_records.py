@@ -1,0 +1,59 @@
+"""Bodies and laws are the records that formulas take: plain numbers are checked, operands pass."""
+
+import pickle
+
+import heyoka as hy
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.errors import InputError
+from tippetop.friction import Contensou, Coulomb, Viscous
+from tippetop.mechanics.friction import LAWS
+
+
+@pytest.mark.parametrize("operand", [np.array([-1.0, 2.0]), hy.expression("x"), np.longdouble(-1), 1j])
+def test_operands_of_formulas_pass_unchecked(operand: object) -> None:
+    kept = Viscous(mu=operand).mu  # type: ignore[arg-type]
+    assert type(kept) is type(operand)
+
+
+@pytest.mark.parametrize("given", [-1, "-1", float("nan"), None, True, [0.1], "2 kg", 10**400])
+def test_a_plain_number_is_checked(given: object) -> None:
+    with pytest.raises(InputError, match=r"`friction\.mu` must be"):
+        Viscous(mu=given)  # type: ignore[arg-type]
+
+
+def test_scalars_and_texts_become_floats() -> None:
+    for given in ("0.3 s/m", np.float32(0.5), np.array(1), 2):
+        assert type(Viscous(mu=given).mu) is float  # type: ignore[arg-type]
+
+
+def test_the_numbers_that_are_given_choose_the_record() -> None:
+    """All of one face; parts take their defaults."""
+    exact, smooth, turned = Coulomb(0.3), Coulomb(0.3, 1e-3), Coulomb(0.3, mu_d="0.1 mm")
+    assert [law._fields for law in (exact, smooth, turned)] == [("mu",), ("mu", "eps"), ("mu", "mu_r", "mu_d")]
+    assert all(isinstance(law, Coulomb) and law.face is Coulomb for law in (exact, smooth, turned))
+    assert exact.eps is None
+    assert repr(turned) == "Coulomb(mu=0.3, mu_r=0.0, mu_d=0.0001)"
+
+
+def test_every_record_is_pickled_with_its_bits() -> None:
+    """Unchecked: internal numbers need not lie in the intervals."""
+    for law in LAWS.values():
+        for kind in (law, law.given(()), law.with_parts, law.given(()).with_parts):
+            record = kind._make(-1.5 for _ in kind._fields)
+            again = pickle.loads(pickle.dumps(record))
+            assert again == record
+            assert type(again) is kind
+
+
+def test_a_keyword_that_is_unknown_names_the_nearest() -> None:
+    with pytest.raises(TypeError, match=r"Contensou\(\) has no argument `pach`\. Did you mean `patch`"):
+        Contensou(0.3, pach=1e-3)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"TippeTop\(\): missing a required argument: 'R'"):
+        tt.TippeTop(m=1.0)  # type: ignore[call-arg]
+
+
+def test_help_lists_the_numbers_with_units_and_intervals() -> None:
+    assert "eps : float, optional\n    Regularisation speed eps [m s-1], greater than 0." in (Coulomb.__doc__ or "")
