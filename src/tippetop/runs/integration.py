@@ -64,7 +64,7 @@ class Integration:
         self.monitor = Monitor(problem, self.view)
         self.monitor.begin(self.first)
         self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
-        self.story = Story()
+        self.story = Story(dict(problem.system.tables.get("phases", {})))
         self.filled, self.t_end, self.fresh = 0, 0.0, True
         self.status: Status | None = None
         self.last_slice: State | None = None  # where the last slice began: a longer run continues from there
@@ -194,7 +194,7 @@ class Integration:
             dict(self.monitor.drift),
             self.monitor.force,
             self.log.summary(),
-            self.story.report() if self.problem.contact is not None else None,
+            self.story.report() if self.problem.system.tables else None,
             self.driver.sentence,
             not self.driver.is_called,
         )
@@ -216,7 +216,7 @@ class Integration:
             "t_end": self.t_end,
             "monitor": self.monitor.snapshot(),
             "log": self.log.snapshot(),
-            **({"story": self.story.snapshot()} if self.problem.contact is not None else {}),
+            **({"story": self.story.snapshot()} if self.problem.system.tables else {}),
         }
 
     def _encoded(self, state: State) -> dict[str, Any]:
@@ -251,7 +251,7 @@ class Integration:
         self.fresh = self.t_end == 0  # it was killed before its first slice
         self.log.restore(hexfloat.decode(kept["log"]))
         if "story" in kept:
-            self.story = Story(**hexfloat.decode(kept["story"]))
+            self.story = Story(self.story.words, **hexfloat.decode(kept["story"]))
 
     def take_up(self, row: dict[str, np.ndarray]) -> None:
         """Continue from a keyframe; what is measured and logged begins anew there.

@@ -28,7 +28,7 @@ def _rests(problem: Problem) -> list[str]:
     if not problem.law.torque or not given:
         return []
     return [
-        f"{' and '.join(given)} can bring this body to rest, for which there is no phase: from then on a run takes some "
+        f"{' and '.join(given)} can bring this body to rest, for which there is no phase: a run then takes some "
         "1e4 to 1e7 steps a second. End it before."
     ]
 
