@@ -62,6 +62,12 @@ def test_nothing_is_said_of_an_inclination_that_is_not_there(page: dict) -> None
     assert "turning" not in str(run)
 
 
+@pytest.mark.parametrize("kind", ["theta", "energy", "drift", "states"])
+def test_a_figure_of_what_is_not_there_is_refused(page: dict, kind: str) -> None:
+    with pytest.raises(tt.InputError, match=f"`{kind}` is drawn for .* only; this is a bouncing point"):
+        bounces().plot(kind)
+
+
 def test_no_balance_is_reported_where_jumps_may_take_energy(page: dict) -> None:
     assert bounces().summary.drift == {}
 
@@ -90,6 +96,18 @@ def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
     tt.extending.register(other)
     run = tt.run({"system": other.name, "parameters": {"e": 0.5}, "initial": {"h": 1}}, until=2.5)
     np.testing.assert_allclose(times(run, "bounce"), [1.0, 2.0, 2.5], atol=1e-15)
+
+
+def test_the_phases_of_a_run_are_a_table(page: dict, tmp_path: Path) -> None:
+    run = bounces(out=tmp_path / "run.zarr")
+    for table in (run.phases, tt.open(tmp_path / "run.zarr").phases):
+        names = np.array(table.phase.attrs["flag_meanings"].split())[table.phase.values]
+        assert list(names) == ["fall"] * 11 + ["rest"]
+        np.testing.assert_array_equal(table.start.values[1:11], times(run, "bounce"))
+        np.testing.assert_array_equal(table.start.values[1:], table.end.values[:-1])
+    assert "`fall` 11 times, `rest` once" in str(run)
+    with pytest.raises(AttributeError, match="impacts"):
+        _ = run.impacts
 
 
 def test_each_step_of_each_phase_has_a_row(page: dict) -> None:

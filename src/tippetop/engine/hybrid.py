@@ -269,7 +269,7 @@ class HybridDriver:
             raise ArithmeticError(f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}")
         self.track, self.world.phase = track, track.phase
         if n.cause != "":
-            self.tables.begin(track.phase, float(now + n.logged_after), n.cause or "")
+            self.tables.begin(track.name, track.phase, float(now + n.logged_after), n.cause or self.way[0])
         self.tables.add(float(now), n.rows)
         time = min(now + self.number(n.delay), self.end)
         if hasattr(n.x, "carried"):
@@ -609,7 +609,7 @@ class HybridDriver:
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase, but for `state`."""
-        under_way = self.tables.under_way or [math.nan] * 4
+        under_way = self.tables.under_way or [math.nan] * (1 + len(self.tables.tables["phases"]))
         phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began]
         phase += [self.until is not None, self.waits]
         return {
@@ -621,7 +621,8 @@ class HybridDriver:
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
         phase, self.changes, self.short, self.began, has_clock, self.waits, *rest = kept["phase"]
-        under_way, live = rest[:4], rest[4:]
+        count = 1 + len(self.tables.tables["phases"])
+        under_way, live = rest[:count], rest[count:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
         self.world.phase = track.phase
         *self.whole, until = kept["carried"].tolist()

@@ -176,7 +176,7 @@ class System:
 
     def _derive(self) -> None:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
-        given: dict[str, Any] = {"title": self.title or self.name}
+        given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
             record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"])
             units = [rule.unit for rule in self.parameters.values()]
@@ -194,6 +194,9 @@ class System:
         rules = given.get("initial", self.initial)
         if not self.long_names and _all_are(rules, Number):
             given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
+        if not self.tables and _all_are(self.phases, Phase) and self.is_hybrid:
+            ways = [way.event for phase in self.phases.values() for way in phase.exits]
+            given["tables"] = {"phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}}
         for name, value in given.items():
             object.__setattr__(self, name, value)
 

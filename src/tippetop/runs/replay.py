@@ -105,7 +105,7 @@ def into_store(
             within = (piece["time"] >= start) & (piece["time"] <= until)
             events.append({name: log[name]._replace(values=values[within]) for name, values in piece.items()})
         appenders = [trajectory, events]
-        for name, empty in phases.empty().items() if integration.problem.contact is not None else ():
+        for name, empty in phases.empty(integration.problem.system).items():
             with tables.every_chunk():
                 appenders.append(Appender.created(group, name, empty, phases.PER_CHUNK))
             for piece in chunks.pieces(path, name, list(empty)):

@@ -13,6 +13,7 @@ from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
 from ..mechanics.caching import cached_property
 from ..mechanics.events import Event
+from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 from ..scenario.own_records import is_users
@@ -125,7 +126,10 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     settled = np.array([progress.settled_since is not None])
     second = float(progress.problem.scales.of(SECOND))
     kinds = classes_of(system, theta, omega3 / second, settled, progress.problem.body())
-    return {"outcome": CLASSES[with_phases(kinds, theta, values)[0]]}
+    name = CLASSES[with_phases(kinds, theta, values)[0]]
+    if has_parts(progress.problem.friction) and name in ("under-way", "rolling"):
+        return {}  # it may be at rest
+    return {"outcome": name}
 
 
 def reason(progress: RunProgress) -> str:

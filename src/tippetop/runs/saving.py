@@ -32,7 +32,7 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
             appenders["trajectory"].append(view.columns(solution.times[some], solution.rows[some]))
         if len(solution.events.time):
             appenders["events"].append(event_columns(solution.events))
-        for name, columns in phases.joined(solution.others).items() if solution.others else ():
+        for name, columns in phases.joined(solution.problem.system, solution.others).items() if solution.others else ():
             appenders[name].append(columns)
         for name, columns in solution.sensitivities.items():
             appenders[name].append(columns)

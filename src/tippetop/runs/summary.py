@@ -100,7 +100,9 @@ def contact(phases: Mapping[str, Any]) -> str:
     elif sum(counts.values()) == len(first):
         text = ", then ".join([*map(_until, first[:-1]), _does(last)])
     else:
-        often = ", ".join(f"{VERBS[phase]} {TIMES.get(n, f'{n} times')}" for phase, n in counts.items())
+        often = ", ".join(
+            f"{_verb({**last, 'phase': phase})} {TIMES.get(n, f'{n} times')}" for phase, n in counts.items()
+        )
         begins = ", then ".join(map(_until, first[:2]))
         text = f"{often}; first {begins}; at last {_does(last)} from {last['start']:.6g} s"
     n = phases["impacts"]
@@ -109,8 +111,13 @@ def contact(phases: Mapping[str, Any]) -> str:
 
 def _does(phase: Mapping[str, Any]) -> str:
     """What the body does in a phase."""
-    on_stem = phase["ball"] == "stem" and phase["phase"] in ("slip", "roll", "rest")
-    return VERBS[phase["phase"]] + (" on its stem" if on_stem else "")
+    on_stem = phase.get("ball") == "stem" and phase["phase"] in ("slip", "roll", "rest")
+    return _verb(phase) + (" on its stem" if on_stem else "")
+
+
+def _verb(phase: Mapping[str, Any]) -> str:
+    """Return the verb of a phase of a contact; of a user-defined system, its name."""
+    return VERBS[phase["phase"]] if "ball" in phase else f"`{phase['phase']}`"
 
 
 def _until(phase: Mapping[str, Any]) -> str:
