@@ -1,7 +1,9 @@
 """Systems, friction laws, events and columns of the user."""
 
 from .library.registering import LAWS, SYSTEMS, register
+from .mechanics import units
 from .mechanics.events import Event, Kept
+from .mechanics.form import Exit, Form, Integral, Next, Phase
 from .mechanics.friction import FrictionLaw
 from .mechanics.number import Number, number
 from .mechanics.system import Quantity, System
@@ -12,12 +14,18 @@ __all__ = [
     "LAWS",
     "SYSTEMS",
     "Event",
+    "Exit",
+    "Form",
     "FrictionLaw",
+    "Integral",
     "Kept",
+    "Next",
     "Number",
+    "Phase",
     "Quantity",
     "System",
     "Unit",
     "number",
     "register",
+    "units",
 ]

@@ -80,6 +80,20 @@ def test_a_top_that_may_fly_settles_when_one_that_may_not_does() -> None:
     assert times(runs[1], "settled")[-1] == pytest.approx(times(runs[0], "settled")[-1], rel=1e-6)
 
 
+def test_a_run_of_phases_ends_soon_after_it_has_settled() -> None:
+    run = tt.run("cohen-coulomb", until=30.0, stop_when="settled")
+    settled, unit = times(run, "settled")[-1], 2.0**-4
+    assert 200 * unit < run.summary.t_end - settled < 210 * unit
+
+
+def test_nothing_is_said_of_the_end_of_a_body_that_torques_bring_to_rest() -> None:
+    body = tt.TippeTop(**BODY)
+    for law in (tt.friction.Coulomb(0.3, mu_d=1e-4), tt.friction.Viscous(0.3, mu_d=1e-4)):
+        run = tt.run(body, law, start={"omega3": 1.0}, until=0.3)
+        assert abs(run.trajectory.omega3.values[-1]) < 1e-6
+        assert "outcome" not in str(run)
+
+
 def test_a_top_in_the_air_has_not_settled() -> None:
     dropped = scenario(VISCOUS, {"theta": 0.0, "omega3": 10.0, "gap": 1.0}, 0.2)
     run = tt.run(dropped, stop_when="settled", output="events")

@@ -35,7 +35,7 @@ def times(run: Any, kind: str) -> np.ndarray:
 
 
 def bounces(until: float = 3.0, **run: Any) -> Any:
-    tables = {"system": "bouncing-point", "parameters": {"m": 2.0, "g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
+    tables = {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
     return tt.run(tables, until=until, **run)
 
 
@@ -55,6 +55,19 @@ def test_rows_of_all_phases_are_states(page: dict) -> None:
     assert (height[run.trajectory.time.values > rest] == 0).all()
 
 
+def test_nothing_is_said_of_an_inclination_that_is_not_there(page: dict) -> None:
+    run = bounces()
+    assert set(run.trajectory) == {"h", "v"}
+    assert "theta" not in str(run)
+    assert "turning" not in str(run)
+
+
+@pytest.mark.parametrize("kind", ["theta", "energy", "drift", "states"])
+def test_a_figure_of_what_is_not_there_is_refused(page: dict, kind: str) -> None:
+    with pytest.raises(tt.InputError, match=f"`{kind}` is drawn for .* only; this is a bouncing point"):
+        bounces().plot(kind)
+
+
 def test_no_balance_is_reported_where_jumps_may_take_energy(page: dict) -> None:
     assert bounces().summary.drift == {}
 
@@ -66,23 +79,35 @@ def test_an_exit_at_the_very_end_of_a_run_is_not_logged_by_itself(page: dict) ->
 
 
 def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
-    point, state = page["point"], page["State"]
-    body = page["NamedTuple"]("B", [("m", Any), ("a", Any), ("e", Any), ("friction", Any)])
-    falling = page["form"](lambda q, b: state(q.v, -b.a))
-    fall = dataclasses.replace(point.phases["fall"], forms={"plain": falling}, quantities=(
-        dataclasses.replace(page["energy"], formula=lambda s, b: b.m * (s.v**2 / 2 + b.a * s.h)),
-    ))  # fmt: skip
+    def falling(q: Any, b: Any) -> Any:
+        return page["State"](q.v, -b.a)
+
+    point = SYSTEMS["bouncing-point"]
+    body = page["NamedTuple"]("B", [("a", Any), ("e", Any), ("friction", Any)])
+    fall = dataclasses.replace(point.phases["fall"], forms=page["Form"]("plain", point.angles, falling))
     other = dataclasses.replace(
         point,
         name="constant-point",
         parameters={"e": point.parameters["e"]},
-        body=lambda p, friction: body(1.0, 2.0, p["e"], friction),
+        body=lambda p, friction: body(2.0, p["e"], friction),
         body_units=lambda friction: body(*point.body_units(friction)),
         phases={**point.phases, "fall": fall},
     )
     tt.extending.register(other)
     run = tt.run({"system": other.name, "parameters": {"e": 0.5}, "initial": {"h": 1}}, until=2.5)
     np.testing.assert_allclose(times(run, "bounce"), [1.0, 2.0, 2.5], atol=1e-15)
+
+
+def test_the_phases_of_a_run_are_a_table(page: dict, tmp_path: Path) -> None:
+    run = bounces(out=tmp_path / "run.zarr")
+    for table in (run.phases, tt.open(tmp_path / "run.zarr").phases):
+        names = np.array(table.phase.attrs["flag_meanings"].split())[table.phase.values]
+        assert list(names) == ["fall"] * 11 + ["rest"]
+        np.testing.assert_array_equal(table.start.values[1:11], times(run, "bounce"))
+        np.testing.assert_array_equal(table.start.values[1:], table.end.values[:-1])
+    assert "`fall` 11 times, `rest` once" in str(run)
+    with pytest.raises(AttributeError, match="impacts"):
+        _ = run.impacts
 
 
 def test_each_step_of_each_phase_has_a_row(page: dict) -> None:
@@ -110,7 +135,7 @@ def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
 
 def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
     with pytest.raises(tt.InputError, match="`form` must be"):
-        tt.ensemble({"system": "bouncing-point", "parameters": {"m": 1, "g": 9.81, "e": 0.5}, "initial": {"h": 1}},
+        tt.ensemble({"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
                     {"parameters.e": [0.3, 0.6]}, until=1.0)  # fmt: skip
 
 
@@ -122,27 +147,21 @@ def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
     ],
 )
 def test_an_exit_that_cannot_be_is_refused(page: dict, way: Exit, words: str) -> None:
-    point = page["point"]
+    point = SYSTEMS["bouncing-point"]
     phases = {**point.phases, "fall": dataclasses.replace(point.phases["fall"], exits=(way,))}
     with pytest.raises(tt.InputError, match=words):
         tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
 
 
-def test_an_event_with_an_exit_ends_its_phase_by_that(page: dict) -> None:
-    fall, ground = page["point"].phases["fall"], dataclasses.replace(page["ground"], ends=None)
-    run = broken(page, events=(ground, *fall.events[1:]), exits=(Exit("ground", ("fall", "rest"), page["bounce"]),))
-    assert run.summary.event_counts["bounce"] == 10
-
-
 def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
     """Run the point with another jump, or with other fields of its phase `fall`."""
-    point = page["point"]
+    point = SYSTEMS["bouncing-point"]
     fall = point.phases["fall"]
     if jump is not None:
         changes["exits"] = (Exit("ground", ("fall",), jump),)
     phases = {**point.phases, "fall": dataclasses.replace(fall, **changes)}
     tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
-    return tt.run({"system": "broken-point", "parameters": {"m": 1, "g": 9.81, "e": 0.5}, "initial": {"h": 1}}, until=2)
+    return tt.run({"system": "broken-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}}, until=2)
 
 
 @pytest.mark.parametrize(
@@ -187,20 +206,19 @@ def test_a_run_ends_with_the_place_of_a_jump_without_an_end(page: dict, jump: An
 
 
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
-    fall, rest = page["point"].phases["fall"], page["point"].phases["rest"]
-    other = dataclasses.replace(page["ground"], formula=lambda s, b: s.v)
+    point = SYSTEMS["bouncing-point"]
+    fall, rest = point.phases["fall"], point.phases["rest"]
+    other = dataclasses.replace(page["ground"], direction=1)
     phases = {
         "both `enter` and `leave`": {"rest": dataclasses.replace(rest, enter=lambda x, b: x)},
         "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
         "an event with a formula": {"fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))},
-        "the same Event `ground`": {"rest": dataclasses.replace(rest, events=(other,))},
+        "Event `ground` with the direction of the phases before": {"rest": dataclasses.replace(rest, events=(other,))},
         "no jump can log it": {"fall": dataclasses.replace(fall, exits=())},
     }
     for words, changed in phases.items():
         with pytest.raises(tt.InputError, match=words):
-            tt.extending.register(
-                dataclasses.replace(page["point"], name="broken", phases=page["point"].phases | changed)
-            )
+            tt.extending.register(dataclasses.replace(point, name="broken", phases=point.phases | changed))
 
 
 def scalar(q: Any, b: Any) -> Any:
@@ -209,7 +227,7 @@ def scalar(q: Any, b: Any) -> Any:
 
 
 def test_a_phase_that_changes_the_common_state_is_refused(page: dict) -> None:
-    point, state = page["point"], page["State"]
+    point, state = SYSTEMS["bouncing-point"], page["State"]
     spoilt = dataclasses.replace(point.phases["rest"], enter=lambda x, b: x, leave=lambda q, b: state(q.h + 1, q.v))
     with pytest.raises(tt.InputError, match="must keep the common state"):
         tt.extending.register(dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt}))

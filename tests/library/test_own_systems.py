@@ -195,7 +195,7 @@ def without(record: Any) -> Any:
     [
         ({"laws": tt.extending.LAWS}, "`laws` of `own-top` must be a dict of laws by name, but is viscous"),
         ({"forms": {"vector": VECTORIAL}, "vectors": {}}, "of the form `vector` .* must be numbers, .* `u` is Vector"),
-        ({"long_names": {}}, "`long_names` of `own-top` must describe each .* but lacks theta, theta_dot"),
+        ({"long_names": {}}, "`long_names` of `own-top` must describe each .* but lacks axis, L"),
         ({"angles": without(WITHOUT_RATE)}, "`angles` of `own-top` must have the field `theta_dot`"),
         ({"angles": without(WITHOUT_WORK)}, "the field `work`, .* for the form `vector` integrates it"),
         ({"quantities": (), "integrals": ()}, "`quantities` of `own-top` must have `energy`"),

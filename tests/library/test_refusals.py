@@ -92,10 +92,10 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"body": None}, "`body` of `mine` must be a function"),
-        ({"start": None}, "`start` of `mine` must be a function"),
+        ({"body": 3}, "`body` of `mine` must be a function"),
+        ({"start": 3}, "`start` of `mine` must be a function"),
         ({"scales": 3}, "`scales` of `mine` must be a function"),
-        ({"angles": None}, "`angles` of `mine` must be a NamedTuple"),
+        ({"angles": 3}, "`angles` of `mine` must be a NamedTuple"),
         ({"initial": {"theta": 3}}, "`initial` of `mine` must be Number records"),
         ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
         ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
@@ -110,7 +110,7 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
         ({"quantities": (3,)}, "must be Quantity records, but has 3"),
         ({"outlook": 3}, "`outlook` of `mine` must be a function or None, but is 3"),
         ({"landscape": 3}, "`landscape` of `mine` must be a Landscape or None, but is 3"),
-        ({"title": None}, "`title` of `mine` must be a text, but is None"),
+        ({"title": 3}, "`title` of `mine` must be a text, but is 3"),
         ({"phases": {}}, "`phases` of `mine` must have a Phase, but has none"),
     ],
 )

@@ -77,6 +77,11 @@ def test_an_eps_that_has_not_converged_is_said() -> None:
     assert regularisation._converged(None, None) == ""
 
 
+def test_torques_that_bring_a_body_to_rest_are_doubtful() -> None:
+    (sentence,) = doubts(build.load("inverting", ["friction.mu_r=1e-4", "friction.mu_d=1e-4"]))
+    assert sentence.startswith("`friction.mu_r` and `friction.mu_d` can bring this body to rest")
+
+
 def test_check_says_the_limits_of_rolling() -> None:
     found = forecast.assessment(build.load("rolling"))
     for name in ("lambda_pi", "gamma_star"):

@@ -1,5 +1,6 @@
 """A system as heyoka expressions: for the integrator, and for functions over arrays that are compiled like it."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -101,7 +102,7 @@ def integrated(variable: str) -> str:
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
     """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions."""
     whole, angles = moment(system, form, q, carried, body), form.to_angles(q, carried, body)
-    values = dict(angles._asdict())
+    values = {"theta": math.nan, "theta_dot": 0.0, **angles._asdict()}  # a hybrid system may have no theta
     if system.vectors:
         vector, direct = system.forms["vector"], form.name == "vector"
         if direct:

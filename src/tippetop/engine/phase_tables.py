@@ -32,14 +32,15 @@ class PhaseTables:
         self.under_way: list[Any] | None = None
         self.rows: dict[str, list[list[Any]]] = {name: [] for name in self.tables}
 
-    def begin(self, phase: Phase, time: float, cause: str) -> None:
-        """Begin a phase at an internal time."""
+    def begin(self, name: str, phase: Phase, time: float, cause: str) -> None:
+        """Begin a phase of this name at an internal time."""
         self.end(time)
         if "phases" not in self.tables:
             return
         words = self.tables["phases"]
-        self.under_way = [time * self.second, words["phase"].index(phase.label), phase.ball]
-        self.under_way.append(words["reason"].index(cause))
+        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
+        numbers = [words[key].index(row[key]) if isinstance(row[key], str) else row[key] for key in words]
+        self.under_way = [time * self.second, *numbers]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""

@@ -41,13 +41,22 @@ OF_LANDSCAPES = ("theta", "phase", "ball", "landscape")
 OF_DRIFT = ("integrals", "energy", "work", "axis", "ball", "jellett_lost")
 
 
+WITH_ENERGY = "systems with an energy"
+
+
 def _of_tippe_tops(shows: str) -> RunFigure:
     """A figure over the spinning states of a tippe top."""
     return RunFigure(shows, needs="routh", uses=OF_LANDSCAPES, drawn_for="tippe tops", in_landscape=True)
 
 
 FIGURES: dict[str, RunFigure] = {
-    "theta": RunFigure("theta(t), turning angles, nutational band (default)", over_time=True, compares=True),
+    "theta": RunFigure(
+        "theta(t), turning angles, nutational band (default)",
+        needs="theta",
+        drawn_for="systems with an inclination theta",
+        over_time=True,
+        compares=True,
+    ),
     "normal-force": RunFigure(
         "normal force g_n(t) in units of the weight",
         needs="normal_force",
@@ -56,12 +65,27 @@ FIGURES: dict[str, RunFigure] = {
         over_time=True,
         compares=True,
     ),
-    "drift": RunFigure("relative change of what must be conserved", uses=OF_DRIFT, over_time=True, compares=True),
-    "growth": RunFigure("growth of the worst drift with t, beside sqrt(t)", uses=OF_DRIFT, compares=True),
+    "drift": RunFigure(
+        "relative change of what must be conserved",
+        needs="energy",
+        uses=OF_DRIFT,
+        drawn_for=WITH_ENERGY,
+        over_time=True,
+        compares=True,
+    ),
+    "growth": RunFigure(
+        "growth of the worst drift with t, beside sqrt(t)",
+        needs="energy",
+        uses=OF_DRIFT,
+        drawn_for=WITH_ENERGY,
+        compares=True,
+    ),
     "sphere": RunFigure("path of the axis on the sphere", needs="axis", uses=("axis",), drawn_for="tops"),
     "energy": RunFigure(
         "energy, modified energy, energy taken by friction",
+        needs="energy",
         uses=("energy", "modified_energy", "work", "phase", "ball"),
+        drawn_for=WITH_ENERGY,
         over_time=True,
         compares=True,
     ),

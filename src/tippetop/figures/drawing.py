@@ -77,7 +77,7 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
         given = getattr(along_run, kind)(*map(along_run.table, given[:2]), attrs)
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = _drawings()[kind](*given, ax=ax)
-        if chosen.over_time and "phases" in groups:
+        if chosen.over_time and "impacts" in groups:
             from .phases import mark
 
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes

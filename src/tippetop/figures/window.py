@@ -9,7 +9,7 @@ from ..errors import InputError
 
 def handed_over(groups: dict[str, Any]) -> list[float]:
     """The times at which another ball touches than before [s]."""
-    if "phases" not in groups:
+    if "impacts" not in groups:
         return []
     balls, begun = groups["phases"]["ball"].values, groups["phases"]["start"].values
     return [float(time) for time, now, before in zip(begun[1:], balls[1:], balls[:-1], strict=True) if now != before]

@@ -12,7 +12,7 @@ from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
 from ..runs import attributes, results, sensitivities
 from ..runs.certificate import certificate
-from ..runs.phases import NAMES
+from ..runs.phases import tables_of
 from ..runs.results import Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
@@ -131,7 +131,7 @@ class Run:
 
     def _of_contact(self, name: str) -> "xr.Dataset":
         """A table that only a run has whose contact may change its phase. Raises AttributeError."""
-        if "contact" not in self.attributes:
+        if name not in tables_of(self.attributes):
             raise AttributeError(f"there is no table `{name}`: the contact of this run does not change its phase")
         return self._datasets[name]
 
@@ -143,7 +143,7 @@ class Run:
         dict of xarray.Dataset
             `trajectory` and `events`; `phases` and `impacts` where the contact may change its phase.
         """
-        names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
+        names = ("trajectory", "events", *tables_of(self.attributes))
         return {name: getattr(self, name) for name in (*names, *self._derivatives)}
 
     @property

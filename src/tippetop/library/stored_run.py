@@ -11,7 +11,7 @@ from ..mechanics.systems import find
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..runs import attributes, keyframes
-from ..runs.phases import NAMES
+from ..runs.phases import tables_of
 from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario import build
@@ -61,7 +61,7 @@ class StoredRun(Run):
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
-        names = ("trajectory", "events", *(NAMES if "contact" in self.attributes else ()))
+        names = ("trajectory", "events", *tables_of(self.attributes))
         return {name: root.open_group(self.path, name) for name in names}
 
     @cached_property

@@ -88,7 +88,7 @@ class Event:
 
     name: str
     long_name: str
-    formula: Any
+    formula: Any = None
     direction: int = 0
     ends: str | None = None
     sense: int = 0

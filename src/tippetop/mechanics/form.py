@@ -101,10 +101,10 @@ class Form:
     rates
         rates(q, b) -> the same record: the time derivatives; None: a form of rows, which is not integrated.
     scalars
-        scalars(q, b) -> what the quantities and events are written in.
+        scalars(q, b) -> what the quantities and events are written in; by default the state.
     of_angles, to_angles
         of_angles(angles, sin_theta, cos_theta, b) -> q, and back: to_angles(q, carried, b) -> the record of angles;
-        None in a phase that a run enters and leaves through the common state.
+        By default the state is that record.
     vectors
         vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the angles.
     integrals
@@ -120,9 +120,9 @@ class Form:
     name: str
     units: Any
     rates: Any
-    scalars: Callable
-    of_angles: Any = None
-    to_angles: Any = None
+    scalars: Callable = field(default=lambda q, b: q)
+    of_angles: Any = field(default=lambda angles, s, z, b: angles)
+    to_angles: Any = field(default=lambda q, carried, b: q)
     vectors: Callable | None = None
     integrals: tuple[Integral, ...] = ()
     orientation: Orientation | None = None
@@ -219,7 +219,7 @@ class Phase:
     Parameters
     ----------
     forms
-        The ways to write the state, by name; the first is the default, and the one that a jump enters.
+        The ways to write the state, by name; the first is the default, and the one that a jump enters. Or the only one.
     quantities
         What can be read of a state, as columns.
     events
@@ -238,7 +238,7 @@ class Phase:
         Whether theta is constant: its turnings are rounding.
     """
 
-    forms: dict[str, Form]
+    forms: Any
     quantities: Sequence[Quantity] = ()
     events: Sequence[Event] = ()
     exits: tuple[Exit, ...] = ()
@@ -251,6 +251,8 @@ class Phase:
     axis_stays: bool = False
 
     def __post_init__(self) -> None:
+        if isinstance(self.forms, Form):
+            object.__setattr__(self, "forms", {self.forms.name: self.forms})
         freeze(self, "forms")
 
     @property

@@ -1,12 +1,12 @@
 """What a system is: records of formulas, names and units; nothing numerical."""
 
 import dataclasses
-from collections import ChainMap
+from collections import ChainMap, namedtuple
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from ..errors import suggestion, unknown_key
 from .events import Event, kinds
@@ -86,6 +86,10 @@ class Opening(NamedTuple):
     outlook: Callable | None = None  # outlook(b, start, rules) -> Outlook
 
 
+def _all_are(records: Any, kind: type) -> bool:
+    return isinstance(records, Mapping) and all(isinstance(record, kind) for record in records.values())
+
+
 def _same(value: Any) -> Any:
     return value
 
@@ -96,7 +100,7 @@ class System:
 
     `replace` makes another one from it. What each field is, and must be, says docs/how-to/a-system.md.
 
-    Parameters
+    Numbers
     ----------
     name, title, source : str
         The name in TOML; what it is; where it is published.
@@ -124,19 +128,20 @@ class System:
     """
 
     name: str
-    title: str
-    source: str
     parameters: dict[str, Number]
-    body: Callable  # body(parameters, friction) -> the record that every formula takes, SI
-    body_units: Callable  # body_units(friction units) -> that record filled with units
-    scales: Callable  # scales(b) -> mass [kg] and length [m] that become 1
-    normalised_to: dict[str, float]  # what is 0 or 1 in these units by construction: the expressions fold
-    initial: dict[str, Number]
-    start: Callable  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
-    angles: Any  # the record that people read and write (a NamedTuple) filled with units
     phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
-    integrals: tuple[str, ...]  # conserved quantities, by name: their drift is reported
-    long_names: dict[str, str]  # of the variables of the Euler record and of `vectors`
+    title: str = ""
+    source: str = ""
+    body: Any = None  # body(parameters, friction) -> the record that every formula takes, SI
+    body_units: Any = None  # body_units(friction units) -> that record filled with units
+    scales: Callable = field(default=lambda b: (1.0, 1.0))  # scales(b) -> mass [kg] and length [m] that become 1
+    normalised_to: dict[str, float] = field(default_factory=dict)  # what is 0 or 1 in these units by construction:
+    # the expressions fold
+    initial: Any = None
+    start: Any = None  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
+    angles: Any = None  # the record that people read and write (a NamedTuple) filled with units
+    integrals: tuple[str, ...] = ()  # conserved quantities, by name: their drift is reported
+    long_names: dict[str, str] = field(default_factory=dict)  # of the fields of `angles` and of `vectors`
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
     undefined_at_poles: tuple[str, ...] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
     checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
@@ -164,9 +169,36 @@ class System:
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # further tables: units or words by column
 
     def __post_init__(self) -> None:
+        self._derive()
         freeze(self, "parameters", "initial", "normalised_to", "phases", "long_names", "vectors")
         if isinstance(self.laws, dict | ChainMap):  # a view: friction.LAWS may grow
             object.__setattr__(self, "laws", MappingProxyType(self.laws))
+
+    def _derive(self) -> None:
+        """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
+        given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
+        if self.body is None and _all_are(self.parameters, Number):
+            record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"])
+            units = [rule.unit for rule in self.parameters.values()]
+            given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
+            given["body_units"] = lambda friction: record(*units, friction)
+        angles = self.angles
+        if angles is None and _all_are(self.phases, Phase) and self.phases:
+            angles = given["angles"] = getattr(self.phase.form, "units", None)
+        fields = getattr(angles, "_fields", ())
+        if self.initial is None and fields:
+            given["initial"] = {name: Number(unit, name, default=0.0) for name, unit in angles._asdict().items()}
+        if self.start is None and fields:
+            make = type(angles)._make
+            given["start"] = lambda data, s, z, b: make(data.get(name, 0 * z) for name in fields)
+        rules = given.get("initial", self.initial)
+        if not self.long_names and _all_are(rules, Number):
+            given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
+        if not self.tables and _all_are(self.phases, Phase) and self.is_hybrid:
+            ways = [way.event for phase in self.phases.values() for way in phase.exits]
+            given["tables"] = {"phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}}
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
         return f"<System {self.name}: {self.title}>"
@@ -180,7 +212,7 @@ class System:
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
 
-        Parameters
+        Numbers
         ----------
         parameters
             Numbers or arrays (n,) by name, SI.
@@ -221,7 +253,7 @@ class System:
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
         """Sentences on initial data, by name, of which some say the same in two ways.
 
-        Parameters
+        Numbers
         ----------
         initial
             Names of initial data.
@@ -246,7 +278,7 @@ class System:
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
         """Initial data with some changed: a number takes the place of those that say the same in another way.
 
-        Parameters
+        Numbers
         ----------
         initial
             What stands: values by name.
@@ -305,7 +337,7 @@ class System:
     def with_requested(self, columns: Collection[str]) -> "System":
         """The system with those of its quantities on request that are named; the same record for the same names.
 
-        Parameters
+        Numbers
         ----------
         columns
             Names of columns.
@@ -344,7 +376,7 @@ def of_one_phase(
 ) -> System:
     """A system whose contact never changes; `rest` is what else a System has.
 
-    Parameters
+    Numbers
     ----------
     phase
         Its name, such as "gliding".

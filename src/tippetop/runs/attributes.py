@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def groups(run: "Solution") -> dict[str, dict[str, Column]]:
     """The groups of a store, of a run in memory: trajectory and events; phases and impacts where the contact may change
     its phase."""
-    others = {} if run.problem.contact is None else phases.joined(run.others)
+    others = phases.joined(run.problem.system, run.others)
     return {"trajectory": run.columns(), "events": event_columns(run.events), **others}
 
 

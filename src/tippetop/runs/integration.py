@@ -24,7 +24,8 @@ from .sinks import Sink
 
 
 ROWS_PER_BLOCK = 1 << 16  # 12 MB of 24 columns: what a sink takes at once
-SETTLED_SLICE = 1024  # steps between two looks whether a run has settled
+SETTLED_SLICE, SETTLED_SLICE_OF_PHASES = 1024, 64
+"""Steps between two looks whether a run has settled: the steps of a disc at rest are long."""
 
 State = dict[str, Any]
 
@@ -56,13 +57,14 @@ class Integration:
         self.problem, self.driver = problem, driver_of(problem, stop)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
+        self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
         self.second = float(problem.scales.of(SECOND))
         self.first = self.driver.first
         self.last = self.first  # last good state
         self.monitor = Monitor(problem, self.view)
         self.monitor.begin(self.first)
         self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
-        self.story = Story()
+        self.story = Story(dict(problem.system.tables.get("phases", {})))
         self.filled, self.t_end, self.fresh = 0, 0.0, True
         self.status: Status | None = None
         self.last_slice: State | None = None  # where the last slice began: a longer run continues from there
@@ -95,7 +97,7 @@ class Integration:
             self.fresh = False
             if self.follow(piece, sink) is not None:
                 break
-            if problem.stop_when == "settled" and self._done_of(SETTLED_SLICE) == 0 and self._settled_long():
+            if problem.stop_when == "settled" and self._done_of(self.settled_slice) == 0 and self._settled_long():
                 self.status = Status.SETTLED
                 break
             if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
@@ -121,7 +123,7 @@ class Integration:
     def _steps(self) -> int:
         """The steps of the next slice: up to a multiple of what one has, so that nothing depends on where it began."""
         problem = self.problem
-        most = SETTLED_SLICE if problem.stop_when == "settled" else STEPS_PER_SLICE
+        most = self.settled_slice if problem.stop_when == "settled" else STEPS_PER_SLICE
         left = most - self._done_of(most)
         if problem.output != "keyframes":
             return left
@@ -184,7 +186,6 @@ class Integration:
         """Return how far the run has come."""
         return RunProgress(
             self.problem,
-            self.view,
             self.status,
             self.t_end,
             self.monitor.steps,
@@ -192,7 +193,7 @@ class Integration:
             dict(self.monitor.drift),
             self.monitor.force,
             self.log.summary(),
-            self.story.report() if self.problem.contact is not None else None,
+            self.story.report() if self.problem.system.tables else None,
             self.driver.sentence,
             not self.driver.is_called,
         )
@@ -214,7 +215,7 @@ class Integration:
             "t_end": self.t_end,
             "monitor": self.monitor.snapshot(),
             "log": self.log.snapshot(),
-            **({"story": self.story.snapshot()} if self.problem.contact is not None else {}),
+            **({"story": self.story.snapshot()} if self.problem.system.tables else {}),
         }
 
     def _encoded(self, state: State) -> dict[str, Any]:
@@ -249,7 +250,7 @@ class Integration:
         self.fresh = self.t_end == 0  # it was killed before its first slice
         self.log.restore(hexfloat.decode(kept["log"]))
         if "story" in kept:
-            self.story = Story(**hexfloat.decode(kept["story"]))
+            self.story = Story(self.story.words, **hexfloat.decode(kept["story"]))
 
     def take_up(self, row: dict[str, np.ndarray]) -> None:
         """Continue from a keyframe; what is measured and logged begins anew there.

@@ -7,13 +7,12 @@ import numpy as np
 
 from ..columns import Column, column
 from ..engine.phase_tables import as_table
-from ..mechanics.contact.opening import TABLES
+from ..mechanics.system import System
 from ..mechanics.units import JOULE, METRE_PER_SECOND, NEWTON_SECOND, SECOND
 
 
 PER_CHUNK = 4096  # rows
 DIMENSIONS = {"phases": "interval", "impacts": "impact"}
-FLAGS = {name: words for kinds in TABLES.values() for name, words in kinds.items() if isinstance(words, tuple)}
 MEASURED: dict[str, Any] = {
     "start": (SECOND, "when the phase began"),
     "end": (SECOND, "when it ended"),
@@ -39,10 +38,16 @@ NAMES = tuple(DIMENSIONS)
 """The tables of a run whose contact may change its phase."""
 
 
+def tables_of(attributes: dict[str, Any]) -> tuple[str, ...]:
+    """Return the names of the tables of a run with these root attributes."""
+    return NAMES if "contact" in attributes else NAMES[:1] if "contact_phases" in attributes["report"] else ()
+
+
 @dataclass
 class Story:
     """What a report says of the phases of a contact: how many there were of each, the first ones and the last."""
 
+    words: dict[str, Any]  # those of the table of phases, by column
     counts: dict[str, int] = field(default_factory=dict)
     impacts: int = 0
     first: list[dict[str, Any]] = field(default_factory=list)
@@ -52,35 +57,37 @@ class Story:
         """Takes rows of the tables."""
         if not new:
             return
-        self.impacts += len(new["impacts"]["time"])
+        self.impacts += len(new["impacts"]["time"]) if "impacts" in new else 0
         table = new["phases"]
-        numbers = np.bincount(table["phase"], minlength=len(FLAGS["phase"]))
-        for name, count in zip(FLAGS["phase"], numbers.tolist(), strict=True):
+        numbers = np.bincount(table["phase"], minlength=len(self.words["phase"]))
+        for name, count in zip(self.words["phase"], numbers.tolist(), strict=True):
             if count:
                 self.counts[name] = self.counts.get(name, 0) + count
         for k in range(len(table["phase"])):
             if len(self.first) == FIRST and k < len(table["phase"]) - 1:
                 continue
             self.last = {
-                key: FLAGS[key][values[k]] if key in FLAGS else float(values[k]) for key, values in table.items()
+                key: self.words[key][values[k]] if key in self.words else float(values[k])
+                for key, values in table.items()
             }
             if len(self.first) < FIRST:
                 self.first.append(self.last)
 
     def rows(self) -> dict[str, int]:
         """How many rows the tables have, by name."""
-        return {"phases": sum(self.counts.values()), "impacts": self.impacts}
+        rows = {"phases": sum(self.counts.values()), "impacts": self.impacts}
+        return rows if "ball" in self.words else {"phases": rows["phases"]}
 
     def report(self) -> dict[str, Any]:
         """The part of a run's report."""
         return {"counts": dict(self.counts), "impacts": self.impacts, "first": list(self.first), "last": self.last}
 
     def snapshot(self) -> dict[str, Any]:
-        """Plain data, of which `Story(**data)` makes it again."""
-        return asdict(self)
+        """Plain data, of which `Story(words, **data)` makes it again."""
+        return {name: value for name, value in asdict(self).items() if name != "words"}
 
 
-def columns(name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
+def columns(system: System, name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
     """Rows of a table as columns of the store's group of this name."""
     dims = (DIMENSIONS[name],)
     result = {}
@@ -89,19 +96,20 @@ def columns(name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
             unit, text = MEASURED[key]
             result[key] = column(values, unit, text, dims)
             continue
-        flags = {"flag_values": list(range(len(FLAGS[key]))), "flag_meanings": " ".join(FLAGS[key])}
+        words = system.tables[name][key]
+        flags = {"flag_values": list(range(len(words))), "flag_meanings": " ".join(words)}
         result[key] = Column(dims, values, {"units": "1", "long_name": NAMED[key], **flags})
     return result
 
 
-def empty() -> dict[str, dict[str, Column]]:
+def empty(system: System) -> dict[str, dict[str, Column]]:
     """The tables without rows, by name."""
-    return {name: columns(name, as_table(name, kinds, [])) for name, kinds in TABLES.items()}
+    return {name: columns(system, name, as_table(name, kinds, [])) for name, kinds in system.tables.items()}
 
 
-def joined(parts: dict[str, list[dict[str, np.ndarray]]]) -> dict[str, dict[str, Column]]:
+def joined(system: System, parts: dict[str, list[dict[str, np.ndarray]]]) -> dict[str, dict[str, Column]]:
     """Tables whose rows came in parts."""
-    whole = empty()
+    whole = empty(system)
     for name, tables in parts.items():
-        whole[name] = columns(name, {key: np.concatenate([t[key] for t in tables]) for key in tables[0]})
+        whole[name] = columns(system, name, {key: np.concatenate([t[key] for t in tables]) for key in tables[0]})
     return whole

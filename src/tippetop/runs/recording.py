@@ -80,7 +80,7 @@ class Recorder:
         """Takes rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(partial(self.append, name, phases.columns(name, table)))
+                self._later(partial(self.append, name, phases.columns(self.problem.system, name, table)))
 
     def append(self, name: str, columns: dict[str, Column]) -> None:
         """Append rows to a table."""
@@ -258,8 +258,8 @@ def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Col
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, ROWS_PER_CHUNK
     yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
-    if integration.problem.contact is not None:
-        yield from ((name, columns, phases.PER_CHUNK) for name, columns in phases.empty().items())
+    for name, columns in phases.empty(integration.problem.system).items():
+        yield name, columns, phases.PER_CHUNK
     for name, columns in sensitivities.no_rows(integration.problem, integration.log.empty.kinds).items():
         yield name, columns, sensitivities.PER_CHUNK
     if integration.problem.output == "keyframes":

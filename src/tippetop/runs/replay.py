@@ -96,7 +96,7 @@ def into_store(
     empty = {
         "trajectory": integration.view.columns(np.zeros(0), integration.first[:0]),
         "events": event_columns(integration.log.empty),
-        **(phases.empty() if integration.problem.contact is not None else {}),
+        **phases.empty(integration.problem.system),
     }
     kinds = {name: (columns, recording.EVENTS_PER_CHUNK) for name, columns in empty.items()}
     kinds["trajectory"] = (empty["trajectory"], recording.ROWS_PER_CHUNK)

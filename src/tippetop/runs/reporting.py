@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,9 @@ from ..engine.driver import Extremes
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
+from ..mechanics.caching import cached_property
 from ..mechanics.events import Event
+from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 from ..scenario.own_records import is_users
@@ -24,8 +26,8 @@ class RunProgress:
 
     Attributes
     ----------
-    problem, view
-        The run, and what evaluates its states.
+    problem
+        The run.
     status
         How it ended; None while it has not.
     t_end
@@ -49,7 +51,6 @@ class RunProgress:
     """
 
     problem: Problem
-    view: Observables
     status: Status | None
     t_end: float
     steps: int
@@ -60,6 +61,14 @@ class RunProgress:
     phases: dict[str, Any] | None
     sentence: str
     compiled: bool
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    @cached_property
+    def view(self) -> Observables:
+        """What evaluates its states."""
+        return Observables(self.problem)
 
     @property
     def settled_since(self) -> float | None:
@@ -117,7 +126,10 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     settled = np.array([progress.settled_since is not None])
     second = float(progress.problem.scales.of(SECOND))
     kinds = classes_of(system, theta, omega3 / second, settled, progress.problem.body())
-    return {"outcome": CLASSES[with_phases(kinds, theta, values)[0]]}
+    name = CLASSES[with_phases(kinds, theta, values)[0]]
+    if has_parts(progress.problem.friction) and name in ("under-way", "rolling"):
+        return {}  # it may be at rest
+    return {"outcome": name}
 
 
 def reason(progress: RunProgress) -> str:

@@ -19,6 +19,7 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
     """Writes a store whole or not at all; `attributes` are its root attributes. Raises StoreError."""
     view, integration = Observables(solution.problem), Integration(solution.problem)
     header = recording.header(integration)
+    others = phases.joined(solution.problem.system, solution.others) if solution.others else {}
     integration.last_slice, integration.last = solution.last_slice, solution.final[None, :]
     integration.t_end = solution.report["t_end"]
     with (
@@ -30,7 +31,7 @@ def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, 
             some = slice(first, first + ROWS_AT_ONCE)
             recorder.append("trajectory", view.columns(solution.times[some], solution.rows[some]))
         recorder.append("events", event_columns(solution.events))
-        for name, columns in phases.joined(solution.others).items() if solution.others else ():
+        for name, columns in others.items():
             recorder.append(name, columns)
         for name, columns in solution.sensitivities.items():
             recorder.append(name, columns)

@@ -33,13 +33,14 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
         result.append(("theta", _of_peg(info["inversion"], info["theta_end"])))
     elif can_invert and (any(info["inversion"].values()) or (system is not None and system.inverts)):
         result.append(("inversion", _inversion(info)))
-    else:
+    elif info["theta_end"] is not None:
         result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
     if info.get("contact_phases", {}).get("last"):
         result.append(("phases", contact(info["contact_phases"])))
     if info.get("outcome") in WORDS:
         result.append(("outcome", WORDS[info["outcome"]]))
-    result.append(("turning angles", _turnings(info)))
+    if info["theta_end"] is not None:
+        result.append(("turning angles", _turnings(info)))
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
         result.append(
@@ -99,7 +100,9 @@ def contact(phases: Mapping[str, Any]) -> str:
     elif sum(counts.values()) == len(first):
         text = ", then ".join([*map(_until, first[:-1]), _does(last)])
     else:
-        often = ", ".join(f"{VERBS[phase]} {TIMES.get(n, f'{n} times')}" for phase, n in counts.items())
+        often = ", ".join(
+            f"{_verb({**last, 'phase': phase})} {TIMES.get(n, f'{n} times')}" for phase, n in counts.items()
+        )
         begins = ", then ".join(map(_until, first[:2]))
         text = f"{often}; first {begins}; at last {_does(last)} from {last['start']:.6g} s"
     n = phases["impacts"]
@@ -108,8 +111,13 @@ def contact(phases: Mapping[str, Any]) -> str:
 
 def _does(phase: Mapping[str, Any]) -> str:
     """What the body does in a phase."""
-    on_stem = phase["ball"] == "stem" and phase["phase"] in ("slip", "roll", "rest")
-    return VERBS[phase["phase"]] + (" on its stem" if on_stem else "")
+    on_stem = phase.get("ball") == "stem" and phase["phase"] in ("slip", "roll", "rest")
+    return _verb(phase) + (" on its stem" if on_stem else "")
+
+
+def _verb(phase: Mapping[str, Any]) -> str:
+    """Return the verb of a phase of a contact; of a user-defined system, its name."""
+    return VERBS[phase["phase"]] if "ball" in phase else f"`{phase['phase']}`"
 
 
 def _until(phase: Mapping[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 import math
 
+from ..mechanics.friction import PARTS
 from ..mechanics.units import INERTIA, KILOGRAM, METRE
 from ..problem import Problem
 
@@ -18,7 +19,18 @@ PLAUSIBLE = {"R": (0.01, 4.0), "l": (0.0, 100.0)}
 
 def doubts(problem: Problem) -> list[str]:
     """Return one sentence for each doubt; empty for most scenarios."""
-    return [*_left_out(problem), *_fallen(problem), *_other_units(problem), *_odd_inertia(problem)]
+    return [*_left_out(problem), *_fallen(problem), *_other_units(problem), *_odd_inertia(problem), *_rests(problem)]
+
+
+def _rests(problem: Problem) -> list[str]:
+    """Return a warning where torques bring the body to rest, which is stiff."""
+    given = [f"`friction.{name}`" for name in PARTS if getattr(problem.friction, name, 0.0) > 0]
+    if not problem.law.torque or not given:
+        return []
+    return [
+        f"{' and '.join(given)} can bring this body to rest, for which there is no phase: a run then takes some "
+        "1e4 to 1e7 steps a second. End it before."
+    ]
 
 
 def _fallen(problem: Problem) -> list[str]:
