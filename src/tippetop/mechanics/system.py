@@ -90,6 +90,10 @@ def _all_are(records: Any, kind: type) -> bool:
     return isinstance(records, Mapping) and all(isinstance(record, kind) for record in records.values())
 
 
+def _body_record(fields: list[str]) -> Any:
+    return namedtuple("Body", fields, rename=True)
+
+
 def _same(value: Any) -> Any:
     return value
 
@@ -178,7 +182,7 @@ class System:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
-            record: Any = namedtuple("Body", [*self.parameters, "friction"])  # type: ignore[misc]
+            record = _body_record([*self.parameters, "friction"])
             units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
             given["body_units"] = lambda friction: record(*units, friction)
@@ -195,7 +199,7 @@ class System:
         if not self.long_names and _all_are(rules, Number):
             given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
         if not self.tables and _all_are(self.phases, Phase) and self.is_hybrid:
-            ways = [way.event for phase in self.phases.values() for way in phase.exits]
+            ways = [way.event for phase in self.phases.values() for way in phase.exits if isinstance(way, Exit)]
             given["tables"] = {"phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}}
         for name, value in given.items():
             object.__setattr__(self, name, value)
