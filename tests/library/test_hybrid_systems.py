@@ -208,12 +208,12 @@ def test_a_run_ends_with_the_place_of_a_jump_without_an_end(page: dict, jump: An
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     point = SYSTEMS["bouncing-point"]
     fall, rest = point.phases["fall"], point.phases["rest"]
-    other = dataclasses.replace(page["ground"], formula=lambda s, b: s.v)
+    other = dataclasses.replace(page["ground"], direction=1)
     phases = {
         "both `enter` and `leave`": {"rest": dataclasses.replace(rest, enter=lambda x, b: x)},
         "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
         "an event with a formula": {"fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))},
-        "the same Event `ground`": {"rest": dataclasses.replace(rest, events=(other,))},
+        "Event `ground` with the direction of the phases before": {"rest": dataclasses.replace(rest, events=(other,))},
         "no jump can log it": {"fall": dataclasses.replace(fall, exits=())},
     }
     for words, changed in phases.items():

@@ -110,7 +110,7 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
         ({"quantities": (3,)}, "must be Quantity records, but has 3"),
         ({"outlook": 3}, "`outlook` of `mine` must be a function or None, but is 3"),
         ({"landscape": 3}, "`landscape` of `mine` must be a Landscape or None, but is 3"),
-        ({"title": None}, "`title` of `mine` must be a text, but is None"),
+        ({"title": 3}, "`title` of `mine` must be a text, but is 3"),
         ({"phases": {}}, "`phases` of `mine` must have a Phase, but has none"),
     ],
 )

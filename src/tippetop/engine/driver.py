@@ -263,9 +263,9 @@ class Driver:
 
     def passages(self) -> Passages:
         """Return the passages of the log, where they are."""
-        log, found = self.log, slice(int(self.log.filled[0]))
-        states = log.states[found, : self.variables]
-        return Passages(log.time[found], log.event[found], log.sign[found], log.at_pole[found], states)
+        log, logged = self.log, slice(int(self.log.filled[0]))
+        states = log.states[logged, : self.variables]
+        return Passages(log.time[logged], log.event[logged], log.sign[logged], log.at_pole[logged], states)
 
     def drop(self) -> None:
         """Remove the last passage."""

@@ -131,7 +131,7 @@ class Track:
         return records
 
     @property
-    def found(self) -> tuple[int, int]:
+    def counts(self) -> tuple[int, int]:
         """The numbers of samples and passages of a slice so far."""
         return int(self.driver.samples.filled[0]), int(self.driver.log.filled[0])
 
@@ -210,7 +210,8 @@ class HybridDriver:
         self.changes = self.short = 0
         self.live: set[str] = set()
         self.rooted: set[tuple] = set()  # roots that jumps have named rightly: the exit, the next phase, the event
-        self.spans: list[tuple] = []  # the phases of a slice: each, the integrals, and what its track had found before
+        # The phases of a slice: the track, the integrals, and the counts of its track at the beginning of the phase.
+        self.spans: list[tuple] = []
         self.world = SimpleNamespace(
             body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
             rates=self._rates,
@@ -275,9 +276,9 @@ class HybridDriver:
             self.whole = [self.number(value) * INTEGRAL_SCALE for value in n.x.carried]
         track.driver.put(track.state(q, self.whole), (time, 0 * time))
         self.waits = n.delay > 0 and n.series is None
-        found = track.found
+        counts = track.counts if n.series is not None else ()
         self._begin_events(n, track.record._make(q), now, before)
-        self.spans.append((track, self.whole, *(found if n.series is not None else track.found)))
+        self.spans.append((track, self.whole, *(counts or track.counts)))
         self.began = float(time)
         driver = track.driver
         driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
@@ -489,14 +490,14 @@ class HybridDriver:
         states = [[self.number(one) for one in np.broadcast_to(value, t.shape)] for value in (*q, *moved)]
         return np.array(states).T
 
-    def _fill(self, until: float, made: Callable[[np.ndarray], np.ndarray]) -> None:
+    def _fill(self, until: float, states_at: Callable[[np.ndarray], np.ndarray]) -> None:
         """Give the rows that are wanted before a time, at which the present phase makes its first step."""
         while not self.steps:
             self.row_times.ask(self)
             left = self.row_times.left
             count = int(np.searchsorted(left, until))
             if count:
-                self.take(left[:count], made(left[:count]))
+                self.take(left[:count], states_at(left[:count]))
             self.row_times.made += count
             if count < len(left) or not count:
                 break
@@ -535,26 +536,28 @@ class HybridDriver:
     def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
         asked = [Span(track, whole, len(times)) for track, whole, times, _ in self.asked]
-        samples, logged, ends = [], [], {track: track.found for track in self.tracks.values()}
+        samples, logged, ends = [], [], {track: track.counts for track in self.tracks.values()}
         for of, whole, *before in reversed(self.spans):
             samples.append(Span(of, whole, ends[of][0] - before[0]))
             logged.append(Span(of, whole, ends[of][1] - before[1]))
             ends[of] = before[0], before[1]
         groups = asked, samples[::-1], logged[::-1], [Span(track, self.whole, 1)]
-        found: dict[Track, Passages] = {}
+        passages_of: dict[Track, Passages] = {}
         states: dict[Track, list[np.ndarray]] = {}
         for one in self.tracks.values():
             passages, own = one.driver.passages(), [states for of, _, _, states in self.asked if of is one]
             pieces = [*own, one.driver.sampled(), passages.states, *([self.last[None]] if one is track else [])]
             states |= {one: pieces} if any(map(len, pieces)) else {}
-            found[one] = passages
+            passages_of[one] = passages
         rows = self._rows([span for group in groups for span in group], states)
         parts = np.split(rows, np.cumsum([sum(span.size for span in group) for group in groups])[:-1])
         if asked:
             self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
-        owners = [list(found).index(span.track) for span in groups[2] for _ in range(span.size)]
+        owners = [list(passages_of).index(span.track) for span in groups[2] for _ in range(span.size)]
         order = np.argsort(np.argsort(owners, kind="stable"))
-        columns = [np.concatenate(column)[order] for column in zip(*(p[:-1] for p in found.values()), strict=True)]
+        columns = [
+            np.concatenate(column)[order] for column in zip(*(p[:-1] for p in passages_of.values()), strict=True)
+        ]
         passages = Passages._make([*columns, parts[2]])
         return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
 

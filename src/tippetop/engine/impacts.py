@@ -87,19 +87,19 @@ def formulas_of_impact(friction: Any, region: Region | None, restitution: str) -
 
 
 @lru_cache(maxsize=64)
-def loaded_formulas(stretch: loaded.Stretch, friction: Any) -> Formulas:
+def loaded_formulas(stage: loaded.Stage, friction: Any) -> Formulas:
     """Return the formulas of an impact under a law with torques, with the type of the record of the law."""
     touch = Touch(*(1.0,) * 6, friction._make(friction._fields))
     template = loaded.Blow(Vector(1.0, 1.0, 1.0), touch, *(1.0,) * 5)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
-        by = stretch.acts(q, b)
-        return [event.formula(q, by, b) for event in stretch.events]
+        by = stage.acts(q, b)
+        return [event.formula(q, by, b) for event in stage.events]
 
     def body(values: Iterator) -> Any:
         return refill(template, values)
 
-    return Formulas(stretch.form, stretch.events, functions, body)
+    return Formulas(stage.form, stage.events, functions, body)
 
 
 def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) -> Driver:
@@ -301,7 +301,7 @@ class LoadedImpacts:
     def _followed(self, q: Any) -> Any:
         """Return the motion at the end of its stage."""
         law, b, passed, span = self.law, self.b, "", LOADED_SPAN
-        motions = loaded.stretches(law)
+        motions = loaded.stages(law)
         while self.left > 0:
             rests = self.region == loaded.REST
             if not rests and loaded.is_slow(law, q, b, passed == "stops"):
@@ -310,22 +310,22 @@ class LoadedImpacts:
                 by = motions[loaded.REST].acts(q, b)
                 if not loaded.left(law, by, b) > 0:
                     q, rests = self._slid(q, by), False
-            stretch = motions[self.region]
-            by = stretch.acts(q, b)
+            stage = motions[self.region]
+            by = stage.acts(q, b)
             if not 0 < loaded.gains(by, b).z < np.inf:
                 raise ArithmeticError(UNSOLVED)
-            piece = self._piece(stretch, q, by, passed, span if rests else LONGEST)
+            piece = self._piece(stage, q, by, passed, span if rests else LONGEST)
             after, passed = loaded.Motion(*piece.last[0].tolist()), ""
             self.left -= piece.steps + 1
-            if rests and loaded.left(law, stretch.acts(after, b), b) < 0:  # it gives way on the way
+            if rests and loaded.left(law, stage.acts(after, b), b) < 0:  # it gives way on the way
                 span /= 2
-                q = q if span > SHORTEST else self._slid(after, stretch.acts(after, b))
+                q = q if span > SHORTEST else self._slid(after, stage.acts(after, b))
                 continue
             if piece.status is Status.ENDED:
-                passed = stretch.events[int(piece.passages.events[-1])].name
+                passed = stage.events[int(piece.passages.events[-1])].name
                 if passed == "reached":
                     return after
-                if follows := dict(stretch.follows).get(passed):
+                if follows := dict(stage.follows).get(passed):
                     before, self.region = self.region, follows
                     passed = next(way.event for way in law.regions[self.region].borders if way.follows == before)
             elif piece.status is Status.NON_FINITE:
@@ -337,18 +337,18 @@ class LoadedImpacts:
 
     def _slid(self, q: Any, by: Any) -> Any:
         """Return the motion where friction can no longer hold the contact."""
-        q = loaded.slide(self.law, loaded.stretches(self.law).get(""), q, by, self.b)
+        q = loaded.slide(self.law, loaded.stages(self.law).get(""), q, by, self.b)
         self.region, self.mode = loaded.region_at(self.law, q, self.b), "slip"
         return q
 
-    def _piece(self, stretch: Any, q: Any, by: Any, passed: str, end: Any) -> Any:
+    def _piece(self, stage: Any, q: Any, by: Any, passed: str, end: Any) -> Any:
         """Return the steps of a motion from q on, until the clock has run so far or an event happens."""
         if self.region not in self.drivers:
-            formulas = loaded_formulas(stretch, self.law)
+            formulas = loaded_formulas(stage, self.law)
             self.drivers[self.region] = driver_of(formulas, self.precision, self.stop)
         driver = self.drivers[self.region]
         signs, zeros = [], []
-        for event in stretch.events:
+        for event in stage.events:
             beyond = event.name == passed if event.name in ("stops", "slowest") else False
             grows = event.name == "slowest" and event.formula(q, by, self.b) >= 0
             signs.append(event.direction if beyond or grows else -event.direction)

@@ -28,9 +28,9 @@ def inconsistencies(system: System) -> list[str]:
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
         faults += [
-            f"{where} must have the same Event `{event.name}` as the phases before, but has another one."
+            f"{where} must have Event `{event.name}` with the direction of the phases before, but has another one."
             for event in phase.events
-            if known.setdefault(event.name, event) != event
+            if known.setdefault(event.name, event).direction != event.direction
         ]
         if (phase.enter is unchanged) != (phase.leave is unchanged):
             faults.append(f"{where} must have both `enter` and `leave`, or neither, but has one.")
@@ -48,7 +48,7 @@ def inconsistencies(system: System) -> list[str]:
             variables = [*form.units._fields, *(integral.name for integral in (*form.integrals, *turning))]
             faults += _twice(f"{where}, form `{form.name}`: variable", variables)
         events = [event.name for event in phase.events]
-        detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
+        known_events = [CLOCK, *(event.name for event in phase.events if event.formula)]
         lost = [] if system.is_hybrid else [event.name for event in phase.events if not event.formula]
         faults += [f"the event `{event}` of {where} must have a formula: no jump can log it." for event in lost]
         faults += _twice(f"{where}: event", events)
@@ -58,7 +58,7 @@ def inconsistencies(system: System) -> list[str]:
         for way in phase.exits:
             if way.event not in (*events, CLOCK):
                 faults.append(f"{where} must end in an event of its own, but has an exit by {way.event!r}.")
-            elif way.event not in detected:
+            elif way.event not in known_events:
                 faults.append(f"{where} must end by an event with a formula, but `{way.event}` has none.")
             if not way.to:
                 faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")

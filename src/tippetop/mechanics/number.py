@@ -1,7 +1,6 @@
 """Numbers that a user gives, declared once: unit, meaning and interval; and the records that contain them."""
 
 import inspect
-import math
 import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
@@ -123,12 +122,12 @@ class Number:
 
     def read(self, key: str, value: Any) -> float:
         """Return a value that is given for it as a float. Raises InputError."""
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError([sentence(key, "must be a number", value)])
         try:
-            number = float(value)
+            number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
         except OverflowError:
-            number = math.inf
+            number = None
+        if number is None:
+            raise InputError([sentence(key, "must be a number", value)])
         if self.broken(number):
             raise InputError([sentence(key, self.must(number), value)])
         return number
@@ -255,7 +254,7 @@ class Record(tuple, metaclass=RecordType, abstract=True):
             given = {}
             for key, rule in kind.parameters.items():
                 value = bound.arguments.get(key, rule.default)
-                given[key] = rule.default if value is None and rule.optional else _scalar(value)
+                given[key] = rule.default if value is None else _scalar(value)
             return kind._make((given if any(map(_is_operand, given.values())) else kind.checked(given)).values())
 
     @classmethod

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from ..errors import suggestion, unknown_key
 from .events import Event, kinds
@@ -88,10 +88,6 @@ class Opening(NamedTuple):
 
 def _all_are(records: Any, kind: type) -> bool:
     return isinstance(records, Mapping) and all(isinstance(record, kind) for record in records.values())
-
-
-def _body_record(fields: list[str]) -> Any:
-    return namedtuple("Body", fields, rename=True)
 
 
 def _same(value: Any) -> Any:
@@ -182,7 +178,7 @@ class System:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
-            record = _body_record([*self.parameters, "friction"])
+            record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"], rename=True)
             units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
             given["body_units"] = lambda friction: record(*units, friction)

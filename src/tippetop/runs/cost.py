@@ -190,16 +190,16 @@ def following(say: Callable[[str], object] = warn, *, bar: bool = True) -> Itera
         return
 
     def note(progress: RunProgress) -> str:
-        found = report(progress)
-        drift = max(found["drift"].values(), default=0.0)
-        turnings = found["event_counts"].get("turning", 0)
-        return f"theta {found['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
+        facts = report(progress)
+        drift = max(facts["drift"].values(), default=0.0)
+        turnings = facts["event_counts"].get("turning", 0)
+        return f"theta {facts['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
 
     def follow(progress: RunProgress) -> None:
-        drawn.update(progress.t_end, progress.problem.until, lambda: note(progress))
+        progress_bar.update(progress.t_end, progress.problem.until, lambda: note(progress))
         patience(progress)
 
-    with Bar("s", "t = {done:.4g} s") as drawn:
+    with Bar("s", "t = {done:.4g} s") as progress_bar:
         yield follow
 
 

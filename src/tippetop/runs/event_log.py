@@ -72,17 +72,22 @@ def _known(system: System, logged: tuple[str, ...]) -> Known:
 class LogReport(NamedTuple):
     """The events of a run so far: the rows of its log, and the tallies of its driver."""
 
-    known: Known
-    second: float  # internal unit of time [s]
+    problem: Problem
     counts: dict[str, int]  # rows of the log, by kind
     tally: Any  # a record of the tallies
     numbers: np.ndarray  # what events keep, (kept,); internal
 
+    @property
+    def known(self) -> Known:
+        """The events of the system."""
+        return _known(self.problem.system, self.problem.events)
+
     def kept(self) -> dict[str, Any]:
         """Return the numbers that events keep, by name: times [s], None if the event did not happen, or counts."""
         values = zip(self.known.kept, self.numbers.tolist(), strict=True)
+        second = float(self.problem.scales.of(SECOND))
         return {
-            name: int(value) if what == "count" else None if math.isnan(value) else value * self.second
+            name: int(value) if what == "count" else None if math.isnan(value) else value * second
             for (name, what), value in values
         }
 
@@ -95,7 +100,7 @@ class LogReport(NamedTuple):
         value = float(event.formula(view.moment(last[0]), view.body))
         if not value * event.direction > 0 or slides(view.problem.alone, last.T, [0]).any():
             return None
-        return since * self.second
+        return since * float(self.problem.scales.of(SECOND))
 
     def report(self) -> dict[str, Any]:
         """Return counts, inversion and band, as `info --json` has them, and the numbers that users' events keep."""
@@ -224,7 +229,7 @@ class EventLog:
     def summary(self) -> LogReport:
         """Return what is known so far of all events."""
         tally, numbers = self.tallies.lane[0].copy(), self.tallies.kept[:, 0].copy()
-        return LogReport(self.known, self.second, dict(self.counts), tally, numbers)
+        return LogReport(self.view.problem, dict(self.counts), tally, numbers)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a checkpoint keeps beside the tallies."""

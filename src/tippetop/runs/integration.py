@@ -186,7 +186,6 @@ class Integration:
         """Return how far the run has come."""
         return RunProgress(
             self.problem,
-            self.view,
             self.status,
             self.t_end,
             self.monitor.steps,

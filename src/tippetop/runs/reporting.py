@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from ..engine.driver import Extremes
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
+from ..mechanics.caching import cached_property
 from ..mechanics.events import Event
 from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
@@ -25,8 +26,8 @@ class RunProgress:
 
     Attributes
     ----------
-    problem, view
-        The run, and what evaluates its states.
+    problem
+        The run.
     status
         How it ended; None while it has not.
     t_end
@@ -50,7 +51,6 @@ class RunProgress:
     """
 
     problem: Problem
-    view: Observables
     status: Status | None
     t_end: float
     steps: int
@@ -61,6 +61,14 @@ class RunProgress:
     phases: dict[str, Any] | None
     sentence: str
     compiled: bool
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    @cached_property
+    def view(self) -> Observables:
+        """What evaluates its states."""
+        return Observables(self.problem)
 
     @property
     def settled_since(self) -> float | None:

@@ -60,7 +60,7 @@ FLAT_BIAS = Vector(0.0, 0.0, -1.0)
 """Minus the acceleration of the contact point: v_n rises by one."""
 
 
-class Stretch(NamedTuple):
+class Stage(NamedTuple):
     """The motion in a region of a law, or at rest."""
 
     form: Form
@@ -100,20 +100,20 @@ def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
     return held_point(u, FLAT_BIAS, load(omega, b.friction), b)
 
 
-_stretches: dict[type, dict[str, Stretch]] = {}
+_stages: dict[type, dict[str, Stage]] = {}
 
 
-def stretches(law: Any) -> dict[str, Stretch]:
+def stages(law: Any) -> dict[str, Stage]:
     """Return the motions of impacts under a law; the same ones for a law's record."""
-    if law not in _stretches:
-        _stretches[law] = new_stretches(law)
-    return _stretches[law]
+    if law not in _stages:
+        _stages[law] = new_stages(law)
+    return _stages[law]
 
 
-def new_stretches(law: Any) -> dict[str, Stretch]:
+def new_stages(law: Any) -> dict[str, Stage]:
     """Return the motions of impacts under a law, by its regions and REST; of a law without regions the first is ""."""
 
-    def stretch(friction: Callable | None, events: tuple, follows: tuple, by_slip: bool = False) -> Stretch:
+    def stage(friction: Callable | None, events: tuple, follows: tuple, by_slip: bool = False) -> Stage:
         def acts(q, b):
             none = 0 * q.v_n
             v, omega = Vector(q.vx, q.vy, none), angular_velocity(b.u, Vector(q.Lx, q.Ly, q.Lz), b.touch)
@@ -134,16 +134,16 @@ def new_stretches(law: Any) -> dict[str, Stretch]:
             return Motion._make(per * rate for rate in every)
 
         form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
-        return Stretch(form, acts, (REACHED, *events), follows)
+        return Stage(form, acts, (REACHED, *events), follows)
 
     def stops(function: Callable) -> Event:
         return Event("stops", "the contact neither slides nor turns", function, -1, "stops")
 
-    at_rest = {REST: stretch(None, (), ())}
+    at_rest = {REST: stage(None, (), ())}
     if not law.regions:
         slow = stops(lambda q, by, b: sqrt(q.vx**2 + q.vy**2) - STOPS_AT)
         ends = (slow,) if law.set_valued else ()
-        return {"": stretch(smooth_friction, ends, (), law.set_valued), **at_rest}
+        return {"": stage(smooth_friction, ends, (), law.set_valued), **at_rest}
     some, torque = {}, law.torque
     assert torque is not None
     for name, region in law.regions.items():
@@ -154,7 +154,7 @@ def new_stretches(law: Any) -> dict[str, Stretch]:
             *(Event(way.event, "", border(way), way.direction, way.event) for way in borders),
         )
         friction = disc_friction(region.drag, torque)
-        some[name] = stretch(friction, events, tuple((way.event, way.follows) for way in borders))
+        some[name] = stage(friction, events, tuple((way.event, way.follows) for way in borders))
     return some | at_rest
 
 
@@ -193,9 +193,9 @@ def left(law: Any, by: Acts, b: Any) -> Any:
     return friction.mu - sqrt(by.force.x**2 + by.force.y**2)
 
 
-def slide(law: Any, stretch: Any, q: Any, by: Acts, b: Any) -> Any:
+def slide(law: Any, stage: Any, q: Any, by: Acts, b: Any) -> Any:
     """Return the motion where a contact at rest begins to slide; `by` is what would hold it,
-    `stretch` the motion of sliding under a law without regions."""
+    `stage` the motion of sliding under a law without regions."""
     if law.regions:
         v, edge = direction(by.force, by.torque.z, b.touch.friction)
         speed = 2 * sqrt(rest_speed2(b.touch))
@@ -203,11 +203,11 @@ def slide(law: Any, stretch: Any, q: Any, by: Acts, b: Any) -> Any:
 
     def motion(beta):
         n = Vector(np.cos(beta), np.sin(beta), 0 * beta)
-        across = gains(stretch.acts(q._replace(vx=n.x, vy=n.y), b), b)
+        across = gains(stage.acts(q._replace(vx=n.x, vy=n.y), b), b)
         return (*along_and_across(across, n), 1 + 0 * beta)
 
-    found = first_directions(motion)
-    beta = found[0] if len(found) else np.arctan2(-by.force.y, -by.force.x)
+    directions = first_directions(motion)
+    beta = directions[0] if len(directions) else np.arctan2(-by.force.y, -by.force.x)
     return kicked(law, q, Vector(BEGINS_AT * np.cos(beta), BEGINS_AT * np.sin(beta), 0.0), 0.0, b)
 
 
