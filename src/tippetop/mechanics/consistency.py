@@ -48,7 +48,7 @@ def inconsistencies(system: System) -> list[str]:
             variables = [*form.units._fields, *(integral.name for integral in (*form.integrals, *turning))]
             faults += _twice(f"{where}, form `{form.name}`: variable", variables)
         events = [event.name for event in phase.events]
-        known_events = [CLOCK, *(event.name for event in phase.events if event.formula)]
+        detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
         lost = [] if system.is_hybrid else [event.name for event in phase.events if not event.formula]
         faults += [f"the event `{event}` of {where} must have a formula: no jump can log it." for event in lost]
         faults += _twice(f"{where}: event", events)
@@ -58,7 +58,7 @@ def inconsistencies(system: System) -> list[str]:
         for way in phase.exits:
             if way.event not in (*events, CLOCK):
                 faults.append(f"{where} must end in an event of its own, but has an exit by {way.event!r}.")
-            elif way.event not in known_events:
+            elif way.event not in detected:
                 faults.append(f"{where} must end by an event with a formula, but `{way.event}` has none.")
             if not way.to:
                 faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")
