@@ -310,7 +310,11 @@ class Ledger:
         self.folder.put(LEDGER + NEW, whole)
         self.folder.sync_one(LEDGER + NEW)
         held = self.folder.lock(LEDGER + NEW)
-        self.folder.rename(LEDGER + NEW, LEDGER)
+        try:
+            self.folder.rename(LEDGER + NEW, LEDGER)
+        except BaseException:
+            self.folder.release(held)
+            raise
         self.release()
         self.held = held
         self.folder.sync_one("")
