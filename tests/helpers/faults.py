@@ -33,7 +33,6 @@ class Faults:
         self.arm(0, "")
         for name in ("open", "write", "fsync", "rename", "replace", "mkdir", "unlink", "remove", "rmdir", "link"):
             monkeypatch.setattr(os, name, self._watched(name, getattr(os, name)))
-        monkeypatch.setattr("tippetop.store.renaming._renameat2", self._exchanging())
 
     def arm(self, at: int, way: str) -> None:
         """Let operation `at` from here on be the one with the fault."""
@@ -110,16 +109,5 @@ class Faults:
             if watched and name == "fsync":
                 self._sync(given[0])
             return result
-
-        return operation
-
-    def _exchanging(self) -> Callable[..., bool]:
-        from tippetop.store import renaming
-
-        real = renaming._renameat2
-
-        def operation(*given: Any) -> bool:
-            self._judge("rename")
-            return real(*given)
 
         return operation

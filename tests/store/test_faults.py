@@ -105,7 +105,7 @@ def acknowledged(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
     def noted(store: Ledger, *given: Any, **record: Any) -> None:
         commit(store, *given, **record)
-        known[0] = extent(store.state)
+        known[0] = 0 if ".part-" in str(store.path) else extent(store.state)
 
     monkeypatch.setattr(Ledger, "commit", noted)
     return known
@@ -124,9 +124,9 @@ def quietly() -> Iterator[None]:
 
 
 def campaign(
-    target: Target, ways: tuple[str, ...], stride: int, known: list[int], folder: Path, monkeypatch: pytest.MonkeyPatch
+    target: Target, ways: tuple[str, ...], most: int, known: list[int], folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> int:
-    """Faults at every `stride`-th operation; their number."""
+    """Faults at operations spread over all, at most this many of each way; their number."""
     root = folder / "disk"
     place, tried = root / "S.zarr", 0
     run(folder / "K.zarr")
@@ -140,6 +140,7 @@ def campaign(
     faults = Faults(monkeypatch, root)
     target.work(place)
     count, whole = faults.count, files(root)
+    stride = -(-(count + 1) // most)
     for way in ways:
         for at in range(1 + tried % stride, count + 2, stride):  # the last one is after the end
             faults.way = ""
@@ -149,7 +150,7 @@ def campaign(
             with quietly(), contextlib.suppress(StoreError, Over):
                 target.work(place)
             faults.disarm()
-            if (known[0] and target.again is not target.work) or at > count:
+            if known[0] or at > count:
                 assert extent(state_of(place)) >= known[0], (way, at)
             with quietly():
                 target.again(place)
@@ -164,7 +165,7 @@ def campaign(
 def test_what_was_acknowledged_survives_a_fault(
     name: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert campaign(TARGETS[name], WAYS, 29, acknowledged, tmp_path, monkeypatch) > 10
+    assert campaign(TARGETS[name], WAYS, 2, acknowledged, tmp_path, monkeypatch) > 5
 
 
 @pytest.mark.slow
@@ -172,7 +173,7 @@ def test_what_was_acknowledged_survives_a_fault(
 def test_what_was_acknowledged_survives_a_fault_anywhere(
     name: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert campaign(TARGETS[name], WAYS, 1, acknowledged, tmp_path, monkeypatch) > 300
+    assert campaign(TARGETS[name], WAYS, 10**6, acknowledged, tmp_path, monkeypatch) > 300
 
 
 @pytest.mark.parametrize("left_out", ["ledger", "names", "place"])
@@ -191,4 +192,4 @@ def test_a_sync_that_is_left_out_is_found(
     else:
         monkeypatch.setattr(Folder, "sync_one", less)
     with pytest.raises((AssertionError, StoreError, FileNotFoundError)):
-        campaign(TARGETS["run"], ("power",), 5, acknowledged, tmp_path, monkeypatch)
+        campaign(TARGETS["run"], ("power",), 60, acknowledged, tmp_path, monkeypatch)

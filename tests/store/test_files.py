@@ -106,27 +106,6 @@ def test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_pa
     assert content(tmp_path) == ["S.zarr"]
 
 
-def test_not_even_an_empty_folder_that_came_meanwhile_is_replaced(tmp_path: Path) -> None:
-    path = tmp_path / "S.zarr"
-    with pytest.raises(StoreError, match="must not exist yet"), new_store(path) as scratch:  # noqa: PT012
-        (scratch / "mine").write_text("")
-        path.mkdir()
-    assert content(path) == []
-    assert content(tmp_path) == ["S.zarr"]
-
-
-def test_a_system_without_such_renames_still_replaces_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tippetop.store.renaming._renameat2", lambda *_: False)
-    test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_path)
-    with pytest.raises(StoreError, match="must not exist yet"), new_store(tmp_path / "T.zarr"):
-        (tmp_path / "T.zarr").mkdir()
-    (tmp_path / "S.zarr").rename(tmp_path / "U.zarr")
-    with new_store(tmp_path / "U.zarr", overwrite=True) as scratch:
-        (scratch / "new").write_text("")
-    assert content(tmp_path) == ["T.zarr", "U.zarr"]
-    assert content(tmp_path / "U.zarr") == ["new"]
-
-
 KILLED = """
 import os
 from pathlib import Path

@@ -24,7 +24,7 @@ def made(path: Path, **more: object) -> Path:
     members = {"potential": zarr3.group({}), "potential/time": zarr3.array(column, {})}
     head = ledger.header({**words, **provenance.provenance(), **more}, members, {"potential": ["potential/time"]})
     with root.new_store(path) as scratch, Ledger.created(scratch, head) as store:
-        store.put("potential/0", {"potential/time/c.0": zarr3.encode(column.values, members["potential/time"])})
+        store.put("potential/0", {"time": column.values})
         store.finish({"status": "finished"})
     return path
 

@@ -113,13 +113,13 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     import numpy as np
 
     from ..errors import StoreError
-    from ..store import chunks, files, ledger, root
+    from ..store import files, ledger, root
 
     if not out.exists():
         return False
     if ledger.is_ledger(out):
-        with files.writing(out):
-            ledger.Ledger.opened(out).release()  # which ends what was interrupted at its end
+        with files.writing(out), ledger.Ledger.opened(out) as store:  # which ends what was interrupted at its end
+            unsound = store.unsound()
     attrs = root.attributes(out)
     if attrs.get("content") != "surface":
         raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")
@@ -131,8 +131,8 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
         raise StoreError(
             f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
         )
-    if finished:
-        chunks.verify(chunks.read_member(out, "surface"))
+    if finished and unsound:
+        raise StoreError(f"`{out}` must be a whole store, but is damaged: its chunk `{unsound[0]}` is.")
     return finished
 
 

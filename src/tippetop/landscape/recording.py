@@ -137,7 +137,8 @@ def write(
             if key not in store.state.chunks:
                 values = _values(wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads=threads)
                 store.check()
-                _put(store, key, values)
+                store.put(key, values)
+                store.commit()
             if progress is not None:
                 progress(done, len(blocks))
         store.check()
@@ -157,16 +158,8 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
     attributes = {"content": group, **attrs, **BEGUN, **provenance()}
     header = ledger.header(attributes, {group: zarr3.group({}), **arrays}, {group: list(columns)})
     with new_store(path) as scratch, Ledger.created(scratch, header) as store:
-        _put(store, f"{group}/0", {name.rpartition("/")[2]: column.values for name, column in columns.items()})
+        store.put(f"{group}/0", {name.rpartition("/")[2]: column.values for name, column in columns.items()})
         store.finish(FINISHED)
-
-
-def _put(store: Ledger, key: str, values: Mapping[str, np.ndarray]) -> None:
-    """Writes a chunk, and acknowledges it."""
-    places = [file.rpartition("/") for file in store.state.files(key)]
-    members = store.state.header["members"]
-    store.put(key, {"".join(p): zarr3.encode(values[p[0].rpartition("/")[2]], members[p[0]]) for p in places})
-    store.commit()
 
 
 def _opened(path: Path, wanted: Surface) -> Ledger:
@@ -176,7 +169,8 @@ def _opened(path: Path, wanted: Surface) -> Ledger:
         with contextlib.ExitStack() as held:
             with new_store(path) as scratch:
                 store = held.enter_context(Ledger.created(scratch, wanted.header()))
-                _put(store, AXES, axes)
+                store.put(AXES, axes)
+                store.commit()
             held.pop_all()
         store.path = path
         return store
@@ -199,7 +193,8 @@ def _opened(path: Path, wanted: Surface) -> Ledger:
         elif unsound:
             store.forget(unsound)
         if AXES not in store.state.chunks:
-            _put(store, AXES, axes)
+            store.put(AXES, axes)
+            store.commit()
     except BaseException:
         store.release()
         raise

@@ -179,15 +179,13 @@ def _take_up(path: Path, integration: Integration, start: float) -> None:
     arrays = chunks.read_member(path, "keyframes")
     if arrays.keys() != keyframes.empty(integration.problem, integration.driver).keys():
         raise StoreError(f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}.")
-    chunks.verify({"clock": arrays["clock"]})
-    at = int(np.searchsorted(arrays["clock"][:, 0, 0], start / integration.second, side="left")) - 1
+    clock = chunks.rows(arrays["clock"], 0, arrays["clock"].shape[0])
+    at = int(np.searchsorted(clock[:, 0, 0], start / integration.second, side="left")) - 1
     if at < 0:
         return
-    for array in arrays.values():
-        chunks.readable(array, at // array.chunks[0] * array.chunks[0])
     if arrays["state"].attrs.get("equations") != fingerprint(integration.driver):
         raise StoreError(f"`{path}` must be of the equations that are installed to be replayed, but is of others.")
     try:
-        integration.take_up({name: array[at] for name, array in arrays.items()})
+        integration.take_up({name: chunks.rows(array, at, at + 1)[0] for name, array in arrays.items()})
     except (ValueError, IndexError, TypeError) as error:
         raise StoreError(f"`{path}` must have whole keyframes, but: {error}.") from None

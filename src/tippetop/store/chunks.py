@@ -27,55 +27,31 @@ def read_member(path: str | Path, name: str) -> dict[str, Any]:
         raise StoreError(f"`{path}` must hold a readable group `{name}`, but: {error}.") from None
 
 
-def verify(arrays: dict[str, Any]) -> None:
-    """Reads every chunk of some arrays. Raises StoreError, which names the array and the rows that cannot be read."""
-    for array in arrays.values():
-        for first in itertools.product(*(range(0, n, c) for n, c in zip(array.shape, array.chunks, strict=True))):
-            readable(array, *first)
-
-
-def readable(array: Any, *first: int) -> np.ndarray:
-    """The chunk of an array that begins at these indices, those that are left out 0. Raises StoreError if it is missing
-    or damaged."""
-    start, end = first[0], min(first[0] + array.chunks[0], array.shape[0])
+def rows(array: Any, start: int, end: int) -> np.ndarray:
+    """Return rows of an array. Raises StoreError where a chunk is damaged, or missing, which zarr would fill."""
+    begins = start // array.chunks[0] * array.chunks[0]
+    further = (range(0, n, c) for n, c in zip(array.shape[1:], array.chunks[1:], strict=True))
+    store = array.store_path.store.root
     try:
-        if not chunk_file(array, *first).is_file():
-            raise OSError("the file of the chunk is missing")
-        return array[tuple(slice(i, i + c) for i, c in zip(first, array.chunks, strict=False))]
+        for first in itertools.product(range(begins, end, array.chunks[0]), *further):
+            key = array.metadata.encode_chunk_key(tuple(i // c for i, c in zip(first, array.chunks, strict=True)))
+            if not store.joinpath(array.store_path.path, key).is_file():
+                raise OSError(f"a chunk of `{array.basename}` is missing")
+        return array[start:end]
     except Exception as error:  # codecs raise what they like
-        raise StoreError(f"`{array.path}` must be readable in rows {start} to {end}, but: {error}.") from None
-
-
-def chunk_file(array: Any, *first: int) -> Path:
-    """The file of the chunk that begins at these indices, those that are left out 0."""
-    begins = [*first, *[0] * (array.ndim - len(first))]
-    name = array.metadata.encode_chunk_key(tuple(i // c for i, c in zip(begins, array.chunks, strict=True)))
-    return array.store_path.store.root.joinpath(array.store_path.path, name)
+        raise StoreError(f"`{store}` must be readable in rows {start} to {end}, but: {error}.") from None
 
 
 def pieces(
-    path: str | Path, group: str, names: list[str], rows: int = 1 << 18, first: int = 0, last: int | None = None
+    path: str | Path, group: str, names: list[str], size: int = 1 << 18, first: int = 0, last: int | None = None
 ) -> Iterator[dict[str, np.ndarray]]:
     """The columns of a group from row `first` to before row `last`, a block at a time. Raises StoreError."""
     arrays = {name: array for name, array in read_member(path, group).items() if name in names}
     total = min((array.shape[0] for array in arrays.values()), default=0)
     total = total if last is None else min(total, last)
-    for start in range(first, total, rows):
-        end = min(start + rows, total)
-        try:
-            yield {name: _rows(array, start, end) for name, array in arrays.items()}
-        except Exception as error:  # codecs raise what they like
-            raise StoreError(f"`{path}` must be readable in rows {start} to {end}, but: {error}.") from None
-
-
-def _rows(array: Any, start: int, end: int) -> np.ndarray:
-    """Rows of an array. Raises OSError where a chunk is missing, which zarr would fill, and what codecs raise."""
-    begins = start // array.chunks[0] * array.chunks[0]
-    further = (range(0, n, c) for n, c in zip(array.shape[1:], array.chunks[1:], strict=True))
-    for first in itertools.product(range(begins, end, array.chunks[0]), *further):
-        if not chunk_file(array, *first).is_file():
-            raise OSError(f"a chunk of `{array.basename}` is missing")
-    return array[start:end]
+    for start in range(first, total, size):
+        end = min(start + size, total)
+        yield {name: rows(array, start, end) for name, array in arrays.items()}
 
 
 def digest(

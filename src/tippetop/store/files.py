@@ -18,7 +18,6 @@ from pathlib import Path
 
 from ..arguments import flag
 from ..errors import StoreError
-from . import renaming
 from .ledger import Ledger, is_ledger
 
 
@@ -50,23 +49,6 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
     if not path.name or path.is_dir():
         raise StoreError(f"`{path}` must be the name of a file, but is a folder.")
     refuse_inside(path)
-    with _replacing(path, overwrite=overwrite) as scratch:
-        yield scratch
-
-
-def refuse_inside(path: Path) -> None:
-    """Raises StoreError if a path that a user names lies in a store: what is added there, or replaced, damages it."""
-    for place in (Path(os.path.abspath(path)), Path(os.path.realpath(path))):
-        for folder in place.parents:
-            if os.path.lexists(folder / "zarr.json"):
-                raise StoreError(
-                    f"`{path}` must lie outside of every store, but `{folder}` is one: it would be damaged."
-                )
-
-
-@contextlib.contextmanager
-def _replacing(path: Path, *, overwrite: bool) -> Iterator[Path]:
-    """As `replacing`, wherever that is."""
     flag("overwrite", overwrite)
     remove_stale(path)
     if os.path.lexists(path):
@@ -86,12 +68,21 @@ def _replacing(path: Path, *, overwrite: bool) -> Iterator[Path]:
         synced(path.parent)
 
 
+def refuse_inside(path: Path) -> None:
+    """Raises StoreError if a path that a user names lies in a store: what is added there, or replaced, damages it."""
+    for place in (Path(os.path.abspath(path)), Path(os.path.realpath(path))):
+        for folder in place.parents:
+            if os.path.lexists(folder / "zarr.json"):
+                raise StoreError(
+                    f"`{path}` must lie outside of every store, but `{folder}` is one: it would be damaged."
+                )
+
+
 @contextlib.contextmanager
 def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Gives an empty scratch folder beside `path`, which becomes `path` when the block ends well and vanishes when not.
 
-    What is there already is a store whose lock is taken first: it is moved aside whole, and goes at last. Whatever
-    else has come to stand there meanwhile is never replaced.
+    What is there already is a store whose lock is taken first: it is moved aside whole, and goes at last.
 
     Raises
     ------
@@ -100,7 +91,6 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     OSError
         The disk; see `writing`.
     """
-    flag("overwrite", overwrite)
     path = own_folder(path)
     replaced = path.exists()
     if replaced and not overwrite:
@@ -115,9 +105,6 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
             return
         if lock is not None:
             lock.check()
-        if renaming.exchange(scratch, path):  # what was there is now the scratch folder, and goes with it
-            synced(path.parent)
-            return
         old = scratch_name(path)
         path.rename(old)
         try:
@@ -191,11 +178,11 @@ def _removed(old: Path) -> bool:
 
 
 def rename_new(scratch: Path, path: Path) -> None:
-    """Renames a folder where nothing stands, not even an empty folder. Raises StoreError, OSError."""
+    """Renames a folder to a name that nothing but an empty folder may have. Raises StoreError, OSError."""
     try:
-        renaming.rename_new(scratch, path)
+        scratch.rename(path)
     except OSError as error:
-        if error.errno in (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR) and os.path.lexists(path):
+        if error.errno in (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR):
             raise _exists(path) from None
         raise
     synced(path.parent)

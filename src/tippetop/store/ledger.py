@@ -21,6 +21,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import StoreError
 from . import zarr3
 from .folder import NEW, Folder
@@ -352,8 +354,12 @@ class Ledger:
         self.folder.sync()
         self._seal()
 
-    def put(self, key: str, files: Mapping[str, bytes]) -> None:
-        """Write the files of a chunk, which the next commit acknowledges."""
+    def put(self, key: str, values: Mapping[str, np.ndarray]) -> None:
+        """Write a chunk, from the values of its columns by name; the next commit acknowledges it."""
+        members, files = self.state.header["members"], {}
+        for name in self.state.files(key):
+            path = name.rpartition("/")[0]
+            files[name] = zarr3.encode(values[path.rpartition("/")[2]], members[path])
         with self._whole():
             self._make_folders()
             for name, data in files.items():

@@ -40,13 +40,12 @@ class Table:
             self._put(self.chunk)
 
     def _put(self, count: int) -> None:
-        files = {}
-        for path, document in self.documents.items():
-            if path not in self.late:
-                values = self._joined(path)
-                files[self._file(path, self.written)] = zarr3.encode(values[:count], document)
-                self.waiting[path] = [values[count:]]
-        self.ledger.put(f"{self.name}/{self.written // self.chunk}", files)
+        chunk = {}
+        for path in self.documents.keys() - self.late:
+            values = self._joined(path)
+            chunk[path.rpartition("/")[2]] = values[:count]
+            self.waiting[path] = [values[count:]]
+        self.ledger.put(f"{self.name}/{self.written // self.chunk}", chunk)
         self.written += count
 
     def _joined(self, path: str) -> np.ndarray:
@@ -103,12 +102,9 @@ class Table:
         if self.rows > self.written:
             self._put(self.rows - self.written)
         for first in range(0, self.rows if self.late else 0, self.chunk):
-            files = {
-                self._file(path, first): zarr3.encode(self._joined(path)[first : first + self.chunk], document)
-                for path, document in self.documents.items()
-                if path in self.late
-            }
-            self.ledger.put(f"{self.name}{LATE}/{first // self.chunk}", files)
+            rows = slice(first, first + self.chunk)
+            flags = {path.rpartition("/")[2]: self._joined(path)[rows] for path in self.late}
+            self.ledger.put(f"{self.name}{LATE}/{first // self.chunk}", flags)
 
     def counts(self) -> dict[str, int]:
         """Return the number of rows, by the names of tables that a ledger has."""

@@ -70,16 +70,12 @@ class SweepStore:
 
     def write(self, chunk: int, rows: Rows) -> None:
         """Writes the columns of a chunk; it is done from then on."""
-        tops, state = self.plan.tops(chunk), self.ledger.state
+        tops = self.plan.tops(chunk)
         values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **rows.columns}
-        more = {"steps_by": rows.steps_by} if rows.steps_by and "steps_by" not in state.attributes else {}
+        more = {"steps_by": rows.steps_by} if rows.steps_by and "steps_by" not in self.ledger.state.attributes else {}
 
         def work() -> None:
-            key, encoded = f"{GROUP}/{chunk}", {}
-            for file in state.files(key):
-                document = state.header["members"][file.rpartition("/")[0]]
-                encoded[file] = zarr3.encode(values[file.split("/")[1]], document)
-            self.ledger.put(key, encoded)
+            self.ledger.put(f"{GROUP}/{chunk}", values)
             self.ledger.commit(changed=more)
             if more:
                 self.ledger.derive({})
