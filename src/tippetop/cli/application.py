@@ -30,7 +30,7 @@ def called(words: Sequence[str]) -> int:
     try:
         return app(words, exit_on_error=False, print_error=False) or 0
     except CycloptsError as error:
-        raise InputError([usage.sentence(error, list(overview.COMMANDS))]) from None
+        raise InputError(usage.sentence(error, list(overview.COMMANDS))) from None
 
 
 def _of(names: Iterable[str]) -> App:

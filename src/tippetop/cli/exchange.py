@@ -52,7 +52,7 @@ def compare(
     from .plot import check_picture
 
     if len(files) < 2:
-        raise InputError(["a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."])
+        raise InputError("a file and a reference must be given: tippetop compare OTHER.csv SCENARIO.")
     if figure is not None:
         check_picture(figure, "--figure", overwrite)
     problem = _problem(files[-1], set_)
@@ -77,7 +77,7 @@ def _problem(source: str, assignments: list[str] | None) -> Any:
         return starting.load(source, assignments)
     attrs = root.attributes(source)
     if "content" in attrs:
-        raise InputError([f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}."])
+        raise InputError(f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}.")
     if not assignments:
         return build.stored(attrs)
     return build.problem(reading.override(build.tables_of(attrs), assignments))
@@ -174,7 +174,7 @@ def _check_out(out: Path, overwrite: bool, others: dict[str, str | Path | None])
 
     for what, other in others.items():
         if other is not None and os.path.realpath(out) == os.path.realpath(other):
-            raise InputError([f"--out must be another file than {what}, but is `{out}`."])
+            raise InputError(f"--out must be another file than {what}, but is `{out}`.")
     if not overwrite and os.path.lexists(out):
         raise StoreError(f"`{out}` exists: name another file, or say --overwrite.")
 

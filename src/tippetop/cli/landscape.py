@@ -294,7 +294,7 @@ def _axis(name: str, text: str) -> Any:
 def _wrong(sentence: str) -> Exception:
     from ..errors import InputError
 
-    return InputError([sentence])
+    return InputError(sentence)
 
 
 COMMANDS: dict[str, Any] = {"surface": surface, "potential": potential}

@@ -16,7 +16,7 @@ def _whole(_: Any, tokens: Sequence[Token]) -> int:
     try:
         return int(text)
     except ValueError:
-        raise InputError([f"{option} must be a whole number, but is `{text}`."]) from None
+        raise InputError(f"{option} must be a whole number, but is `{text}`.") from None
 
 
 def _seconds(_: Any, tokens: Sequence[Token]) -> float:

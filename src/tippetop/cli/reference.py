@@ -45,7 +45,7 @@ def sections(topic: str) -> list[Section]:
     """The tables of a topic. Raises InputError."""
     known = topics()
     if topic not in known:
-        raise InputError([f"a topic must be of {', '.join(known)}, but is `{topic}`.{suggestion(topic, known)}"])
+        raise InputError(f"a topic must be of {', '.join(known)}, but is `{topic}`.{suggestion(topic, known)}")
     return list(known[topic]())
 
 
@@ -132,7 +132,7 @@ def new(system: str = "tippe-top", *, out: Path | None = None, overwrite: bool =
     from ..store import files
 
     if out.suffix != ".toml":
-        raise InputError([f"--out must end with .toml, but is `{out}`."])
+        raise InputError(f"--out must end with .toml, but is `{out}`.")
     with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
         scratch.write_text(text, encoding="utf-8")
     print(f"file  {out}")

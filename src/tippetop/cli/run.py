@@ -60,7 +60,7 @@ def run(
 
     check_window(window, "--window")
     if window is not None and not certify:
-        raise InputError(["--window must stand with --certify, whose part it is."])
+        raise InputError("--window must stand with --certify, whose part it is.")
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
     try:
         problem = starting.load(scenario, [*(set_ or []), *kept], until)
@@ -73,7 +73,7 @@ def run(
 
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
-            raise InputError(['`run.output` must keep rows to be drawn by --figure, but is "keyframes".'])
+            raise InputError('`run.output` must keep rows to be drawn by --figure, but is "keyframes".')
         require(("theta",), problem.kept_columns, "what --figure draws")
     if out is None:
         from ..runs.run import solve
@@ -235,7 +235,7 @@ def _refuse_plan(scenario: str) -> None:
     from ..sweeps.plan import is_plan
 
     if is_plan(reading.read(scenario)):
-        raise InputError([f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."])
+        raise InputError(f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it.")
 
 
 def _contract(attrs: dict[str, Any]) -> int:

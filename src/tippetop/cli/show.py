@@ -115,7 +115,7 @@ def check(
         from . import sweep
 
         if until is not None:
-            raise InputError(["`--until` cannot be used with a plan: give `set.run.until` in it."])
+            raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
         return sweep.examine(tables, Path(scenario).parent, as_json)
     if until is not None:
         tables = build.ending(tables, until)
@@ -179,7 +179,7 @@ def export(
         from . import exchange
 
         if group is not None:
-            raise InputError([f"--group must be left out with --to {to}: a scenario has no tables, but is `{group}`."])
+            raise InputError(f"--group must be left out with --to {to}: a scenario has no tables, but is `{group}`.")
         return exchange.describe(str(store), to, out, overwrite=overwrite)
     write(store, to, out, group, overwrite=overwrite)
     return 0

@@ -80,9 +80,9 @@ def compare(
     """
     files: Any = [others] if isinstance(others, str | os.PathLike) else others
     if not isinstance(files, list | tuple):
-        raise InputError([f"`others` must be a path or a list of paths, but is {others!r:.60}."])
+        raise InputError(f"`others` must be a path or a list of paths, but is {others!r:.60}.")
     if not files:
-        raise InputError(["`others` must name at least one file, but is empty."])
+        raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference(reference)
     convention = Convention(quaternion, up)
     return Comparison(problem, [path_of("others", file) for file in files], convention)
@@ -224,5 +224,5 @@ def _reference(source: Any) -> Any:
         return StoredRun(source).problem
     problem = problem_behind(source)
     if problem is None:
-        raise InputError([f"`reference` must be a scenario or a run, but is {source!r:.60}."])
+        raise InputError(f"`reference` must be a scenario or a run, but is {source!r:.60}.")
     return problem

@@ -294,7 +294,7 @@ class Run:
         """
         seconds = None if window is None else measured("window", window, SECOND)
         if seconds is not None and seconds <= 0:
-            raise InputError([f"`window` must be greater than 0, but is {window!r:.60}."])
+            raise InputError(f"`window` must be greater than 0, but is {window!r:.60}.")
         stored = self._so_far()
         if stored is not None:
             seconds = stored if seconds is None else min(seconds, stored)

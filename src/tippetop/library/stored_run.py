@@ -112,7 +112,7 @@ class StoredRun(Run):
         if attrs["status"] != Status.RUNNING.value:
             return None
         if not attrs["report"]["t_end"] > 0:
-            raise InputError([f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s."])
+            raise InputError(f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s.")
         return attrs["report"]["t_end"]
 
     def _refuse_another_end(self, result: dict[str, Any]) -> None:
@@ -122,7 +122,7 @@ class StoredRun(Run):
             return
         if result["window"][1] > end * (1 + SAME_END):
             raise InputError(
-                [f"the run must end as that of `{self.path}`, at {end:.9g} s, but does not: give the events it had."]
+                f"the run must end as that of `{self.path}`, at {end:.9g} s, but does not: give the events it had."
             )
 
     def _problem(self) -> Problem | None:
@@ -147,4 +147,4 @@ class StoredRun(Run):
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """A stored run is saved already. Raises InputError."""
-        raise InputError([f"the run is in the store `{self.path}` already: copy that."])
+        raise InputError(f"the run is in the store `{self.path}` already: copy that.")

@@ -149,7 +149,7 @@ def system_of(tables: dict[str, Any]) -> System:
     if system is None:
         given = "is missing" if name is None else f"is {name!r}"
         near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
-        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}"])
+        raise InputError(f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}")
     return system
 
 
@@ -186,7 +186,7 @@ def stored(attrs: dict[str, Any], until: float | None = None, known: System | No
         result = problem(tables if until is None else ending(tables, until), known, origin=attrs.get("start"))
     except InputError:
         if own := own_names(attrs, known):
-            raise InputError([_give(own, attrs["system"])]) from None
+            raise InputError(_give(own, attrs["system"])) from None
         raise
     if faults := other_records(attrs, result, known):
         raise InputError(faults)
