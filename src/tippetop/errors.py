@@ -83,7 +83,8 @@ class BuildError(ImportError):
 EXTRAS = {
     "matplotlib": "figures",
     **dict.fromkeys(("numba", "scipy"), "grids"),
-    **dict.fromkeys(("contourpy", "distributed", "dask", "cryptography"), "sweep"),
+    "contourpy": "sweep",
+    **dict.fromkeys(("distributed", "dask"), "cluster"),
     **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
 }
 """What an import may miss: the extra of this package that brings it."""

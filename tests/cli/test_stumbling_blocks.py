@@ -117,7 +117,7 @@ def test_times_of_a_replay(times: tuple, sentence: str, stores: Path, capsys: py
 def test_a_picture_of_a_chunk_that_is_gone_is_refused(stores: Path, tmp_path: Path) -> None:
     shutil.copytree(stores / "tippe.zarr", tmp_path / "a.zarr")
     run = tt.open(tmp_path / "a.zarr")
-    (tmp_path / "a.zarr/trajectory/theta/c/0").unlink()
+    (tmp_path / "a.zarr/trajectory/theta/c.0").unlink()
     with pytest.raises(tt.StoreError, match="a chunk of `theta` is missing"):
         run.plot("theta")
 

@@ -74,7 +74,6 @@ def surface(
     minimal = partial(surface.minimal_surface, parameters, system=system, gradient=False, threads=threads)
     if out is not None and overwrite:
         remove_store(out)
-        remove_store(out.with_name(f".{out.name}.part"))
     if out is not None and _is_finished(out, parameters, Ds, lambdas):
         print(f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).", file=sys.stderr)
     elif out is not None:
@@ -114,13 +113,16 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     import numpy as np
 
     from ..errors import StoreError
-    from ..store import chunks, root, seal, tables
+    from ..store import chunks, ledger, root
 
     if not out.exists():
         return False
+    if ledger.is_ledger(out):
+        ledger.Ledger.opened(out).release()  # which ends what was interrupted at its end
     attrs = root.attributes(out)
     if attrs.get("content") != "surface":
         raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")
+    finished = attrs["status"] == "finished"
     stored = root.loaded(root.open_group(out, "surface")[["D", "lambda"]], out)
     same = attrs["parameters"] == parameters
     same = same and np.array_equal(stored["D"].values, Ds) and np.array_equal(stored["lambda"].values, lambdas)
@@ -128,9 +130,9 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
         raise StoreError(
             f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
         )
-    if seal.SEAL in attrs:  # earlier releases wrote no chunks of NaN
-        chunks.verify(tables.read_member(out, "surface"))
-    return True
+    if finished:
+        chunks.verify(chunks.read_member(out, "surface"))
+    return finished
 
 
 def potential(

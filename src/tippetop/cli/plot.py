@@ -74,7 +74,7 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     from ..figures.window import in_window
     from ..runs import keyframes
     from ..scenario import build
-    from ..store import chunks, root, skeleton
+    from ..store import chunks, root
 
     if len(stores) == 1 and kind in ("states", "phase") and not stores[0].is_dir():
         return _states(str(stores[0]), look)
@@ -85,8 +85,6 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
         raise InputError(f"several stores are drawn together if all are runs, but `{other}` is not.")
     if contents[0] != "run" and window != (None, None):
         raise InputError(f"--from and --until are for runs, but `{stores[0]}` is a {contents[0]}.")
-    for store, attrs in zip(stores, attributes, strict=True):
-        root.refuse_other_rows(store, attrs)
     if contents[0] == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
         return drawing.figure_of_sweep(kind or "class", stores[0], look)
@@ -99,7 +97,7 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     parts = []
     for store, attrs in zip(stores, attributes, strict=True):
         groups = chunks.for_figures(store, attrs, window)
-        if kind == "growth" and skeleton.has_keyframes(attrs):
+        if kind == "growth" and root.has_keyframes(attrs):
             groups["trajectory"] = keyframes.rows(store, build.stored(attrs))
         parts.append(in_window(groups, attrs, *window))
     if len(stores) > 1:

@@ -43,7 +43,6 @@ def reconstruct(
         raise InputError(f"what is reconstructed must be a run, but `{store}` is a {attrs['content']}.")
     if period is not None and not 0 < period < float("inf"):
         raise InputError(f"--period must be positive and finite, but is {period}.")
-    root.refuse_other_rows(store, attrs)
     rows = root.loaded(root.open_group(store, "trajectory"), store)
     events = root.loaded(root.open_group(store, "events"), store)
     result = awaited(

@@ -117,7 +117,7 @@ def resume(
     as_json
         Print the result as one JSON object.
     """
-    from ..runs.extending import continued
+    from ..runs.resuming import continued
     from .text import following
 
     with following() as progress:

@@ -71,7 +71,6 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
         return page_of_sweep(store)
     if "content" in attrs:
         raise InputError(f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}.")
-    root.refuse_other_rows(store, attrs)
     return page_of_store(store, attrs, start, until)
 
 

@@ -209,7 +209,7 @@ def resume(
     Interrupted
         If `stop` was set.
     """
-    from ..runs.extending import continued
+    from ..runs.resuming import continued
 
     end = None if until is None else measured("until", until, SECOND)
     place = path_of("path", path)

@@ -15,8 +15,7 @@ from ..runs.phases import tables_of
 from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario import build
-from ..store import chunks, root, skeleton
-from ..store.seal import SEAL
+from ..store import chunks, root
 from .run import Run, Window
 
 
@@ -105,7 +104,7 @@ class StoredRun(Run):
 
         times = [measured(name, value, SECOND) for name, value in (("start", start), ("until", until), ("step", step))]
         columns = replay.columns(self.path, *times, accept_other_version=accept_other_version, known=self._own)
-        return attributes.dataset(columns, {k: v for k, v in self.attributes.items() if k != SEAL})
+        return attributes.dataset(columns, self.attributes)
 
     def _so_far(self) -> float | None:
         attrs = self.attributes
@@ -133,7 +132,7 @@ class StoredRun(Run):
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
         groups = chunks.for_figures(self.path, self.attributes, window)
-        if kind == "growth" and skeleton.has_keyframes(self.attributes):
+        if kind == "growth" and root.has_keyframes(self.attributes):
             groups["trajectory"] = keyframes.rows(self.path, self.problem)
         return groups
 

@@ -178,7 +178,7 @@ class System:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
-            record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"])
+            record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"], rename=True)
             units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
             given["body_units"] = lambda friction: record(*units, friction)
@@ -195,7 +195,7 @@ class System:
         if not self.long_names and _all_are(rules, Number):
             given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
         if not self.tables and _all_are(self.phases, Phase) and self.is_hybrid:
-            ways = [way.event for phase in self.phases.values() for way in phase.exits]
+            ways = [way.event for phase in self.phases.values() for way in phase.exits if isinstance(way, Exit)]
             given["tables"] = {"phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}}
         for name, value in given.items():
             object.__setattr__(self, name, value)
