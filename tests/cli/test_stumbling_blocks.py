@@ -11,7 +11,8 @@ import pytest
 
 import tippetop as tt
 from tippetop.cli import outcome
-from tippetop.cli.application import whole
+from tippetop.cli.application import app_of
+from tippetop.cli.overview import COMMANDS
 from tippetop.errors import missing_extra
 from tippetop.figures import catalogue, drawing
 from tippetop.mechanics.systems import SYSTEMS
@@ -158,7 +159,7 @@ def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_every_argument_and_option_has_help(capsys: pytest.CaptureFixture[str]) -> None:
-    app = whole()
+    app = app_of(COMMANDS)
     for command in ("run", "resume", "info", "check", "surface", "potential", "sweep", "plot", "export", "systems"):
         collection = app[command].assemble_argument_collection(parse_docstring=True)
         for argument in collection:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from functools import partial
@@ -14,6 +13,7 @@ from cyclopts import Parameter
 from ..figures import drawing
 from ..figures.catalogue import PLAIN, Look
 from .numbers import Whole
+from .streams import print_json
 
 
 COMPILING = "the formulas are being compiled"
@@ -64,8 +64,7 @@ def surface(
         raise _wrong(f"--threads must be at least 1, but is {threads}.")
     if out is None and figure is None:
         raise _wrong("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
-    if figure is not None:
-        check_picture(figure, "--figure", overwrite)
+    check_picture(figure, "--figure", overwrite)
     lam_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     lambdas = _axis("--lambda", lambda_) if lambda_ else np.linspace(0, 4.5 * lam_pi, 401)
     warn(_far(parameters, float(np.abs(lambdas).max())))
@@ -171,7 +170,6 @@ def potential(
 
     from ..awaiting import awaited
     from ..landscape import potential, recording, surface
-    from ..store import root
     from .overwrite import remove_store
     from .plot import check_picture
     from .text import warn
@@ -182,8 +180,7 @@ def potential(
             raise _wrong(f"{name} must be finite, but is {value}.")
     if not 2 <= n <= MOST_POINTS:
         raise _wrong(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
-    if figure is not None:
-        check_picture(figure, "--figure", overwrite)
+    check_picture(figure, "--figure", overwrite)
     warn(_far(parameters, lambda_))
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
@@ -208,7 +205,7 @@ def potential(
     if figure is not None:
         drawing.write(_potential(V, least), figure, overwrite=overwrite)
     if as_json:
-        print(json.dumps(root.finite(report), allow_nan=False))
+        print_json(report)
     else:
         print(f"F = {report['F']:.12g} J at theta = {report['theta']:.9g} rad ({report['status'].replace('_', ' ')})")
     return 0
@@ -232,8 +229,7 @@ def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
 def describe(attrs: dict[str, Any], as_json: bool) -> int:
     """Prints what the store of `surface` or `potential` holds."""
     if as_json:
-        print(json.dumps(attrs, allow_nan=False))
-        return 0
+        return print_json(attrs)
     from .show import entries, plain
     from .text import heading, table
 
@@ -297,6 +293,3 @@ def _wrong(sentence: str) -> Exception:
     from ..errors import InputError
 
     return InputError(sentence)
-
-
-COMMANDS: dict[str, Any] = {"surface": surface, "potential": potential}

@@ -133,9 +133,12 @@ def _size(text: str | None) -> tuple[float, float] | None:
     return width, height
 
 
-def check_picture(path: Path, option: str, overwrite: bool = False) -> None:
-    """Raises what there is to say of a picture now rather than after the run. `option`: what the file was given by."""
+def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
+    """Refuse a picture before the run rather than after it; `option` gives its file."""
     from ..errors import InputError, StoreError, refuse_without
+
+    if path is None:
+        return
 
     refuse_without("matplotlib")
     if path.suffix.lower() not in catalogue.ENDINGS:
@@ -146,6 +149,3 @@ def check_picture(path: Path, option: str, overwrite: bool = False) -> None:
         raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
     if not overwrite and os.path.lexists(path):
         raise StoreError(f"`{path}` exists: name another picture, or say --overwrite.")
-
-
-COMMANDS: dict[str, Any] = {"plot": plot}

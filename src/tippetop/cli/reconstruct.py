@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
+
+from .streams import print_json
 
 
 def reconstruct(
@@ -64,8 +64,7 @@ def reconstruct(
             header = "time [s],theta by the main equation [rad],theta of the run [rad]"
             np.savetxt(scratch, table, "%.17g", ",", header=header, comments="")
     if as_json:
-        print(json.dumps(root.finite(report), allow_nan=False))
-        return 0
+        return print_json(report)
     print(f"turnings     {report['turnings']}")
     print(f"rows         {report['rows']} of {report['rows_of_run']}")
     if whole.any():
@@ -74,6 +73,3 @@ def reconstruct(
     if out is not None:
         print(f"file         {out}")
     return 0
-
-
-COMMANDS: dict[str, Any] = {"reconstruct": reconstruct}

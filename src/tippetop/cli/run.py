@@ -9,7 +9,7 @@ from threading import Event
 from typing import Any
 
 from .numbers import Seconds
-from .streams import report
+from .streams import print_json, report
 
 
 def run(
@@ -164,8 +164,7 @@ def replay(
 
     done = into_store(store, from_, until, step, out, overwrite=overwrite, accept_other_version=accept_other_version)
     if as_json:
-        print(json.dumps(done, allow_nan=False))
-        return 0
+        return print_json(done)
     seconds = f"{done['steps']} steps, integrated in {1e3 * done['seconds']:.1f} ms"
     print(f"{done['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {done['began']:.9g} s: {seconds}")
     print(f"store  {out}")
@@ -219,7 +218,7 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
 
     content = summary_of(attrs)
     if as_json:
-        print(json.dumps(content.to_dict(), allow_nan=False))
+        print_json(content.to_dict())
     else:
         summary(headline_of(attrs), content, seconds, places)
     if attrs["status"] in ("non-finite", "stalled"):
@@ -250,6 +249,3 @@ def _contract(attrs: dict[str, Any]) -> int:
     for sentence in broken:
         report(f"the accuracy contract is broken: {sentence}")
     return 4 if broken else 0
-
-
-COMMANDS: dict[str, Any] = {"run": run, "resume": resume, "replay": replay}

@@ -72,6 +72,3 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
     if "content" in attrs:
         raise InputError(f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}.")
     return page_of_store(store, attrs, start, until)
-
-
-COMMANDS = {"view": view}
