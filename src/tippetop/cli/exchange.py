@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
@@ -45,20 +45,21 @@ def compare(
         Print the result as one JSON object.
     """
     from ..errors import InputError
-    from ..library import exchanging
+    from ..exchange.motion import Convention
+    from ..exchange.verdict import Verdict
     from ..runs.starting import load_any
     from .plot import check_picture
 
     if len(files) < 2:
         raise InputError("a file and a reference must be given: tippetop compare OTHER.csv SCENARIO.")
     check_picture(figure, "--figure", overwrite)
-    result = exchanging.compare(files[:-1], load_any(files[-1], set_), quaternion=quaternion, up=up)
+    problem = load_any(files[-1], set_)
+    result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
     if figure is not None:
-        result.plot(figure, overwrite=overwrite)
-    return _print(result, as_json)
+        from ..figures import drawing
+        from ..figures.comparison import comparison
 
-
-def _print(result: Any, as_json: bool) -> int:
+        drawing.write(comparison(result.motions, result.title), figure, overwrite=overwrite)
     if as_json:
         return print_json(result.to_dict())
     print(visible(str(result)))
@@ -120,7 +121,9 @@ def fit(
         Print the result as one JSON object.
     """
     from ..arguments import whole
-    from ..library import exchanging
+    from ..exchange import fit_text, measured
+    from ..exchange.fitting import names_of
+    from ..exchange.motion import Convention
     from ..runs.starting import load_any
     from ..store import files
     from .plot import check_picture
@@ -128,23 +131,23 @@ def fit(
     check_picture(figure, "--figure", overwrite)
     if out is not None:
         _check_out(out, overwrite, {"the measurements": data, "the figure": figure})
-    result = exchanging.fit(
-        data,
-        load_any(scenario, set_),
-        free,
-        loss=loss,
-        starts=whole("--starts", starts),
-        marker=marker,
-        quaternion=quaternion,
-        up=up,
-        noise=noise,
-        progress=True,
-    )
+    problem = load_any(scenario, set_)
+    place = fit_text.marker_of(marker)
+    observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place, noise)
+    result = measured.fitted(observation, loss, whole("--starts", starts), progress=True)
+    text = fit_text.lines(result, observation)
     if out is not None:
-        files.write_text(out, result.to_toml(), overwrite=overwrite)
+        files.write_text(out, fit_text.toml(problem, result), overwrite=overwrite)
     if figure is not None:
-        result.plot(figure, overwrite=overwrite)
-    return _print(result, as_json)
+        from ..figures import drawing
+        from ..figures.fit import fit as draw_fit
+
+        picture = draw_fit(result.t, observation.dots(), measured.curves(observation, result), result.residuals, text)
+        drawing.write(picture, figure, overwrite=overwrite)
+    if as_json:
+        return print_json(fit_text.plain(result))
+    print(visible("\n".join(text)))
+    return 0
 
 
 def _check_out(out: Path, overwrite: bool, others: dict[str, str | Path | None]) -> None:
