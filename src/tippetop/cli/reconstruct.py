@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from .numbers import Seconds
 from .streams import print_json
 
 
 def reconstruct(
     store: Path,
     *,
-    period: float | None = None,
+    period: Seconds | None = None,
     out: Path | None = None,
     overwrite: bool = False,
     as_json: bool = False,
@@ -22,7 +23,7 @@ def reconstruct(
     store
         A run of a tippe top or a heavy top that starts at a turning angle, with some hundred rows per nutation.
     period
-        A guess of the period of nutation [s]; by default twice the first turning time of the run.
+        A guess of the period of nutation [s, or with a unit: 80ms]; by default twice the first turning time of the run.
     out
         Write time, theta of the main equation and theta of the run to this CSV file.
     overwrite
