@@ -116,20 +116,18 @@ class StoreError(OSError):
     """The store or the disk: one sentence, exit code 5."""
 
 
-class InputError(ValueError):
-    """Input that cannot be used; each of `sentences` says what must hold and what was found."""
-
+class _Sentences(Exception):
     def __init__(self, sentences: str | list[str]):
         self.sentences = [sentences] if isinstance(sentences, str) else sentences
         super().__init__("\n".join(self.sentences))
 
 
-class Unfinished(Exception):
-    """A sweep ended without some of its chunks; `sentences` names them. Begun again, it tries them again."""
+class InputError(_Sentences, ValueError):
+    """Input that cannot be used; each of `sentences` says what must hold and what was found."""
 
-    def __init__(self, sentences: list[str]):
-        super().__init__("\n".join(sentences))
-        self.sentences = sentences
+
+class Unfinished(_Sentences):
+    """A sweep ended without some of its chunks; `sentences` names them. Begun again, it tries them again."""
 
 
 def _leaves(record: Any) -> Iterable[Any]:

@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from ..mechanics.system import System
 
 
-SAME_END = 1e-6  # relative: another processor rounds otherwise
-
-
 class StoredRun(Run):
     """A run in a store, finished or not: a `Run` whose tables are read when needed. `tippetop.open` makes it.
 
@@ -113,16 +110,6 @@ class StoredRun(Run):
         if not attrs["report"]["t_end"] > 0:
             raise InputError(f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s.")
         return attrs["report"]["t_end"]
-
-    def _refuse_another_end(self, result: dict[str, Any]) -> None:
-        """A store of an earlier release does not say which events its run had."""
-        end, status = self.attributes["report"]["t_end"], self.attributes["status"]
-        if status in (Status.FINISHED.value, Status.SETTLED.value, Status.RUNNING.value) or result["against"] is None:
-            return
-        if result["window"][1] > end * (1 + SAME_END):
-            raise InputError(
-                f"the run must end as that of `{self.path}`, at {end:.9g} s, but does not: give the events it had."
-            )
 
     def _problem(self) -> Problem | None:
         return None

@@ -14,6 +14,7 @@ from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of, that_open
 from ..problem import Problem
+from .law_change import law_name
 from .own_records import own_records, with_records
 
 
@@ -21,10 +22,9 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     """The system of a scenario: one whose contact may open where the scenario says so, by `[contact]`, `[stem]`, a
     Coulomb law without `eps`, or `on_liftoff = "fly"`. Raises InputError where it cannot."""
     friction, run = tables.get("friction"), tables.get("run")
-    name = friction.get("law") if isinstance(friction, dict) else None
-    law = {**LAWS, **system.laws}.get(name) if isinstance(name, str) else None
-    law = law and law.given(friction)
-    law = law or LAWS["none"]  # an unknown law is refused later
+    name = law_name(tables)
+    law = {**LAWS, **system.laws}.get(name or "")
+    law = law.given(friction) if law else LAWS["none"]  # an unknown law is refused later
     bodies, opening = that_open(), system.opening
     spheres = [name for name, one in bodies.items() if one.opening and one.opening.sphere]
     asked = [f"`{name}`" for name in ("contact", "stem") if name in tables]
