@@ -136,19 +136,15 @@ class Problems:
         numbers = [name for name, value in body._asdict().items() if not isinstance(value, tuple)]
         if strange := [name for name in folds if name not in numbers]:
             raise InputError(
-                [
-                    f"`normalised_to` of `{self.base.system.name}` must name numbers of its body "
-                    f"({', '.join(numbers)}), but has `{strange[0]}`."
-                ]
+                f"`normalised_to` of `{self.base.system.name}` must name numbers of its body "
+                f"({', '.join(numbers)}), but has `{strange[0]}`."
             )
         for name, value in folds.items():
             scaled = np.broadcast_to(getattr(body, name), (self.n,)).astype(float)
             if len(wrong := scaled[abs(scaled - value) > ROUNDING]):  # what is no number is refused elsewhere
                 raise InputError(
-                    [
-                        f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
-                        f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} there, not {value:g}."
-                    ]
+                    f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
+                    f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} there, not {value:g}."
                 )
 
     @cached_property

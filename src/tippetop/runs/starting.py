@@ -52,6 +52,18 @@ def load(source: str | Path, assignments: list[str] | None = None, until: float 
     return problem(tables if until is None else build.ending(tables, until), folder_of(source))
 
 
+def load_any(source: str | Path, assignments: list[str] | None = None) -> Problem:
+    """Return the Problem of a TOML file, a preset or the store of a run. Raises InputError."""
+    if not Path(source).is_dir():
+        return load(source, assignments)
+    attrs = root.attributes(source)
+    if "content" in attrs:
+        raise InputError(f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}.")
+    if not assignments:
+        return build.stored(attrs)
+    return build.problem(reading.override(build.tables_of(attrs), assignments))
+
+
 def folder_of(source: Any) -> Path:
     """The folder in which the paths of a scenario are to be read: that of its file."""
     beside = isinstance(source, str | os.PathLike) and Path(source).is_file()
