@@ -175,9 +175,11 @@ def number(
     return Number(unit, words, above, least, below, most, default, nonzero, symbol, optional)
 
 
-def again(rule: Number, *, default: None = None, optional: bool = False, kw_only: bool = False) -> Any:
+def again(
+    rule: Number, *, default: None = None, optional: bool = False, kw_only: bool = False, symbol: str = ""
+) -> Any:
     """Return the Number of another record as a field. Type checkers read `default` and `kw_only`."""
-    return replace(rule, optional=optional or rule.optional)
+    return replace(rule, optional=optional or rule.optional, symbol=symbol or rule.symbol)
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(number, again))
