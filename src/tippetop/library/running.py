@@ -213,7 +213,7 @@ def resume(
 
     end = None if until is None else measured("until", until, SECOND)
     place = path_of("path", path)
-    own = of_stored(root.attributes(place), events, columns)
+    own = of_stored(root.root_of(place), events, columns)
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):
