@@ -107,7 +107,7 @@ def run(
         instance("stop", stop, threading.Event, "a threading.Event")
     if out is None:
         if problem.output == "keyframes":
-            raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
+            raise InputError('`out` must be given where `output` is "keyframes": a store keeps them.')
         with following(bar=progress) as follow:
             return Run(solve(problem, follow))
     place = path_of("out", out)

@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from ..mechanics.system import System
 
 
-SAME_END = 1e-6  # relative: another processor rounds otherwise
-
-
 class StoredRun(Run):
     """A run in a store, finished or not: a `Run` whose tables are read when needed. `tippetop.open` makes it.
 
@@ -111,18 +108,8 @@ class StoredRun(Run):
         if attrs["status"] != Status.RUNNING.value:
             return None
         if not attrs["report"]["t_end"] > 0:
-            raise InputError([f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s."])
+            raise InputError(f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s.")
         return attrs["report"]["t_end"]
-
-    def _refuse_another_end(self, result: dict[str, Any]) -> None:
-        """A store of an earlier release does not say which events its run had."""
-        end, status = self.attributes["report"]["t_end"], self.attributes["status"]
-        if status in (Status.FINISHED.value, Status.SETTLED.value, Status.RUNNING.value) or result["against"] is None:
-            return
-        if result["window"][1] > end * (1 + SAME_END):
-            raise InputError(
-                [f"the run must end as that of `{self.path}`, at {end:.9g} s, but does not: give the events it had."]
-            )
 
     def _problem(self) -> Problem | None:
         return None
@@ -146,4 +133,4 @@ class StoredRun(Run):
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """A stored run is saved already. Raises InputError."""
-        raise InputError([f"the run is in the store `{self.path}` already: copy that."])
+        raise InputError(f"the run is in the store `{self.path}` already: copy that.")

@@ -199,6 +199,12 @@ def _rename_new_file(scratch: Path, path: Path) -> None:
         os.rename(scratch, path)
 
 
+def write_text(path: Path, text: str, *, overwrite: bool) -> None:
+    """Write a file of the user whole or not at all. Raises StoreError."""
+    with writing(path), replacing(path, overwrite=overwrite) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+
+
 def _exists(path: Path) -> StoreError:
     return StoreError(f"`{path}` must not exist yet, but does.")
 
