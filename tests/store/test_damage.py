@@ -136,3 +136,16 @@ def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: P
     else:
         (store / place).symlink_to({"device": "/dev/zero", "nowhere": "nowhere", "itself": store}[what])
     assert outcome(["info", str(store)]) == 5
+
+
+def test_an_unfinished_surface_with_a_folder_for_a_document_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = f"surface inverting --D=-1e-4:1e-4:4 --lambda=0:1e-5:3 --out {tmp_path / 'F.zarr'}".split()
+    assert outcome(words) == 0
+    with ledger.Ledger.opened(tmp_path / "F.zarr") as store:
+        store.forget(["surface/0.0"])
+    (tmp_path / "F.zarr/surface/F/zarr.json").unlink()
+    (tmp_path / "F.zarr/surface/F/zarr.json").mkdir()
+    assert outcome(words) == 5
+    assert "F.zarr` must be writable, but: Is a directory." in capsys.readouterr().err
